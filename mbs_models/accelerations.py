@@ -217,20 +217,17 @@ def stepped(call: Call, integrator: Integrator) -> Trajectory:
         call.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
         return found
 
-    estimate, local = None, integrator.local_tolerance
+    rungs = [integrator.local_tolerance or FINEST_LOCAL]
+    if tolerance is not None:
+        # The error of a motion falls more slowly than that of a step.
+        first = tolerance / (3.0 if tolerance > FINE else 20.0)
+        rungs = tighter_and_tighter(first, FINEST_LOCAL)
     with stepping(motion.system):
-        if tolerance is None:
-            found = run(local or FINEST_LOCAL, 1.0)
-        else:
-            # The error of a motion falls more slowly than that of a step.
-            first = tolerance / (3.0 if tolerance > FINE else 20.0)
-            rungs = tighter_and_tighter(first, FINEST_LOCAL)
-            found, local, estimate = run_to(
-                run, problem, times, tolerance, rungs, method=integrator.name
-            )
+        found = run_to(run, problem, times, tolerance or np.inf, rungs, method=integrator.name)
         values = motion.samples(found.states)
     # The first sample is the start itself, without the rounding on the way there.
     values[0, :12] = start
     call.seconds = time.process_time() - begin
-    used = replace(integrator, local_tolerance=local)
+    used = replace(integrator, local_tolerance=found.local_tolerance)
+    estimate = None if tolerance is None else found.estimate
     return call.trajectory(replace(found, states=values), used, call.longest, estimate)

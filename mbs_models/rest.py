@@ -3,14 +3,13 @@
 import numpy as np
 
 from analysis.data.agreement import until_agreement
-from analysis.data.checks import function, instance, positive
+from analysis.data.checks import positive
 from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import StopWhen, named_conditions
-from analysis.data.friction import check_slipping
-from analysis.data.limits import check_storage
+from analysis.data.endings import StopWhen
 from analysis.data.scenario import Scenario
-from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
-from analysis.data.watch import Progress, Watch
+from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.watch import Progress
+from analysis.solve.until_rest import RestCall
 from mbs_models.effort import rest_effort
 from mbs_models.rest_run import RestRun, largest_step, rounded_contact
 from mbs_models.scene import Scene
@@ -92,25 +91,21 @@ def simulate_to_rest(
     >>> motion.error_estimate < 1e-3
     True
     """
-    end, spacing = positive("end", end), positive("spacing", spacing)
-    if spacing > end:
-        raise ValueError(f"spacing must not exceed end = {end:g}, got {spacing:g}")
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     scene = Scene.of(scene)
     largest = largest_step(scene)
-    check_storage("end", end / spacing, MOTION_COLUMNS)
-    rest_effort(scene, end, step).check()
-    check_slipping(scene.scenario.friction)
-    times = np.arange(int(np.floor(end / spacing + 1e-9)) + 1, dtype=float) * spacing
-    watch = Watch(time_limit, _to_the_end(progress, float(times[-1])))
-    runs = RestRun(
-        scene,
-        times,
-        RestCriterion() if criterion is None else instance("criterion", criterion, RestCriterion),
-        named_conditions(stop_when, scene.scenario.initial_state),
-        watch,
+    call = RestCall(
+        scene.scenario,
+        end,
+        spacing=spacing,
+        criterion=criterion,
+        stop_when=stop_when,
+        time_limit=time_limit,
+        progress=progress,
     )
+    rest_effort(scene, end, step).check()
+    runs = RestRun(scene, call)
     if step is not None:
         if step > largest:
             raise ValueError(_beyond(scene, step, largest))
@@ -121,14 +116,6 @@ def simulate_to_rest(
 
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
     return until_agreement(runs.by_accelerations, min(LOCAL_PART * tolerance, COARSEST), tolerance)
-
-
-def _to_the_end(progress: Progress | None, end: float) -> Progress | None:
-    """Who is told of the end of the run in s, since a stretch knows no end but its own."""
-    if progress is None:
-        return None
-    tell = function("progress", progress)
-    return lambda reached, _: tell(reached, end)
 
 
 def _beyond(scene: Scene, step: float, limit: float) -> str:

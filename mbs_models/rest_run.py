@@ -14,17 +14,16 @@ import numpy as np
 
 from analysis.data import frames
 from analysis.data.body import Body
-from analysis.data.checks import Array, TimeLimitError
+from analysis.data.checks import Array
 from analysis.data.contact import PenaltyContact
-from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import AT_REST, FLATTEST, TIME_LIMIT, Condition, Ending
+from analysis.data.endings import FLATTEST, TIME_LIMIT, Condition
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import State
 from analysis.data.trajectory import versions
-from analysis.data.watch import Watch
 from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.until_rest import Advance, RestCall
 from mbs_models.endings import dips, until_ending
 from mbs_models.floating import FloatingWithLosses, quaternion_rates
 from mbs_models.integrators import Integrator
@@ -182,35 +181,21 @@ def kinetic_energy(disk: Body, states: Array) -> Array:
     return result
 
 
-Advance = Callable[[Array, Array], Run]
-"""From times of a stretch in s and the state at the first of them to what a run has reached."""
-
-
 class RestRun:
     """Runs of a scene in stretches, until the disk is at rest or the run ends otherwise.
+
+    Each tells states at its samples, shape (n, 19), and what `RestCall.until_rest` says of them.
 
     Parameters
     ----------
     scene : Scene
         With a rounded rim.
-    times : ndarray, shape (n,)
-        Of the samples, evenly spaced from 0, in s.
-    criterion : RestCriterion
-    conditions : mapping
-        See `RestProblem`.
-    watch : Watch
+    call : RestCall
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        times: Array,
-        criterion: RestCriterion,
-        conditions: Mapping[str, Condition],
-        watch: Watch,
-    ) -> None:
-        self._scene, self._times, self._criterion, self._watch = scene, times, criterion, watch
-        self._problem = RestProblem(scene, conditions)
+    def __init__(self, scene: Scene, call: RestCall) -> None:
+        self._scene, self._call = scene, call
+        self._problem = RestProblem(scene, call.conditions)
         self._start = states_of(self._problem.model.record()[None])[0]
 
     def by_steps(self, step: float) -> SpatialMotion:
@@ -226,44 +211,25 @@ class RestRun:
         """With steps of the engine's accelerations, to this relative and absolute error each."""
 
         def advance(times: Array, state: Array) -> Run:
-            problem = self._problem.starting_at(state)
+            problem, watch = self._problem.starting_at(state), self._call.watch
             return integrate(
-                problem, times, self._problem.method, local, allow_pulling=True, watch=self._watch
+                problem, times, self._problem.method, local, allow_pulling=True, watch=watch
             )
 
         with stepping(self._problem.system):
             return self._until_rest(advance, {"integrator": "LSODA", "local_tolerance": local})
 
     def _until_rest(self, advance: Advance, method: dict[str, Any]) -> SpatialMotion:
-        times, done, still, ending = self._times, 0, None, None
-        count = max(1, round(STRETCHES[method["integrator"]] / times[1]))
-        states, counts = np.empty((times.size, 19)), Counter[str]()
-        states[0] = self._start
-        while done + 1 < times.size and still is None and ending is None:
-            found = advance(times[done : done + count + 1], states[done])
-            size = found.times.size - 1
-            states[done + 1 : done + size + 1] = found.states[1:]
-            counts.update(steps=found.steps, right_hand_sides=found.evaluations)
-            done += size
-            if found.ended is not None:
-                ending = self._ending(found)
-                times = np.append(times[:done], ending.time)
-            else:
-                still = self._still(states[: done + 1], size)
-        if still is not None:
-            done = min(done, still + self._criterion.samples(times[1]) - 1)
-            kinetic = kinetic_energy(self._scene.scenario.disk, states[done : done + 1])
-            ending = Ending(reason=AT_REST, time=float(times[done]), value=float(kinetic[0]))
+        scenario, stretch = self._scene.scenario, STRETCHES[method["integrator"]]
+        states, told = self._call.until_rest(
+            self._start, advance, stretch, self._problem.conditions, self._still
+        )
         return SpatialMotion(
-            **readings(self._scene.scenario, states[: done + 1]),
-            times=times[: done + 1],
-            scenario=self._scene.scenario,
+            **(told | readings(scenario, states)),
+            scenario=scenario,
             source="engine",
-            rest_time=None if still is None else float(times[still]),
             method=method,
-            counts=dict(counts),
             versions=versions("numpy", "exudyn"),
-            ending=ending,
         )
 
     def _over_steps(
@@ -272,7 +238,7 @@ class RestRun:
         _, rotation, *_unused = spatial(state[None])
         leaning = float(np.hypot(*rotation[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self._scene, 0.5 * leaning))
-        spacing = self._times[1]
+        spacing = float(self._call.times[1])
         samples = run(
             model,
             Integrator(name="RK44"),
@@ -294,35 +260,18 @@ class RestRun:
             period=spacing,
             work=counts,
         )
-        end = self._times[-1]
-        if ended is None and self._watch.is_over(times[-1], end) and times[-1] < end:
+        last = self._call.times[-1]
+        if ended is None and self._call.watch.is_over(times[-1], last) and times[-1] < last:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
 
-    def _ending(self, found: Run) -> Ending:
-        """Why a run ends early."""
-        assert found.ended is not None
-        time = float(found.times[-1])
-        if found.ended != TIME_LIMIT:
-            value = self._problem.conditions[found.ended](found.states[-1])
-            return Ending(reason=found.ended, time=time, value=value)
-        seconds = self._watch.seconds
-        if time < self._times[1]:
-            raise TimeLimitError(
-                f"time limit met after {seconds:.3g} s of processor time, before the first sample"
-            )
-        return Ending(reason=TIME_LIMIT, time=time, value=seconds)
-
-    def _still(self, states: Array, new: int) -> int | None:
-        """Number of the first sample at rest, of which so many are new."""
-        spacing, scenario = self._times[1], self._scene.scenario
-        first = max(0, len(states) - new - self._criterion.samples(spacing))
-        recent = states[first:]
-        _, rotation, *_unused = spatial(recent)
-        height = recent[:, 2] + scenario.disk.eccentricity * rotation[:, 2, 0]
-        rise = height - rounded_contact(self._scene).resting_height(scenario.disk, scenario.weight)
-        found = self._criterion.first(kinetic_energy(scenario.disk, recent), rise, spacing)
-        return None if found is None else first + found
+    def _still(self, states: Array) -> tuple[Array, Array]:
+        """Kinetic energies, and how far the centre of gravity is above its height at rest."""
+        disk, weight = self._scene.scenario.disk, self._scene.scenario.weight
+        _, rotation, *_unused = spatial(states)
+        height = states[:, 2] + disk.eccentricity * rotation[:, 2, 0]
+        rise = height - rounded_contact(self._scene).resting_height(disk, weight)
+        return kinetic_energy(disk, states), rise
 
 
 def states_of(records: Array) -> Array:

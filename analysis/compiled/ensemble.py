@@ -27,9 +27,8 @@ from analysis.mechanics.states import paper_arrays, state_of
 from analysis.models.forms import check_form, default_form, pose, start_values
 from analysis.models.request import Request, trajectory
 from analysis.solve.effort import longest_step
-from analysis.solve.runs import Runs
 from analysis.solve.stepping import pulls_at_start
-from analysis.solve.to_tolerance import Agreed, agree, estimated_errors
+from analysis.solve.to_tolerance import Runs, agree, estimated_errors
 
 Scenarios = Ensemble | Sequence[Scenario]
 
@@ -45,7 +44,7 @@ class CompiledPart:
         Of these members alone; or a list of them.
     request : Request
     group : Group
-    agreed : Agreed
+    runs : Runs
     watch : Watch, optional
         Of a single member.
     seconds : float, optional
@@ -56,7 +55,7 @@ class CompiledPart:
     ensemble: Any
     request: Request
     group: Group
-    agreed: Agreed
+    runs: Runs
     watch: Watch | None
     seconds: float | None
 
@@ -71,35 +70,31 @@ class CompiledPart:
             rows=self.rows[rows],
             ensemble=_part(self.ensemble, rows),
             group=self.group.part(rows),
-            agreed=self.agreed.part(rows),
+            runs=self.runs.part(rows),
         )
 
     @property
     def times(self) -> Array:
         """Times asked for in s, shape (n,)."""
-        return self._runs.times
+        return self.runs.times
 
     @property
     def ends(self) -> Array:
         """Time of each end in s."""
-        return self._runs.ends
+        return self.runs.ends
 
     @property
     def error_estimates(self) -> Array:
         """Estimated errors in rad, or nan."""
-        return self.agreed.estimates
+        return self.runs.estimates
 
     @property
     def endings(self) -> AnyArray:
         """Reasons, or None."""
         # The last one is that of `RUNNING`, -1.
-        names = np.array([*self._runs.names, None], dtype=object)
-        found: AnyArray = names[self._runs.reasons]
+        names = np.array([*self.runs.names, None], dtype=object)
+        found: AnyArray = names[self.runs.reasons]
         return found
-
-    @property
-    def _runs(self) -> Runs:
-        return self.agreed.runs
 
     def kinematics(self, some: slice) -> Samples:
         """Samples of some at the times asked for, and at their ends, without forces."""
@@ -118,7 +113,7 @@ class CompiledPart:
 
     def _sampled(self, some: slice) -> tuple[Samples, Array]:
         """Samples of some without forces, and the states that they come from."""
-        runs, ends = self._runs, self.ends[some, None]
+        runs, ends = self.runs, self.ends[some, None]
         times = np.append(self.times, np.inf)
         states = np.append(runs.states[some], runs.last[some, None], axis=1)
         behind = times > ends
@@ -142,7 +137,7 @@ class CompiledPart:
                     yield error
 
     def _trajectory(self, row: int, samples: Samples, place: int) -> Trajectory:
-        run, scenario = self._runs.run(row), self.ensemble[row]
+        run, scenario = self.runs.run(row), self.ensemble[row]
         sampled = (samples.coordinates, samples.rates, samples.multipliers)
         coordinates, rates, forces = (each[place, : run.times.size] for each in sampled)
         if self.group.code.form == "index-1":
@@ -155,8 +150,6 @@ class CompiledPart:
             run,
             (coordinates, rates, forces),
             method="taylor",
-            local_tolerance=float(self.agreed.local_tolerances[row]),
-            estimate=float(self.agreed.estimates[row]),
             watch=self.watch,
             seconds=self.seconds,
         )
@@ -211,8 +204,7 @@ def simulate_compiled(
             group, failures = group.part(left), failures | _by_member(refused, rows)
             rows = rows[left]
         if rows.size:
-            part = _run((rows, _part(scenarios, rows)), group, request)
-            failed = part.agreed.failures
+            part, failed = _run((rows, _part(scenarios, rows)), group, request)
             failures |= _by_member(failed, rows)
             if len(failed) < rows.size:
                 parts.append(part.some(_without(failed, rows.size)) if failed else part)
@@ -260,14 +252,16 @@ def _refused(group: Group, scenarios: Scenarios, rows: Rows) -> dict[int, Except
     found: dict[int, Exception] = {}
     for row in np.flatnonzero(group.pulled).tolist():
         try:
-            problem = pose(scenarios[rows[row]], group.code.form).problem
+            problem = pose(scenarios[rows[row]], group.code.form, {}).problem
             pulls_at_start(problem, allow_pulling=False)
         except (ArithmeticError, ValueError) as error:
             found[row] = error
     return found
 
 
-def _run(members: tuple[Rows, Scenarios], group: Group, request: Request) -> CompiledPart:
+def _run(
+    members: tuple[Rows, Scenarios], group: Group, request: Request
+) -> tuple[CompiledPart, dict[int, Exception]]:
     """Run a group; its single member as a call that is watched."""
     watch = request.watch(float(group.most[0])) if len(group) == 1 else None
     seconds: float | None = None
@@ -285,5 +279,5 @@ def _run(members: tuple[Rows, Scenarios], group: Group, request: Request) -> Com
         )
 
     rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
-    agreed = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
-    return CompiledPart(*members, request, group, agreed, watch, seconds)
+    runs, failures = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
+    return CompiledPart(*members, request, group, runs, watch, seconds), failures

@@ -18,7 +18,7 @@ from analysis.data.members import Rows
 from analysis.data.watch import Watch
 from analysis.mechanics import recorded
 from analysis.solve.lookout import intervals
-from analysis.solve.runs import Runs
+from analysis.solve.to_tolerance import Runs
 
 _REDUCED = [4, 5, 10]
 """Columns of beta, gamma and the rate of beta in a state of the index-1 system."""

@@ -70,8 +70,9 @@ def until_agreement(
         differences.append(difference := _apart(fine, coarse))
         if _cut_short(fine):
             return replace(fine, error_estimate=difference)
+        grown = difference / local
         # There is no run beyond the tightest to ask.
-        sensitive = difference > SENSITIVE * local and local > 10.0 * TIGHTEST
+        sensitive = grown > SENSITIVE and local > 10.0 * TIGHTEST
         # The difference before leaves a tenth, as the tolerance of a step does.
         told = max(difference, 0.1 * before) if sensitive else difference
         if told <= tolerance:
@@ -80,8 +81,8 @@ def until_agreement(
     listed = ", ".join(f"{difference:.1e}" for difference in differences)
     raise ToleranceError(
         f"tolerance {tolerance:g} cannot be reached: runs of which each allows a tenth of the "
-        f"error in a step differ by {listed}; a motion that depends on its impacts in such a way "
-        "cannot be predicted"
+        f"error in a step differ by {listed}, the last two by {grown:.0e} times what a step "
+        "allows; inf stands for two that do not end alike"
     )
 
 

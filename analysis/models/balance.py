@@ -4,11 +4,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from analysis.data.checks import Array
-from analysis.data.constraint_set import (
-    PRESCRIBED,
-    multiplier_names,
-    prescribed,
-)
+from analysis.data.constraint_set import PRESCRIBED, multiplier_names, prescribed
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.mechanics.attitude import EulerAngles

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from contextlib import ExitStack
 from functools import partial
+from math import nan
 from os import cpu_count
 from time import process_time
 from typing import Any, TypeVar, overload
@@ -13,15 +14,13 @@ import numpy.typing as npt
 
 from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
 from analysis.compiled.library import CannotCompileError
-from analysis.data.checks import Array, ToleranceError, function, increasing_times, instance, whole
-from analysis.data.endings import StopWhen
+from analysis.data.checks import Array, ToleranceError, function, instance, whole
 from analysis.data.ensemble import Ensemble
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.data.trajectory import Trajectory
 from analysis.data.workers import Pool
-from analysis.models.forms import Form
 from analysis.models.request import Request
 from analysis.models.simulation import run_member
 from analysis.models.trajectories import Trajectories
@@ -48,20 +47,14 @@ def simulate_many(scenarios: Ensemble, times: npt.ArrayLike, **how: Any) -> Traj
 def simulate_many(
     scenarios: Iterable[Scenario], times: npt.ArrayLike, **how: Any
 ) -> list[Outcome]: ...
-def simulate_many(  # type: ignore[misc] # what comes out hangs on the members alone
+def simulate_many(
     scenarios: Ensemble | Iterable[Scenario],
     times: npt.ArrayLike,
     *,
-    form: Form | None = None,
-    method: Method | None = None,
-    tolerance: float | None = None,
-    local_tolerance: float | None = None,
-    stop_when: StopWhen = (),
-    allow_pulling: bool = False,
-    time_limit: float | None = None,
     workers: int | None = None,
     executor: Executor | None = None,
     progress: Callable[[int, int], None] | None = None,
+    **how: Any,
 ) -> Trajectories | list[Outcome]:
     """Simulate many scenarios; a member that fails does not end the others.
 
@@ -77,18 +70,18 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
         each member in Python that is not asked for.
     times : array_like, shape (n,)
         Times in s, the same for all; see `simulate`.
-    form, tolerance, local_tolerance, stop_when, allow_pulling, time_limit
-        Of every member, as in `simulate`. Functions in `stop_when` must be importable by name.
-    method : str, optional
-        As in `simulate`. By default "taylor" where heyoka is installed, and DOP853 for members
-        that cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
-        tells. Compiled members run in batches.
     workers : int, optional
         Number of processes, by default that of the cores; 1 runs everything in this process.
     executor : Executor, optional
         Where to run instead: anything with the interface of `concurrent.futures`.
     progress : callable, optional
         Called with the number of members done and of all.
+    **how
+        Of every member, as in `simulate`: form, method, tolerance, local_tolerance, stop_when,
+        allow_pulling and time_limit. Functions in `stop_when` must be importable by name. The
+        method is by default "taylor" where heyoka is installed, and DOP853 for members that
+        cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
+        tells. Compiled members run in batches.
 
     Returns
     -------
@@ -120,29 +113,25 @@ def simulate_many(  # type: ignore[misc] # what comes out hangs on the members a
     ((2, 401, 6), 0.4852)
     """
     members = _members(scenarios)
-    request = Request(
-        times=increasing_times(times),
-        form=form,
-        method=method,
-        tolerance=tolerance,
-        local_tolerance=local_tolerance,
-        stop_when=stop_when,
-        allow_pulling=allow_pulling,
-        time_limit=time_limit,
-    )
+    request = Request(times, **how)
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
     chunks = list(_chunks(members, request, workers))
-    if not isinstance(members, Ensemble):
-        found = _called(partial(_outcomes, request), chunks, executor, workers, tell)
-        return [
-            outcome
-            for each, chunk in zip(found, chunks, strict=True)
-            for outcome in ([each] * len(chunk) if isinstance(each, Exception) else each)
-        ]
-    motions = _called(partial(_motions, request), chunks, executor, workers, tell)
-    return _joined(members, request.times, zip(motions, map(len, chunks), strict=True))
+    motions = _called(partial(_run, request), chunks, executor, workers, tell)
+    parts, alone, seconds = _joined(zip(motions, map(len, chunks), strict=True))
+    if isinstance(members, Ensemble):
+        return Trajectories(
+            ensemble=members,
+            times=request.times,
+            parts=parts,
+            alone={row: each for row, each in alone.items() if isinstance(each, Trajectory)},
+            failures={row: each for row, each in alone.items() if isinstance(each, Exception)},
+            seconds=seconds,
+        )
+    for part in parts:
+        alone |= zip(part.rows.tolist(), part.outcomes(), strict=True)
+    return [alone[member] for member in range(len(members))]
 
 
 def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
@@ -197,9 +186,9 @@ def _result(future: Future[Any]) -> Any:
         return error
 
 
-def _run(request: Request, scenarios: Scenarios) -> tuple[list[CompiledPart], dict[int, Outcome]]:
-    """Members that were run together, and outcomes of all others, in this process."""
-    first = request.first_method
+def _run(request: Request, scenarios: Scenarios) -> Motions:
+    """Motions of members in this process."""
+    begin, first = process_time(), request.first_method
     parts: list[CompiledPart] = []
     outcomes: dict[int, Outcome] = {}
     if request.goes_together:
@@ -211,7 +200,7 @@ def _run(request: Request, scenarios: Scenarios) -> tuple[list[CompiledPart], di
         cannot = isinstance(outcome, CannotCompileError | ToleranceError)
         if cannot and request.method is None and first == "taylor":
             outcomes[member] = _alone(scenarios[member], request, "DOP853")
-    return parts, outcomes
+    return parts, outcomes, (process_time() - begin) / len(scenarios)
 
 
 def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
@@ -222,35 +211,21 @@ def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
         return error
 
 
-def _outcomes(request: Request, scenarios: Scenarios) -> list[Outcome]:
-    """Outcomes of members, in order."""
-    parts, outcomes = _run(request, scenarios)
-    for part in parts:
-        outcomes |= zip(part.rows.tolist(), part.outcomes(), strict=True)
-    return [outcomes[member] for member in range(len(scenarios))]
-
-
-def _motions(request: Request, ensemble: Scenarios) -> Motions:
-    """The same as they come, and the processor time of each in s."""
-    begin = process_time()
-    return *_run(request, ensemble), (process_time() - begin) / len(ensemble)
-
-
 def _joined(
-    ensemble: Ensemble,
-    times: Array,
     pieces: Iterable[tuple[Motions | Exception, int]],
-) -> Trajectories:
-    """Motions of an ensemble from those of so many members each, or from a worker's error."""
+) -> tuple[list[CompiledPart], dict[int, Outcome], Array]:
+    """All motions, from those of so many members each, or from a worker's error."""
     parts: list[CompiledPart] = []
     alone: dict[int, Outcome] = {}
-    seconds, first = np.full(len(ensemble), np.nan), 0
+    seconds: list[float] = []
     for found, count in pieces:
-        if isinstance(found, Exception):
-            alone |= dict.fromkeys(range(first, first + count), found)
-        else:
-            some, others, seconds[first : first + count] = found
-            parts += [part.moved(first) for part in some]
-            alone |= {first + member: outcome for member, outcome in others.items()}
-        first += count
-    return Trajectories(ensemble=ensemble, times=times, parts=parts, alone=alone, seconds=seconds)
+        first = len(seconds)
+        some, others, each = (
+            ([], dict.fromkeys(range(count), found), nan)
+            if isinstance(found, Exception)
+            else found
+        )
+        parts += [part.moved(first) for part in some]
+        alone |= {first + member: outcome for member, outcome in others.items()}
+        seconds += [each] * count
+    return parts, alone, np.array(seconds)

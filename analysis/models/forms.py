@@ -23,6 +23,20 @@ from analysis.solve.stepping import InitialValueProblem
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
 
+LOW = "low"
+"""Ends a run that the rates of the angles are no variables for."""
+
+_LOWEST = 0.05
+"""Sine of the angle between disk and table below which they are not.
+
+Rounding makes the second derivatives of alpha and gamma uncertain by 1e-16 over its square, which
+step control takes for an error at the tightest tolerances.
+"""
+
+
+class LowError(Exception):
+    """A motion comes below that."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosedForm:
@@ -48,9 +62,8 @@ def default_form(scenario: Scenario) -> Form:
 def pose(
     scenario: Scenario,
     form: Form,
-    conditions: Mapping[str, Condition] | None = None,
-    *,
-    nearly_flat: bool = False,
+    conditions: Mapping[str, Condition],
+    chart: type[EulerAngles] = EulerTurning,
 ) -> PosedForm:
     """Initial value problem of a scenario.
 
@@ -61,19 +74,21 @@ def pose(
         One of `FORMS`.
     conditions : mapping
         From reasons to functions of a `State`; the motion ends where one turns negative.
-    nearly_flat : bool
-        Whether the disk comes so low that the rates of its angles are no variables to integrate;
-        the minimal coordinates have none that grow.
+    chart : EulerAngles or EulerTurning
+        What is integrated beside the angles, of all forms but the minimal coordinates. The rates
+        of the angles end a motion that comes `LOW`, unless the spin is held.
 
     Raises
     ------
     ValueError
         If the form does not know what is in the scenario, or the start breaks a constraint.
+    LowError
+        If the start is `LOW` in that chart.
     """
     check_form(scenario, form)
-    if form == "reduced":
-        return _reduced(scenario, conditions or {})
-    return _full(scenario, conditions or {}, EulerTurning if nearly_flat else EulerAngles)
+    return (
+        _reduced(scenario, conditions) if form == "reduced" else _full(scenario, conditions, chart)
+    )
 
 
 def _in_states(
@@ -137,6 +152,11 @@ def _full(
     to_paper = partial(paper_arrays, scenario.disk, chart=chart)
     longest = longest_step(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
+    says = _in_states(conditions, to_paper)
+    if chart is EulerAngles and "constant-spin" not in scenario.constraints:
+        says[LOW] = lambda state: sin(state[4]) - _LOWEST
+        if sin(start.coordinates[4]) < _LOWEST:
+            raise LowError
 
     def slip(state: Array) -> float:
         return float(velocities(slips, scenario.disk, state.tolist(), chart)[0])
@@ -154,7 +174,7 @@ def _full(
         lambda state: solved(*state.tolist())[12],
         longest if scenario.contact is None else min(longest, contact_time(scenario)),
         lambda states: states[..., 4:6],
-        _in_states(conditions, to_paper),
+        says,
         slip if scenario.rubs and len(slips) == 1 else None,
     )
     return PosedForm(problem, expand)

@@ -1,15 +1,11 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+
+import numpy.typing as npt
 
 from analysis.compiled.library import is_installed
-from analysis.data.checks import (
-    Array,
-    choice,
-    positive,
-    switch,
-)
+from analysis.data.checks import Array, choice, increasing_times, positive, switch
 from analysis.data.checks import local_tolerance as one_step
 from analysis.data.elementary import sin
 from analysis.data.endings import (
@@ -38,24 +34,22 @@ COMPILED_TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15)
 """Local tolerances of compiled runs to a tolerance; code is compiled for each."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Request:
-    """What is asked of each of some scenarios; see `analysis.simulate`.
+    """What is asked of each of some scenarios; its parameters are those of `analysis.simulate`.
 
-    Parameters
+    Attributes
     ----------
     times : ndarray, shape (n,)
-    form : str, optional
-    method : str, optional
+    form : str or None
+    method : str or None
         By default the compiled one where heyoka is installed, and DOP853 for what that one
         cannot do.
-    tolerance : float, optional
-        `DEFAULT_TOLERANCE` if neither is given; None where a local one is.
-    local_tolerance : float, optional
-    stop_when : str, callable or sequence of them
+    tolerance, local_tolerance : float or None
+        `DEFAULT_TOLERANCE` if neither is given, and None where the other one is.
+    conditions : dict
+        Conditions that end a run, by the reason that they give.
     allow_pulling : bool
-    time_limit : float, optional
-    progress : callable, optional
+    time_limit : float or None
 
     Raises
     ------
@@ -63,45 +57,40 @@ class Request:
         If one of them is out of range.
     """
 
-    times: Array
-    form: Form | None = None
-    method: Method | None = None
-    tolerance: float | None = None
-    local_tolerance: float | None = None
-    stop_when: StopWhen = ()
-    allow_pulling: bool = False
-    time_limit: float | None = None
-    progress: Progress | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "allow_pulling", switch("allow_pulling", self.allow_pulling))
-        if self.form is not None:
-            choice("form", self.form, FORMS)
-        if self.method is not None:
-            choice("method", self.method, METHODS)
-        if self.local_tolerance is None:
-            wanted = DEFAULT_TOLERANCE if self.tolerance is None else self.tolerance
-            object.__setattr__(self, "tolerance", positive("tolerance", wanted))
+    def __init__(
+        self,
+        times: npt.ArrayLike,
+        *,
+        form: Form | None = None,
+        method: Method | None = None,
+        tolerance: float | None = None,
+        local_tolerance: float | None = None,
+        stop_when: StopWhen = (),
+        allow_pulling: bool = False,
+        time_limit: float | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        self.times = increasing_times(times)
+        self.form = None if form is None else choice("form", form, FORMS)
+        self.method = None if method is None else choice("method", method, METHODS)
+        self.tolerance, self.local_tolerance = tolerance, local_tolerance
+        if local_tolerance is None:
+            wanted = DEFAULT_TOLERANCE if tolerance is None else tolerance
+            self.tolerance = positive("tolerance", wanted)
+        elif tolerance is None:
+            least = TIGHTEST_LOCAL_TOLERANCE
+            self.local_tolerance = one_step("local_tolerance", local_tolerance, least)
         else:
-            local = one_step("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE)
-            object.__setattr__(self, "local_tolerance", local)
-            if self.tolerance is not None:
-                raise ValueError("give either tolerance or local_tolerance, not both")
-        if isinstance(self.stop_when, Iterable) and not isinstance(self.stop_when, str):
-            # It may be one that is used up.
-            object.__setattr__(self, "stop_when", tuple(self.stop_when))
+            raise ValueError("give either tolerance or local_tolerance, not both")
+        self.conditions = named_conditions(stop_when)
+        self.allow_pulling = switch("allow_pulling", allow_pulling)
+        self.time_limit, self._progress = time_limit, progress
         self.watch()
-        _ = self.conditions
 
     @property
     def first_method(self) -> Method:
         """Method that is tried first."""
         return self.method or ("taylor" if is_installed() else "DOP853")
-
-    @property
-    def conditions(self) -> dict[str, Condition]:
-        """Conditions that end a run, by the reason that they give."""
-        return named_conditions(self.stop_when)
 
     @property
     def goes_together(self) -> bool:
@@ -110,7 +99,7 @@ class Request:
 
     def watch(self, most: float = MOST_STEPS) -> Watch:
         """Who watches a run of so many steps at most."""
-        return Watch(self.time_limit, self.progress, most)
+        return Watch(self.time_limit, self._progress, most)
 
     def local_tolerances(self, method: Method) -> Sequence[float]:
         """Local tolerances of the runs to the tolerance, in turn; a single one gives no estimate.
@@ -145,8 +134,6 @@ def trajectory(
     arrays: tuple[Array, Array, Array],
     *,
     method: Method,
-    local_tolerance: float,
-    estimate: float,
     watch: Watch | None = None,
     seconds: float | None = None,
 ) -> Trajectory:
@@ -161,8 +148,6 @@ def trajectory(
         Coordinates, rates and constraint forces at the times of the run.
     method : str
         That has run it.
-    local_tolerance, estimate : float
-        Of the run, and its estimated error in rad; nan where a single run was asked for.
     watch : Watch, optional
         Of the call, if it has a single run to a result.
     seconds : float, optional
@@ -192,9 +177,9 @@ def trajectory(
             "form": request.form or default_form(scenario),
             "method": method,
             "tolerance": request.tolerance,
-            "local_tolerance": local_tolerance,
+            "local_tolerance": run.local_tolerance,
         },
-        error_estimate=None if request.tolerance is None else estimate,
+        error_estimate=None if request.tolerance is None else run.estimate,
         counts={"steps" if compiled else "right_hand_sides": run.evaluations},
         versions=versions("numpy", "heyoka" if compiled else "scipy"),
         ending=ending,

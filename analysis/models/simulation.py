@@ -2,31 +2,22 @@
 
 import time
 from dataclasses import replace
-from math import nan
+from math import inf
 
 import numpy.typing as npt
 
 from analysis.compiled.ensemble import simulate_compiled
-from analysis.data.checks import Array, choice, increasing_times, instance
+from analysis.data.checks import choice, instance
 from analysis.data.endings import StopWhen, named_conditions
 from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
-from analysis.models.forms import Form, PosedForm, default_form, pose
+from analysis.mechanics.attitude import EulerAngles, EulerTurning
+from analysis.models.forms import LOW, Form, LowError, default_form, pose
 from analysis.models.request import Request, trajectory
 from analysis.solve.stepping import METHODS, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
-
-_LOW = "low"
-"""Ends a run that the rates of the angles are no variables for."""
-
-_LOWEST = 0.05
-"""Sine of the angle between disk and table below which they are not.
-
-Rounding makes the second derivatives of alpha and gamma uncertain by 1e-16 over its square, which
-step control takes for an error at the tightest tolerances.
-"""
 
 
 def simulate(
@@ -106,7 +97,7 @@ def simulate(
     ended at t = 0.56875... s: the centre of gravity is up, at 90% of its largest height
     """
     request = Request(
-        times=increasing_times(times),
+        times,
         form=form,
         method=choice("method", method, METHODS),
         tolerance=tolerance,
@@ -123,7 +114,7 @@ def simulate(
 def run_member(scenario: Scenario, request: Request, method: Method) -> Trajectory:
     """Trajectory of one scenario; parameters and errors are those of `simulate`."""
     check_slipping(scenario.friction)
-    named_conditions(request.stop_when, scenario.initial_state)
+    named_conditions(request.conditions.values(), scenario.initial_state)
     if method != "taylor":
         return _stepped(scenario, request, method)
     parts, failures = simulate_compiled([scenario], request)
@@ -136,67 +127,41 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
     """The same by one of SciPy's solvers."""
     form = request.form or default_form(scenario)
     watch = request.watch(request.effort(scenario, method).most)
-    rungs, tolerance = request.local_tolerances(method), request.tolerance
+    rungs, tolerance = request.local_tolerances(method), request.tolerance or inf
     evaluations, seconds = 0, 0.0
 
-    def solved(posed: PosedForm) -> tuple[Run, float, float]:
-        def run(local: float, longest: float) -> Run:
-            nonlocal evaluations, seconds
-            begin = time.thread_time()
-            found = integrate(
-                posed.problem.with_steps_up_to(longest),
-                request.times,
-                method,
-                local,
-                allow_pulling=request.allow_pulling,
-                watch=watch,
-            )
-            seconds = time.thread_time() - begin
-            evaluations += found.evaluations
-            if found.ended == _LOW:
-                raise _NearlyFlatError
-            return found
+    def run(local: float, longest: float) -> Run:
+        nonlocal evaluations, seconds
+        begin = time.thread_time()
+        found = integrate(
+            posed.problem.with_steps_up_to(longest),
+            request.times,
+            method,
+            local,
+            allow_pulling=request.allow_pulling,
+            watch=watch,
+        )
+        seconds = time.thread_time() - begin
+        evaluations += found.evaluations
+        if found.ended == LOW:
+            raise LowError
+        return found
 
-        if tolerance is None:
-            return run(rungs[0], 1.0), rungs[0], nan
+    def solved() -> Run:
         return run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
 
-    posed = pose(scenario, form, request.conditions)
     try:
-        # Minimal coordinates, and a spin that is held, have no rates that grow.
-        if form != "reduced" and "constant-spin" not in scenario.constraints:
-            posed = _until_low(posed)
-        found, local, estimate = solved(posed)
-    except _NearlyFlatError:
-        posed = pose(scenario, form, request.conditions, nearly_flat=True)
-        found, local, estimate = solved(posed)
+        posed = pose(scenario, form, request.conditions, EulerAngles)
+        found = solved()
+    except LowError:
+        posed = pose(scenario, form, request.conditions, EulerTurning)
+        found = solved()
     return trajectory(
         scenario,
         request,
         replace(found, evaluations=evaluations),
         posed.expand(found.times, found.states),
         method=method,
-        local_tolerance=local,
-        estimate=estimate,
         watch=watch,
         seconds=seconds,
-    )
-
-
-class _NearlyFlatError(Exception):
-    """A motion comes below `_LOWEST`."""
-
-
-def _until_low(posed: PosedForm) -> PosedForm:
-    """The same that ends where the disk comes low; `_NearlyFlatError` if it begins there."""
-    problem, leaning = posed.problem, posed.problem.leaning
-    assert leaning is not None
-
-    def height(state: Array) -> float:
-        return leaning(state) - _LOWEST
-
-    if height(problem.start) < 0.0:
-        raise _NearlyFlatError
-    return replace(
-        posed, problem=replace(problem, conditions={**problem.conditions, _LOW: height})
     )

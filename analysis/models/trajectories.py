@@ -36,7 +36,9 @@ class Trajectories(InCoordinates):
     parts : sequence of CompiledPart
         Members that were run together.
     alone : mapping
-        From the numbers of all others to their motions, or to the errors that ended them.
+        Motions of members that were run by themselves, by their numbers.
+    failures : mapping
+        Errors that ended members, by their numbers.
     seconds : ndarray, shape (m,)
         Processor time of each run in s; of members that ran together the mean.
 
@@ -57,7 +59,8 @@ class Trajectories(InCoordinates):
     ensemble: Ensemble
     times: Array
     parts: Sequence[CompiledPart]
-    alone: Mapping[int, Trajectory | Exception]
+    alone: Mapping[int, Trajectory]
+    failures: Mapping[int, Exception]
     seconds: Array
 
     def __len__(self) -> int:
@@ -65,11 +68,10 @@ class Trajectories(InCoordinates):
 
     def __getitem__(self, member: int) -> Trajectory:
         member = range(len(self))[member]
+        if member in self.failures:
+            raise self.failures[member]
         if member in self.alone:
-            found = self.alone[member]
-            if isinstance(found, Exception):
-                raise found
-            return found
+            return self.alone[member]
         part = next(part for part in self.parts if member in part.rows)
         return part.trajectory(int(np.argmax(part.rows == member)))
 
@@ -85,16 +87,6 @@ class Trajectories(InCoordinates):
             return self[member]
         except (ArithmeticError, ValueError, OSError, RuntimeError) as error:
             return error
-
-    @cached_property
-    def failures(self) -> Mapping[int, Exception]:
-        """Errors that ended members, by their numbers."""
-        return {row: each for row, each in self.alone.items() if isinstance(each, Exception)}
-
-    @cached_property
-    def _motions(self) -> Mapping[int, Trajectory]:
-        """Motions of members that were run by themselves."""
-        return {row: each for row, each in self.alone.items() if isinstance(each, Trajectory)}
 
     @cached_property
     def _eccentricity(self) -> Array:
@@ -128,16 +120,6 @@ class Trajectories(InCoordinates):
         """Time derivatives of the coordinates, shape (m, n, 6)."""
         return self._kinematics[1]
 
-    @property
-    def last_coordinates(self) -> Array:
-        """Coordinates at the ends, shape (m, 6)."""
-        return self._kinematics[2]
-
-    @property
-    def last_rates(self) -> Array:
-        """Rates at the ends, shape (m, 6)."""
-        return self._kinematics[3]
-
     @cached_property
     def inversions(self) -> Inversions:
         """What became of the inversion of each member; see `Trajectory.inversion`."""
@@ -152,21 +134,22 @@ class Trajectories(InCoordinates):
         return Inversions(outcomes, *numbers)
 
     @cached_property
-    def _kinematics(self) -> tuple[Array, Array, Array, Array]:
-        """Coordinates and rates at the times asked for, and at the ends."""
-        whole = np.full((2, len(self), self.times.size + 1, 6), np.nan)
+    def _kinematics(self) -> tuple[Array, Array]:
+        """Coordinates and rates at the times asked for, shape (2, m, n, 6)."""
+        whole = np.full((2, len(self), self.times.size, 6), np.nan)
         for rows, samples in self._blocks():
-            whole[0, rows], whole[1, rows] = samples.coordinates, samples.rates
-        whole[:, :, :-1][:, self.times > self.ends[:, None]] = np.nan
+            for each, found in zip(whole, (samples.coordinates, samples.rates), strict=True):
+                each[rows] = found[:, :-1]
+        whole[:, self.times > self.ends[:, None]] = np.nan
         whole.setflags(write=False)
-        return whole[0, :, :-1], whole[1, :, :-1], whole[0, :, -1], whole[1, :, -1]
+        return whole[0], whole[1]
 
     def _blocks(self) -> Iterator[tuple[Rows, Samples]]:
         """Numbers of some members at a time, and their samples, without forces."""
         for part in self.parts:
             for some in blocks(len(part.rows), self.times.size):
                 yield part.rows[some], part.kinematics(some)
-        for row, motion in self._motions.items():
+        for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
     def _whole(
@@ -176,7 +159,7 @@ class Trajectories(InCoordinates):
         whole = np.full(len(self), empty)
         for part in self.parts:
             whole[part.rows] = getattr(part, name)
-        for row, motion in self._motions.items():
+        for row, motion in self.alone.items():
             whole[row] = read(motion)
         whole.setflags(write=False)
         return whole

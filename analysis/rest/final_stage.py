@@ -1,6 +1,6 @@
 """Power laws fitted to the final stage, when the disk shudders to rest."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -9,32 +9,24 @@ from analysis.data.checks import Array, increasing_times
 from analysis.data.spatial_motion import SpatialMotion
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PowerLaw:
+class PowerLaw(NamedTuple):
     """value = scale * (end - time) ** exponent, fitted to samples.
 
     Parameters
     ----------
-    exponent, scale : float
+    exponent : float
     end : float
         Time in s at which the law ends.
-    first, last : float
-        Times in s between which it was fitted.
     error : float
         Largest relative deviation of a sample.
+    decades : float
+        Decades of time to go that the fit spans.
     """
 
     exponent: float
-    scale: float
     end: float
-    first: float
-    last: float
     error: float
-
-    @property
-    def decades(self) -> float:
-        """Decades of time to go that the fit spans."""
-        return float(np.log10((self.end - self.first) / (self.end - self.last)))
+    decades: float
 
 
 def fit_power_law(times: Array, values: Array, end: float | None = None) -> PowerLaw:
@@ -75,15 +67,9 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
             options={"xatol": 1e-8},
         )
         end = float(times[-1] + duration * np.exp(found.x))
-    (exponent, offset), residual = line(end)
-    return PowerLaw(
-        exponent=float(exponent),
-        scale=float(np.exp(offset)),
-        end=end,
-        first=float(times[0]),
-        last=float(times[-1]),
-        error=float(np.expm1(np.max(np.abs(residual)))),
-    )
+    (exponent, _), residual = line(end)
+    worst, left = np.expm1(np.max(np.abs(residual))), end - times[[0, -1]]
+    return PowerLaw(float(exponent), end, float(worst), float(np.log10(left[0] / left[1])))
 
 
 def precession(motion: SpatialMotion) -> Array:

@@ -8,7 +8,7 @@ spin along the axis. The contact carries the weight m g in every stationary moti
 from math import cos, pi, sin, sqrt
 
 from analysis.data.body import Body
-from analysis.data.checks import number, positive
+from analysis.data.checks import in_range, number, positive
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
 
@@ -144,7 +144,5 @@ def _precession(precession: float) -> float:
 
 
 def _inclination(beta: float) -> float:
-    beta = number("beta", beta)
-    if not 0.0 < beta < pi:
-        raise ValueError(f"beta must lie in the open interval (0, pi), got {beta:g}")
-    return beta
+    why = "where a disk leans"
+    return in_range("beta", beta, 0.0, pi, is_above=True, is_below=True, why=why)

@@ -6,12 +6,12 @@ its solvers are stepped here.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from math import asin
+from math import asin, nan
 from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
+from scipy import integrate as solvers
 from scipy.optimize import brentq
 
 from analysis.data.checks import Array
@@ -22,16 +22,6 @@ from analysis.solve.lookout import Lookout, Step
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)
-
-_SOLVERS: dict[str, Any] = {
-    "DOP853": DOP853,
-    "RK45": RK45,
-    "RK23": RK23,
-    "Radau": Radau,
-    "BDF": BDF,
-    "LSODA": LSODA,
-}
-
 
 STILL = 1e-9
 """Slip in m/s that has no sign."""
@@ -104,6 +94,8 @@ class Run:
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     steps : int
+    local_tolerance, estimate : float
+        Of a run to a tolerance, and its estimated error in rad; nan if there is none.
     """
 
     times: Array
@@ -112,6 +104,8 @@ class Run:
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
     steps: int = 0
+    local_tolerance: float = nan
+    estimate: float = nan
 
 
 def integrate(
@@ -149,15 +143,15 @@ def integrate(
     """
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
-    solvers: list[Any] = []
+    started: list[Any] = []
 
-    def started(*span: Any, **first: Any) -> Any:
-        solvers.append(_solver(problem, method, local_tolerance, *span, **first))
-        return solvers[-1]
+    def solver(*span: Any, **first: Any) -> Any:
+        started.append(_solver(problem, method, local_tolerance, *span, **first))
+        return started[-1]
 
     ended: str | None = None
     states, row, begun = [problem.start], 1, watch.steps
-    for step in _steps(started, problem, times):
+    for step in _steps(solver, problem, times):
         watch.steps += 1
         if not watch.steps_left:
             if problem.leaning is not None:
@@ -178,7 +172,7 @@ def integrate(
     return Run(
         reached,
         np.array(states),
-        sum(map(_evaluations, solvers)),
+        sum(map(_evaluations, started)),
         ended,
         lookout.pulling(reached[-1]),
         watch.steps - begun,
@@ -190,7 +184,7 @@ def _solver(
 ) -> Any:
     """Solver of SciPy for a span: from a time and a state to another time."""
     begin, state, end = span
-    return _SOLVERS[method](
+    return getattr(solvers, method)(
         problem.right_hand_side,
         begin,
         state,
@@ -253,7 +247,7 @@ def _step(solver: Any) -> Step:
 
 def _evaluations(solver: Any) -> int:
     """Evaluations of the right-hand side, those for `_jacobian` among them."""
-    jacobians = solver.njev if isinstance(solver, (BDF, Radau)) else 0
+    jacobians = solver.njev if isinstance(solver, (solvers.BDF, solvers.Radau)) else 0
     return int(solver.nfev + jacobians * (1 + solver.n))
 
 

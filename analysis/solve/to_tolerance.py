@@ -1,15 +1,15 @@
 """Runs to a tolerance: the local tolerance is tightened until two runs agree."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from analysis.data.agreement import error_at_ending, needed
 from analysis.data.checks import Array, TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
+from analysis.data.files import AnyArray
 from analysis.data.members import Rows
-from analysis.solve.runs import RUNNING, Runs
 from analysis.solve.stepping import InitialValueProblem, Run, endings
 
 ROUNDING = 1e-14
@@ -27,28 +27,119 @@ SHORTER = 0.8
 _MOMENT = 1e-7
 """Time in s over which rates are told by a difference."""
 
+RUNNING = -1
+"""In place of the number of an ending, of a motion that has none."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Agreed:
-    """Runs of m members to a tolerance.
+class Runs:
+    """What runs of m members have reached.
 
     Parameters
     ----------
-    runs : Runs
+    times : ndarray, shape (n,)
+        Asked for, in s.
+    names : sequence of str
+        Of the endings that there may be.
+    states : ndarray, shape (m, n, d)
+        At these times; behind the end of a motion they mean nothing.
+    last : ndarray, shape (m, d)
+        At the end.
+    ends : ndarray, shape (m,)
+        Time of the end in s.
+    reasons : ndarray of int, shape (m,)
+        Numbers of names, or `RUNNING`.
+    steps : ndarray of int, shape (m,)
+        Or evaluations of the right-hand side, by solvers that count these.
+    pulling : ndarray of object, shape (m,)
+        Times in s between which the contact has pulled, or None.
     local_tolerances, estimates : ndarray, shape (m,)
-        Of the run that is kept; its estimated error in rad, nan if there is none.
-    failures : dict
-        From members to the errors that ended them; their rows mean nothing.
+        Of each run; its estimated error in rad, nan if there is none.
     """
 
-    runs: Runs
+    times: Array
+    names: Sequence[str]
+    states: Array
+    last: Array
+    ends: Array
+    reasons: Rows
+    steps: Rows
+    pulling: AnyArray
     local_tolerances: Array
     estimates: Array
-    failures: dict[int, Exception]
 
-    def part(self, rows: Rows) -> "Agreed":
-        """Those of some members, none of which has failed."""
-        return Agreed(self.runs.part(rows), self.local_tolerances[rows], self.estimates[rows], {})
+    @classmethod
+    def empty(cls, members: int, times: Array, size: int, names: Sequence[str]) -> "Runs":
+        """Room for the runs of so many members, of a state of this size."""
+        return cls(
+            times,
+            names,
+            np.empty((members, times.size, size)),
+            np.empty((members, size)),
+            np.full(members, times[-1]),
+            np.full(members, RUNNING),
+            np.zeros(members, dtype=int),
+            np.full(members, None),
+            np.full(members, np.nan),
+            np.full(members, np.nan),
+        )
+
+    @property
+    def counts(self) -> Rows:
+        """Number of samples up to each end, shape (m,)."""
+        return np.searchsorted(self.times, self.ends, side="right")
+
+    def ended(self, name: str) -> AnyArray:
+        """Whether each run ended for this reason, shape (m,)."""
+        found: AnyArray = self.reasons == (self.names.index(name) if name in self.names else -2)
+        return found
+
+    def part(self, rows: AnyArray) -> "Runs":
+        """Those of some members."""
+        return Runs(self.times, self.names, *(each[rows] for each in self.arrays))
+
+    def put(self, rows: AnyArray, other: "Runs") -> None:
+        """Put in those of some members."""
+        for each, new in zip(self.arrays, other.arrays, strict=True):
+            each[rows] = new
+
+    @property
+    def arrays(self) -> tuple[AnyArray, ...]:
+        """All of it, one row for each member."""
+        return tuple(getattr(self, field.name) for field in fields(self)[2:])
+
+    def cut_to_samples(self, rows: AnyArray) -> None:
+        """Let these runs, shape (m,), end at the last of the times asked for that they reached."""
+        for row in np.flatnonzero(rows).tolist():
+            last = self.counts[row] - 1
+            self.ends[row], self.last[row] = self.times[last], self.states[row, last]
+
+    def put_run(self, row: int, run: Run) -> None:
+        """Put in the run of one member."""
+        count = int(np.searchsorted(self.times, run.times[-1], side="right"))
+        self.states[row, :count] = run.states[:count]
+        self.states[row, count:] = self.last[row] = run.states[-1]
+        self.ends[row], self.steps[row] = run.times[-1], run.evaluations
+        self.reasons[row] = RUNNING if run.ended is None else self.names.index(run.ended)
+        self.pulling[row] = run.pulling
+
+    def run(self, row: int) -> Run:
+        """Run of one member."""
+        count = int(self.counts[row])
+        times, states = self.times[:count], self.states[row, :count]
+        if self.ends[row] > times[-1]:
+            times = np.append(times, self.ends[row])
+            states = np.vstack((states, self.last[row]))
+        ended = None if self.reasons[row] == RUNNING else self.names[self.reasons[row]]
+        return Run(
+            times,
+            states,
+            int(self.steps[row]),
+            ended,
+            self.pulling[row] or (),
+            local_tolerance=float(self.local_tolerances[row]),
+            estimate=float(self.estimates[row]),
+        )
 
 
 def agree(
@@ -59,7 +150,7 @@ def agree(
     local_tolerances: Sequence[float],
     *,
     method: str,
-) -> Agreed:
+) -> tuple[Runs, dict[int, Exception]]:
     """Run members with one local tolerance after the other until two runs of each agree.
 
     Parameters
@@ -78,24 +169,30 @@ def agree(
         In turn; see `tighter_and_tighter`. One alone gives no estimate.
     method : str
         What runs, for messages.
+
+    Returns
+    -------
+    Runs
+        The last one of each member, with the steps of all.
+    dict
+        From members to the errors that ended them; their runs mean nothing.
     """
-    pending, steps, longest = np.arange(members), np.zeros(members, dtype=int), 1.0
-    used, estimates = np.zeros(members), np.full(members, np.nan)
+    pending, longest = np.arange(members), 1.0
     failures: dict[int, Exception] = {}
     kept: Runs | None = None
     coarse: Runs | None = None
     for local in local_tolerances:
         fine, failed = run(pending, local, longest)
-        used[pending], steps[pending] = local, steps[pending] + fine.steps
+        fine.local_tolerances[:] = local
         done = np.full(pending.size, len(local_tolerances) == 1)
-        if coarse is not None:
-            estimates[pending] = estimated(fine, coarse, pending)
-            done = estimates[pending] <= needed(tolerance, fine.ended(FLAT))
         limited = fine.ended(TIME_LIMIT)
+        if coarse is not None:
+            fine.steps[:] += coarse.steps
+            fine.estimates[:] = estimated(fine, coarse, pending)
+            done = fine.estimates <= needed(tolerance, fine.ended(FLAT))
+            fine.cut_to_samples(limited & done)
         for row in np.flatnonzero(limited & ~done).tolist():
             failed[int(pending[row])] = _in_time(fine.ends[row], tolerance)
-        if coarse is not None and limited.any():
-            fine.cut_to_samples(limited & done)
         if failed:
             failures |= failed
             done |= np.isin(pending, list(failed))
@@ -108,13 +205,14 @@ def agree(
         coarse = fine.part(~done) if done.any() else fine
         pending, longest = pending[~done], SHORTER * longest
     else:
-        for member in pending.tolist():
+        assert coarse is not None
+        for member, estimate in zip(pending.tolist(), coarse.estimates.tolist(), strict=True):
             failures[member] = ToleranceError(
                 f"tolerance {tolerance:g} rad cannot be reached with {method}: the "
-                f"estimated error of the tightest run is {estimates[member]:.1e} rad"
+                f"estimated error of the tightest run is {estimate:.1e} rad"
             )
     assert kept is not None
-    return Agreed(replace(kept, steps=steps), used, estimates, failures)
+    return kept, failures
 
 
 def _in_time(moment: float, tolerance: float) -> TimeLimitError:
@@ -167,7 +265,7 @@ def run_to(
     local_tolerances: Sequence[float],
     *,
     method: str,
-) -> tuple[Run, float, float]:
+) -> Run:
     """Run a problem with one local tolerance after the other until two runs agree.
 
     Parameters
@@ -180,14 +278,6 @@ def run_to(
         At which it is sampled.
     tolerance, local_tolerances, method
         As in `agree`.
-
-    Returns
-    -------
-    run : Run
-    local_tolerance : float
-        That of this run.
-    estimate : float
-        Its estimated error in rad.
 
     Raises
     ------
@@ -211,10 +301,10 @@ def run_to(
     def estimated(fine: Runs, coarse: Runs, _: Rows) -> Array:
         return estimated_errors(fine, coarse, problem.attitudes, rates)
 
-    found = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
-    for failure in found.failures.values():
+    found, failures = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
+    for failure in failures.values():
         raise failure
-    return found.runs.run(0), float(found.local_tolerances[0]), float(found.estimates[0])
+    return found.run(0)
 
 
 def tighter_and_tighter(first: float, tightest: float) -> list[float]:

@@ -273,7 +273,7 @@ def test_home_that_cannot_be_written_says_nothing() -> None:
 
 
 def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
-    how = Request(times=TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
+    how = Request(TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
     (part,), _ = simulate_compiled([model(4)], how)
     part.group.states[0, 10] = np.nan
     only = np.array([0])

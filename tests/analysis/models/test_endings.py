@@ -1,47 +1,60 @@
-"""Why a motion ends, and where: flat, inverted, or where the user says."""
+"""Why a motion ends, and where: up or down again, flat, pulled, or where the user says."""
 
-from math import pi
+from collections.abc import Callable, Iterable
+from math import cos, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
-import analysis
+import mbs_models
 from analysis import (
+    CENTRED_DISK,
+    MODELS,
+    Level,
     PenaltyContact,
     Scenario,
+    SmoothCoulomb,
     Start,
     State,
+    Trajectory,
+    simulate,
 )
+from analysis.data import limits
 from analysis.data.endings import REACHED
-from tests.helpers import model, not_none
+from analysis.data.limits import LEAST_TILT
+from mbs_models import Integrator, Scene
+from tests.helpers import model, mostly_slow, not_none
 
 TIMES = np.linspace(0.0, 0.6, 121)
-SOFT = PenaltyContact(stiffness=1e6, damping=300.0)
+SOFT = Scenario(contact=PenaltyContact(stiffness=1e6, damping=300.0))
+FALLING = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.3, spin=15.0))
 
 
-@pytest.mark.parametrize("contact", [None, SOFT], ids=["ideal", "penalty"])
-def test_a_run_ends_where_the_disk_is_inverted(contact: PenaltyContact | None) -> None:
-    scenario = Scenario(contact=contact)
-    whole = analysis.simulate(scenario, TIMES, tolerance=1e-8)
-    ended = analysis.simulate(scenario, TIMES, tolerance=1e-8, stop_when=iter(["inverted"]))
-    assert not_none(ended.ending).reason == "inverted"
-    assert ended.cog_direction[-1] == pytest.approx(REACHED, abs=1e-9)
+@pytest.mark.parametrize(
+    ("scenario", "stop_when", "level"),
+    [
+        (Scenario(), iter(["inverted"]), REACHED),
+        (SOFT, ["inverted"], REACHED),
+        (FALLING, ["lost", "inverted"], 0.0),
+    ],
+    ids=["inverted", "inverted on a penalty contact", "lost"],
+)
+def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(
+    scenario: Scenario, stop_when: Iterable[str], level: float
+) -> None:
+    whole = simulate(scenario, TIMES, tolerance=1e-8)
+    ended = simulate(scenario, TIMES, tolerance=1e-8, stop_when=stop_when)
+    assert not_none(ended.ending).reason == ("inverted" if level else "lost")
+    assert ended.cog_direction[-1] == pytest.approx(level, abs=1e-9)
     count = ended.times.size - 1
     np.testing.assert_allclose(
         ended.coordinates[:count, 4:], whole.coordinates[:count, 4:], atol=2e-8
     )
-    assert np.all(whole.cog_direction[:count] < REACHED)
-    assert whole.cog_direction[count] > REACHED
-
-
-def test_a_run_ends_where_the_inversion_is_lost() -> None:
-    falling = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.3, spin=15.0))
-    ended = analysis.simulate(falling, TIMES, tolerance=1e-8, stop_when=["lost", "inverted"])
-    ending = not_none(ended.ending)
-    assert ending.reason == "lost"
-    assert ended.cog_direction[-1] == pytest.approx(0.0, abs=1e-9)
-    assert np.all(ended.cog_direction[:-1] > 0.0)
+    above = whole.cog_direction > level
+    assert np.all(above[:count] == above[0])
+    assert above[count] != above[0]
 
 
 def slow(state: State) -> float:
@@ -49,52 +62,23 @@ def slow(state: State) -> float:
 
 
 def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
-    first = analysis.simulate(Scenario(), TIMES, tolerance=1e-9, stop_when=[slow, "inverted"])
+    first, named = (
+        simulate(Scenario(), TIMES, tolerance=1e-9, stop_when=[each, "inverted"])
+        for each in (slow, f"{__name__}:slow")
+    )
     ending = not_none(first.ending)
+    assert ending == named.ending
     assert (ending.reason, str(ending)[-7:]) == ("slow", "s: slow")
     assert first.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-7)
     assert ending.value == pytest.approx(0.0, abs=1e-9)
-    times = np.linspace(0.0, 3.0, 301)
-    other = analysis.simulate(
-        model(4), times, form="reduced", tolerance=1e-9, stop_when=[slow, "inverted"]
-    )
+    # The spin of Model 4 is held.
+    other = simulate(model(4), [0.0, 3.0], form="reduced", stop_when=[slow, "inverted"])
     assert not_none(other.ending).reason == "inverted"
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
     inverted = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.01, spin=40.0))
-    run = analysis.simulate(inverted, TIMES, tolerance=1e-6, stop_when="inverted")
-    assert run.ending is None
-
-
-@pytest.mark.parametrize(
-    ("stop_when", "message"),
-    [
-        ("asleep", "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
-        ([3], "stop_when must hold names or functions of a State, got 3"),
-        ("math:pi", "stop_when must hold names or functions of a State, got 'math:pi'"),
-        (lambda _: "low", "stop_when <lambda> must be a finite number, got 'low'"),
-        (lambda _: float("nan"), "stop_when <lambda> must be a finite number, got nan"),
-        ("no.such:thing", "stop_when 'no.such:thing' cannot be loaded: No module named 'no'"),
-    ],
-)
-def test_what_a_run_cannot_end_at_is_named(stop_when: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}$"):
-        analysis.simulate(Scenario(), [0.0, 0.1], stop_when=stop_when)
-
-
-def test_a_condition_goes_by_the_name_of_its_module_too() -> None:
-    named, own = (
-        analysis.simulate(Scenario(), TIMES, tolerance=1e-6, stop_when=each)
-        for each in (f"{__name__}:slow", slow)
-    )
-    assert named.ending == own.ending is not None
-
-
-def test_of_two_conditions_of_one_name_none_is_forgotten() -> None:
-    both: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
-    with pytest.raises(ValueError, match="functions of different names, got <lambda> twice"):
-        analysis.simulate(Scenario(), TIMES, stop_when=both)
+    assert simulate(inverted, TIMES, tolerance=1e-6, stop_when="inverted").ending is None
 
 
 @pytest.mark.parametrize(
@@ -110,9 +94,174 @@ def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
     start: Start, tolerance: float, time: float
 ) -> None:
     scenario = model(4, start=start)
-    run = analysis.simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
+    run = simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
     assert not_none(run.ending).time == pytest.approx(time, abs=tolerance / 3.0)
-    whole = analysis.simulate(
-        scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9
-    )
+    whole = simulate(scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9)
     assert np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]) < tolerance
+
+
+QUICK, ALL = 8, 300
+
+
+def random_scenario(random: np.random.Generator) -> Scenario:
+    """A start that ends, for more than one reason, within a second, or does not."""
+    ranges = {"spin": (15.0, 150.0), "beta": (0.8, 2.3), "gamma": (-3.0, 3.0)}
+    start = Start(**{name: random.uniform(*ends) for name, ends in ranges.items()})
+    return Scenario(constraints=[*MODELS.values()][random.integers(4)], start=start)
+
+
+def turned_by(angle: float) -> Callable[[State], float]:
+    """Condition that ends a run where gamma has risen by an angle."""
+
+    def condition(state: State) -> float:
+        return Start().gamma + angle - state.coordinates[5]
+
+    condition.__name__ = f"turned by {angle}"
+    return condition
+
+
+def assert_ends(run: Trajectory, reason: str | None, time: float, within: float) -> None:
+    assert (run.ending and run.ending.reason) == reason, run.scenario
+    assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
+
+
+@pytest.mark.parametrize(
+    ("spin", "tolerance"),
+    # The first pulls for a tenth of a millisecond.
+    [(138.5465, 1e-8), (139.0, 1e-3)],
+)
+def test_a_short_pull_between_two_samples_ends_a_run(spin: float, tolerance: float) -> None:
+    scenario = Scenario(start=Start(spin=spin))
+    few = simulate(scenario, [0.0, 1.0], tolerance=tolerance)
+    many = simulate(scenario, np.linspace(0.0, 0.2, 10001), tolerance=1e-9)
+    assert_ends(few, "contact would pull", many.times[-1], tolerance)
+
+
+def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:
+    # It would last 2.2 ms.
+    scenario = Scenario(start=Start(spin=139.0))
+    before = simulate(scenario, [0.0, 0.1597], local_tolerance=1e-9).coordinate("gamma")
+    assert before[-1] > np.max(before[:-1])
+    far = turned_by(float(before[-1]) - Start().gamma)
+    how: dict[str, Any] = {"local_tolerance": 1e-3, "allow_pulling": True}
+    run = simulate(scenario, [0.0, 1.0], stop_when=far, **how)
+    assert_ends(run, far.__name__, 0.1597, 1e-4)
+    assert run.pulling == ()
+
+
+def test_conditions_say_nothing_of_what_comes_after_a_fall() -> None:
+    start = Start(spin=9.4667, beta=1.18926, gamma=1.70513, beta_rate=-0.44891)
+    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-3}
+    run = simulate(model(4, start=start), [0.0, 1.5], stop_when="lost", **how)
+    assert_ends(run, "flat", 0.148187, 1e-5)
+
+
+@pytest.mark.parametrize("starts", mostly_slow([QUICK, ALL], [QUICK]))
+def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: int) -> None:
+    random = np.random.default_rng(21)
+    ended = 0
+    for number in range(starts):
+        scenario = random_scenario(random)
+        how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
+        if scenario.model == 4 and number % 2:
+            how["form"] = "reduced"
+        between = np.sort(random.uniform(0.0, 0.6, 40))
+        few = simulate(scenario, [0.0, 0.6], **how)
+        others = [simulate(scenario, [0.0, *between, 0.6], **how)]
+        if starts == ALL:
+            # Compiling takes longer than a quick test may.
+            others.append(simulate(scenario, [0.0, 0.6], method="taylor", **how))
+        reason = None if few.ending is None else few.ending.reason
+        for other in others:
+            assert_ends(other, reason, few.times[-1], 2e-6)
+        ended += few.ending is not None
+    assert ended > starts // 4
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_two_endings_in_one_step_the_earlier_one_counts(order: int) -> None:
+    # They are a few microseconds apart, and the step is hundreds of times as long.
+    scenario, first = Scenario(start=Start(beta=2.0)), turned_by(0.5)
+    run, alone = (
+        simulate(scenario, [0.0, 1.0], stop_when=each, local_tolerance=1e-6)
+        for each in ([first, turned_by(0.5001)][::order], first)
+    )
+    assert_ends(run, "turned by 0.5", alone.times[-1], 0.0)
+
+
+STILL = SmoothCoulomb(coefficient=0.0)
+FALLS = {
+    "centred": Scenario(disk=CENTRED_DISK, friction=STILL, start=Start(spin=0.0, beta=0.1)),
+    "low": Scenario(friction=STILL, start=Start(spin=0.0, beta=0.1, gamma=-pi / 2)),
+    "high": Scenario(friction=STILL, start=Start(spin=0.0, beta=1.0, gamma=-pi / 2)),
+}
+"""Without friction and spin, and with the centre of gravity right above the contact's edge."""
+
+HIDDEN = Scenario(start=Start(spin=0.0, beta=0.1))
+"""It seems to fall flat, passes within 1.4e-4 rad of it and rises again."""
+
+
+def run(side: str, scenario: Scenario, times: Any, **how: Any) -> Trajectory:
+    """A motion in-house, or by one of the engine's formulations."""
+    if side == "in-house":
+        return simulate(scenario, times, **how)
+    return mbs_models.simulate(Scene(scenario, side), times, **how)  # type: ignore[arg-type]
+
+
+def time_of_fall(scenario: Scenario) -> float:
+    """Time in s in which a disk falls flat without turning, from its energy, by quadrature."""
+    disk, gravity = scenario.disk, scenario.table.gravity
+    first = scenario.initial_state.coordinates[4]
+    arm = disk.radius - disk.eccentricity
+    inertia = disk.inertia_about_cog[1 if disk.eccentricity else 0] / disk.mass
+
+    def slowness(root: float) -> float:
+        tilt = first - root**2
+        drop = sin(first) - sin(tilt)
+        return 2.0 * root * sqrt((inertia + (arm * cos(tilt)) ** 2) / (2.0 * gravity * arm * drop))
+
+    return float(quad(slowness, 0.0, sqrt(first - LEAST_TILT), epsabs=1e-13, epsrel=1e-13)[0])
+
+
+@pytest.mark.parametrize("side", ["in-house", "contact-tree", "euler-tree"])
+@pytest.mark.parametrize("scenario", FALLS.values(), ids=FALLS)
+@pytest.mark.parametrize("count", [2, 201])
+def test_disk_ends_flat_when_it_lies_flat(side: str, scenario: Scenario, count: int) -> None:
+    ending = run(side, scenario, np.linspace(0.0, 1.0, count)).ending
+    assert not_none(ending).reason == "flat"
+    assert not_none(ending).time == pytest.approx(time_of_fall(scenario), abs=1e-7)
+
+
+def test_disk_that_passes_nearly_flat_goes_on_alike_on_both_sides() -> None:
+    sides = {"in-house": 1e-6, "contact-tree": 1e-4}
+    found = [run(side, HIDDEN, [0.0, 0.05], tolerance=asked) for side, asked in sides.items()]
+    assert [each.ending for each in found] == [None, None]
+    assert np.abs(found[0].coordinates - found[1].coordinates)[:, 4:].max() < 2e-6
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(level: Level) -> None:
+    low = model(level, start=Start(spin=0.0, beta=0.1))
+    coarse, fine = (simulate(low, [0.0, 0.1], tolerance=each) for each in (1e-5, 1e-9))
+    assert fine.counts["right_hand_sides"] < 100_000
+    assert coarse.ending is None is fine.ending
+    assert np.abs(coarse.coordinates - fine.coordinates)[:, 4:].max() < 1e-5
+
+
+DOPRI5 = Integrator(name="DOPRI5", local_tolerance=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("side", "how"), [("in-house", {}), ("contact-tree", {"integrator": DOPRI5})]
+)
+def test_run_that_takes_far_more_steps_than_expected_says_where_unless_it_has_a_time_limit(
+    side: str, how: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(limits, "SPARE_SECONDS", 1e-3)
+    said = set()
+    for _ in range(2):
+        with pytest.raises(ArithmeticError, match=r"at t = 0\.0.* steps, far more than") as told:
+            run(side, HIDDEN, [0.0, 0.05], **how)
+        said.add(str(told.value))
+    assert len(said) == 1
+    assert run("in-house", HIDDEN, [0.0, 0.05], time_limit=1e6).ending is None

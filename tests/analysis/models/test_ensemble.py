@@ -1,36 +1,47 @@
-"""Many runs at once, told by arrays or listed: those of single members, each on its own."""
+"""Many runs at once, told by arrays or listed, are those of single members; their outcomes."""
 
 import os
 import pickle
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from math import pi
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 
 from analysis import (
     LEVELS,
+    MODELS,
+    ConstraintSet,
     Ensemble,
-    PenaltyContact,
     Scenario,
+    SmoothCoulomb,
     Start,
     State,
+    TimeLimitError,
     ToleranceError,
     Trajectories,
     Trajectory,
+    outcomes,
     simulate,
     simulate_many,
+    simulate_to_rest,
 )
 from analysis.compiled import code
 from analysis.data.changes import changed
-from analysis.data.endings import CONTACT_WOULD_PULL
+from analysis.data.outcomes import DONE, OUTCOMES, Row
 from analysis.models import ensemble as many
-from tests.helpers import assert_close, model
+from tests.helpers import TILTED, assert_close, model, not_none
+from tests.sweeps import sweep
+from validation.sweeps.case import run_chunk
+from validation.sweeps.outcomes import COLUMNS, NUMBERS
 
 TIMES = np.linspace(0.0, 1.0, 51)
+SHORT = TIMES[:11]
 SOME = 6
+REDUCED: dict[str, Any] = {"form": "reduced"}
 
 
 @pytest.fixture(autouse=True)
@@ -50,37 +61,30 @@ def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> Non
         assert found.scenario == scenario
         assert dict(found.method) == dict(single.method)
         assert found.error_estimate == pytest.approx(single.error_estimate, abs=1e-11)
-        assert (
-            found.inversion.outcome == single.inversion.outcome == runs.inversions.outcomes[member]
-        )
-        for name, of_one in (("times", "time"), ("time_errors", "time_error")):
-            told, alone = getattr(runs.inversions, name), getattr(found.inversion, of_one)
-            wanted = np.nan if alone is None else alone
-            np.testing.assert_allclose(told[member], wanted, rtol=1e-12, atol=1e-14)
+        assert found.inversion.outcome == single.inversion.outcome
+        assert runs.inversions[member] == found.inversion
         for each in (found, single):
             assert (each.ending and each.ending.reason) == runs.endings[member]
         assert runs.ends[member] == found.times[-1] == pytest.approx(single.times[-1], abs=1e-10)
         for name in ("coordinates", "rates", "multipliers"):
             assert_close(getattr(found, name), getattr(single, name), relative=100 * relative)
         for name in ("coordinates", "rates"):
-            whole, last = getattr(runs, name)[member], getattr(runs, f"last_{name}")[member]
+            whole = getattr(runs, name)[member]
             assert_close(whole[:count], getattr(single, name)[:count], relative=relative)
-            assert_close(last, getattr(single, name)[-1], relative=10 * relative)
             assert np.isnan(whole[count:]).all()
 
 
 def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
     pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     # More than one batch, and members that end: inverted, or flat.
-    fields = {
-        "spin": np.array([20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 0.0]),
-        "beta": np.append(np.full(8, 1.5), 1.0),
-        "gamma": np.append(np.full(8, 0.1 - pi / 2), pi / 2),
-    }
-    how: dict[str, Any] = {"form": "reduced", "stop_when": "inverted", "method": "taylor"}
-    ensemble = Ensemble(scenario=model(4), fields=fields)
-    runs = simulate_many(ensemble, TIMES, tolerance=1e-8, **how)
-    assert_same_as_alone(runs, 1e-10, tolerance=1e-8, **how)
+    ensemble = spins(
+        *(20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 0.0),
+        beta=np.append(np.full(8, 1.5), 1.0),
+        gamma=np.append(np.full(8, 0.1 - pi / 2), pi / 2),
+    )
+    how: dict[str, Any] = {"stop_when": "inverted", "method": "taylor", "tolerance": 1e-8}
+    runs = simulate_many(ensemble, TIMES, **how, **REDUCED)
+    assert_same_as_alone(runs, 1e-10, **how, **REDUCED)
     assert set(runs.endings) == {None, "inverted", "flat"}
     again = pickle.loads(pickle.dumps(runs))  # noqa: S301 - as worker processes do
     np.testing.assert_array_equal(again.coordinates, runs.coordinates)
@@ -88,29 +92,36 @@ def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
 
 
 def test_members_of_a_pure_ensemble_are_those_of_single_runs() -> None:
-    how: dict[str, Any] = {"form": "reduced", "method": "DOP853", "local_tolerance": 1e-6}
-    runs = simulate_many(spins(30.0, 40.0), TIMES, workers=1, **how, stop_when="inverted")
-    assert_same_as_alone(runs, 1e-15, **how, stop_when="inverted")
+    how: dict[str, Any] = {"method": "DOP853", "local_tolerance": 1e-6, "stop_when": "inverted"}
+    runs = simulate_many(spins(30.0, 40.0), TIMES, workers=1, **how, **REDUCED)
+    assert_same_as_alone(runs, 1e-15, **how, **REDUCED)
 
 
-def test_ensemble_in_pieces_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ensemble_in_pieces_is_the_same_told_by_arrays_or_listed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     monkeypatch.setattr(many, "COMPILED_CHUNK", 3)
     ensemble = spins(30.0, 40.0, 60.0, 50.0, beta_rate=np.array([0.0, 0.0, 30.0, 0.0]))
-    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-6}
+    how: dict[str, Any] = {"tolerance": 1e-6, **REDUCED}
     told: list[tuple[int, int]] = []
     with ThreadPoolExecutor(1) as thread:
-        runs = simulate_many(ensemble, TIMES, executor=thread, **how,
-                             progress=lambda *counts: told.append(counts))  # fmt: skip
-    assert told == [(3, 4), (4, 4)]
+        elsewhere = how | {"executor": thread, "progress": lambda *counts: told.append(counts)}
+        runs = simulate_many(ensemble, TIMES, **elsewhere)
+        listed = simulate_many(list(ensemble), TIMES, **elsewhere)
+    assert told == 2 * [(3, 4), (4, 4)]
     whole = simulate_many(ensemble, TIMES, workers=1, **how)
     np.testing.assert_allclose(runs.coordinates, whole.coordinates, rtol=0.0, atol=1e-12)
     for each in (runs, whole):
         assert list(each.failures) == [2]
         assert np.isnan(each.coordinates[2]).all()
-        assert "start needs a contact that pulls" in str(each.outcome(2))
-        with pytest.raises(ValueError, match="contact that pulls"):
+        with pytest.raises(ValueError, match="start needs a contact that pulls"):
             each[2]
+    assert str(runs.outcome(2)) == str(listed[2])
+    for member in (0, 1, 3):
+        outcome = listed[member]
+        assert isinstance(outcome, Trajectory)
+        np.testing.assert_array_equal(outcome.coordinates, runs[member].coordinates)
 
 
 RANGES: dict[str, tuple[float, ...]] = {
@@ -131,9 +142,8 @@ RANGES: dict[str, tuple[float, ...]] = {
 def first_refusal(base: Scenario, fields: dict[str, Any]) -> str | None:
     """What the rules of one scenario say, member by member."""
     for member in range(SOME):
-        scenario = {name: values[member] for name, values in fields.items()}
         try:
-            changed(base, scenario)
+            changed(base, {name: values[member] for name, values in fields.items()})
         except ValueError as error:
             return f"member {member} of fields: {error}"
     return None
@@ -156,66 +166,16 @@ def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
     assert refused > 10
 
 
-@pytest.mark.parametrize(
-    ("scenario", "fields", "message"),
-    [
-        (model(1), {}, "fields must map names to arrays"),
-        (model(1), {"spim": [1.0]}, "fields must be a field of a scenario"),
-        (model(1), {"spin": [1.0], "start.spin": [2.0]}, "start.spin twice"),
-        (model(1), {"spin": [1.0, 2.0], "mu": [0.1]}, r"one shape, got \(2,\) of start.spin"),
-        (model(1), {"spin": 3.0}, r"start.spin must have shape \(m,\)"),
-        (model(1), {"stiffness": [1e5]}, "needs a penalty contact"),
-        (
-            Scenario(contact=PenaltyContact(stiffness=1e5)),
-            {"stiffness": [1e5, 1.0]},
-            "member 1 of fields: stiffness must be at least",
-        ),
-    ],
-)
-def test_arrays_that_do_not_fit_are_refused(scenario: Any, fields: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Ensemble(scenario=scenario, fields=fields)
-
-
-SHORT = TIMES[:11]
-SPINS = (20.0, 30.0, 40.0, 50.0, 60.0)
-
-
-def spinning(spin: float) -> Scenario:
-    return model(4, start=Start(spin=spin))
-
-
-def test_members_are_those_of_single_runs_in_order() -> None:
-    members = [spinning(spin) for spin in SPINS]
-    told: list[tuple[int, int]] = []
-    with ThreadPoolExecutor(2) as threads:
-        outcomes = simulate_many(
-            members,
-            SHORT,
-            form="reduced",
-            method="DOP853",
-            executor=threads,
-            progress=lambda *counts: told.append(counts),
-        )
-    assert told[-1] == (5, 5)
-    for member, outcome in zip(members, outcomes, strict=True):
-        assert isinstance(outcome, Trajectory)
-        single = simulate(member, SHORT, form="reduced")
-        np.testing.assert_array_equal(outcome.coordinates, single.coordinates)
-        assert outcome.scenario == member
-
-
-def test_each_member_has_its_own_end() -> None:
+def test_each_member_has_its_own_end_in_order() -> None:
     members = [model(1), model(1, start=Start(spin=200.0))]
     how: dict[str, Any] = {"method": "DOP853", "workers": 1}
     (hopeless,) = simulate_many(members[:1], SHORT, tolerance=1e-16, **how)
     assert isinstance(hopeless, ToleranceError)
     fine, pulling = simulate_many(members, SHORT, tolerance=1e-6, **how)
-    assert isinstance(fine, Trajectory)
-    assert fine.method["tolerance"] == 1e-6
-    assert isinstance(pulling, Trajectory)
-    assert pulling.ending is not None
-    assert pulling.ending.reason == CONTACT_WOULD_PULL
+    for member, outcome in zip(members, (fine, pulling), strict=True):
+        assert isinstance(outcome, Trajectory)
+        assert outcome.scenario == member
+        assert outcome.ending == simulate(member, SHORT, tolerance=1e-6).ending
 
 
 def killer(_: State) -> float:
@@ -226,3 +186,132 @@ def killer(_: State) -> float:
 def test_members_of_a_killed_process_say_so() -> None:
     outcomes = simulate_many([model(4)] * 3, SHORT, method="DOP853", stop_when=killer, workers=2)
     assert [type(outcome) for outcome in outcomes] == [BrokenProcessPool] * 3
+
+
+ENDING: dict[str, np.ndarray[Any, Any]] = {
+    "spin": np.array([36.0, 40.0, 44.0, 40.0, 0.0, 40.0]),
+    "beta": np.append(np.full(4, 1.5), [1.0, 1.5]),
+    "gamma": np.append(np.full(4, 0.1 - pi / 2), [pi / 2, 0.1]),
+    "beta_rate": np.array([0.0, 0.0, 0.0, 30.0, 0.0, 0.0]),
+    "eccentricity": np.array([2e-3, 2e-3, 0.0, 2e-3, 2e-3, 2e-3]),
+}
+"""Members that are inverted, are not, fall flat, and have no motion."""
+
+
+def assert_alike(found: Row, expected: Row, relative: float) -> None:
+    for name in set(found) | set(expected):
+        cell, other = found.get(name), expected.get(name)
+        if isinstance(other, float) and name != "seconds":
+            # An error estimate is a difference of nearly the same numbers.
+            tiny = 1e-10 if name == "error_estimate" else 1e-13
+            assert cell == pytest.approx(other, rel=relative, abs=tiny), name
+        elif name not in ("seconds", "number"):
+            assert cell == other, name
+
+
+def test_outcomes_of_arrays_are_those_of_single_motions() -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    ensemble = Ensemble(scenario=model(4), fields=ENDING)
+    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-6, "method": "taylor"}
+    runs = simulate_many(ensemble, np.linspace(0.0, 2.0, 201), workers=1, **how)
+    table = outcomes(runs)
+    assert set(table.columns["ending"]) == {None, "flat"}
+    assert set(table.columns["status"]) == {DONE, "refused"}
+    assert {"inverted", "not inverted"} <= set(table.columns["inversion"])
+    assert np.all(table.columns["seconds"] > 0.0)
+    motions = outcomes([runs.outcome(member) for member in range(len(runs))])
+    for found, expected in zip(table.rows(), motions.rows(), strict=True):
+        assert_alike({name: found[name] for name in OUTCOMES}, expected, 1e-11)
+
+
+LEANING = {
+    "scenario": model(3, friction=SmoothCoulomb(load="contact")), "end": 0.5, "tolerance": 1e-6,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("axes", "how"),
+    [
+        (("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30"), {"end": 1.5, "keep": ("beta",)}),
+        pytest.param(("inclination=0,0.05", "spin=30,45"), LEANING, marks=pytest.mark.slow),
+    ],
+    ids=["reduced", "index-1"],
+)
+def test_rows_of_a_batch_are_those_of_its_cases(
+    axes: tuple[str, ...], how: dict[str, Any]
+) -> None:
+    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+    wanted = sweep(*axes, method="taylor", **{"tolerance": 1e-6, **how})
+    numbers = range(wanted.design.size)
+    for number, row in zip(numbers, run_chunk(wanted, numbers, 60.0, 60.0), strict=True):
+        (alone,) = run_chunk(wanted, [number], 60.0, 60.0)
+        assert row["number"] == number
+        kept, expected = (each.pop("series", {}) for each in (row, alone))
+        assert kept.keys() == expected.keys()
+        for name in kept:
+            found, known = (np.frombuffer(each[name], NUMBERS) for each in (kept, expected))
+            np.testing.assert_allclose(found, known, rtol=1e-9)
+        assert_alike(row, alone, 1e-9)
+
+
+def test_spin_is_told_a_second_after_the_inversion() -> None:
+    motion = simulate(model(1), np.linspace(0.0, 2.0, 101), local_tolerance=1e-8)
+    (row,) = outcomes([motion]).rows()
+    inversion = motion.inversion
+    assert row["inverted_at"] == inversion.time
+    assert row["inverted_at_error"] == inversion.time_error
+    later, then = (motion.at(not_none(inversion.time) + after).rates[3] for after in (1.0, 0.0))
+    assert abs(later - then) > 1.0
+    assert row["spin_after"] == pytest.approx(later, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("held", "torque", "angle"),
+    [(MODELS[4], "spin_torque", "alpha"), (TILTED[0], "tilt_torque", "beta")],
+    ids=["spin", "tilt"],
+)
+def test_sliding_took_what_a_held_rate_brought(
+    held: ConstraintSet, torque: str, angle: str
+) -> None:
+    start = Start(beta_rate=0.5 if angle == "beta" else None)
+    scenario = Scenario(constraints=held, start=start)
+    motion = simulate(scenario, np.linspace(0.0, 0.2, 41), local_tolerance=1e-6)
+    assert np.ptp(motion.rate(angle)) < 1e-9
+    (row,) = outcomes([motion]).rows()
+    brought = simpson(motion.multiplier(torque) * motion.rate(angle), x=motion.times)
+    assert abs(brought) > 1e-5
+    assert row[f"brought_by_{torque}"] == pytest.approx(brought)
+    lost = cast("float", row["energy_start"]) - cast("float", row["energy_end"])
+    assert row["taken_sliding"] == pytest.approx(lost + brought, rel=1e-12)
+
+
+def test_budget_of_a_motion_to_rest_is_told_from_its_first_sample_to_its_last() -> None:
+    motion = simulate_to_rest(Scenario.rest(), 0.05, spacing=0.01, local_tolerance=1e-9)
+    (row,) = outcomes([motion]).rows()
+    totals = [row[name] for name in ("energy_start", "energy_end")]
+    assert totals == motion.energies.sum(axis=1)[[0, -1]].tolist()
+    taken = sum(cast("float", row[name]) for name in row if name.startswith("taken_"))
+    assert taken == pytest.approx(motion.dissipated[-1].sum())
+    assert taken > 0.0
+
+
+def test_errors_are_rows_that_say_why() -> None:
+    errors = [ValueError("no\n such"), ArithmeticError(), TimeLimitError("late"), BrokenExecutor()]
+    motion = simulate(model(1), np.linspace(0.0, 0.1, 3), local_tolerance=1e-6)
+    table = outcomes([*errors, motion])
+    assert table.columns["status"].tolist() == ["refused", "failed", "too slow", "crashed", DONE]
+    assert table.columns["reason"][:2].tolist() == ["no such", "ArithmeticError"]
+    assert np.isnan(table.columns["end"]).tolist() == [True] * 4 + [False]
+
+
+def test_columns_of_a_sweep_are_those_of_an_ensemble() -> None:
+    ensemble = Ensemble(scenario=Scenario(), fields={"spin": np.array([30.0, 40.0])})
+    how: dict[str, Any] = {"method": "DOP853", "local_tolerance": 1e-6, "workers": 1}
+    runs = simulate_many(ensemble, np.linspace(0.0, 0.1, 3), **how)
+    table = outcomes(runs)
+    assert list(table.columns) == ["number", "start.spin", *OUTCOMES]
+    assert list(COLUMNS)[: len(OUTCOMES)] == list(OUTCOMES)
+    assert (table.units["start.spin"], table.units["force_least"]) == ("rad/s", "N")
+    assert table.columns["start.spin"].tolist() == [30.0, 40.0]
+    for row, other in zip(table.rows(), outcomes(list(runs)).rows(), strict=True):
+        assert_alike({name: row[name] for name in OUTCOMES}, other, 1e-13)

@@ -1,5 +1,7 @@
 """When the disk counts as inverted: up there, and staying."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,6 @@ from analysis import (
     Level,
     Scenario,
     Start,
-    Trajectory,
     simulate,
     simulate_to_rest,
 )
@@ -54,39 +55,27 @@ def test_disk_is_inverted_that_rises_and_stays_up(
     shown = end + 1e-9 >= TIMES
     found = Inversion.of_direction(TIMES[shown], direction[shown], 0.0 * TIMES[shown])
     assert found.outcome == outcome
-    assert found.time == (time if time is None else pytest.approx(time, abs=SPACING))
-    assert found.lost == (lost if lost is None else pytest.approx(lost, abs=SPACING))
+    for told, expected in ((found.time, time), (found.lost, lost)):
+        assert told == (expected and pytest.approx(expected, abs=SPACING))
 
 
-@pytest.mark.parametrize("last", [-1e-14, 0.0, 1e-14])
-@pytest.mark.parametrize(("end", "outcome"), [(2.0, "lost"), (1.0, "not inverted")])
-def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(
-    last: float, end: float, outcome: str
-) -> None:
-    found = Inversion.of_direction(
-        np.array([0.0, 0.5, end]), np.array([-1.0, 1.0, last]), np.zeros(3)
-    )
-    assert (found.outcome, found.lost) == (outcome, 2.0 if outcome == "lost" else None)
-
-
-def test_model_1_inverts_from_table_3_within_half_a_second() -> None:
-    run = simulate(Scenario(), TIMES, local_tolerance=1e-6)
-    assert run.inversion_time == pytest.approx(0.4852, abs=1e-4)
+@pytest.mark.parametrize("last", [-1e-14, 1e-14])
+def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(last: float) -> None:
+    times, directions = np.array([0.0, 0.5, 2.0]), np.array([-1.0, 1.0, last])
+    found = Inversion.of_direction(times, directions, np.zeros(3))
+    assert (found.outcome, found.lost) == ("lost", 2.0)
 
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_time_of_inversion_is_right_to_its_error_however_far_apart_the_samples_are(
     level: Level,
 ) -> None:
-    scenario = model(level)
-
-    def run(times: Array, *stop_when: str) -> Trajectory:
-        return simulate(scenario, times, local_tolerance=1e-11, stop_when=stop_when)
-
+    how: dict[str, Any] = {"local_tolerance": 1e-11}
     # The first rise of these motions lasts; the solver locates it while it runs.
-    truth = not_none(run(np.linspace(0.0, 2.0, 3), "inverted").ending).time
-    for spacing, enough in ((0.2, 0.2), (0.1, 0.1), (0.05, 1e-4), (0.02, 1e-6), (0.01, 1e-8)):
-        found = run(np.arange(0.0, 3.0 + 0.5 * spacing, spacing)).inversion
+    located = simulate(model(level), [0.0, 2.0], stop_when="inverted", **how)
+    truth = not_none(located.ending).time
+    for spacing, enough in ((0.2, 0.2), (0.05, 1e-4), (0.01, 1e-8)):
+        found = simulate(model(level), np.arange(0.0, 3.0, spacing), **how).inversion
         assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-10
         assert not_none(found.time_error) < enough
 
@@ -110,7 +99,7 @@ def test_error_covers_what_no_sample_shows(level: Level, start: Start, spacing: 
     assert not_none(fine.time_error) < 1e-8
 
 
-@pytest.mark.parametrize("count", [11, 51, 501])
+@pytest.mark.parametrize("count", [11, 501])
 def test_inversion_and_its_loss_are_located_between_samples(count: int) -> None:
     times, rate = np.linspace(0.0, 5.0, count), 0.4 * np.pi
     found = Inversion.of_direction(times, np.sin(rate * times), rate * np.cos(rate * times))
@@ -124,8 +113,8 @@ def test_inversion_and_its_loss_are_located_between_samples(count: int) -> None:
         assert not_none(error) < min(spacing, 0.1 * spacing**4)
 
 
-@pytest.mark.parametrize("part", [0.1, 0.3, 0.5, 0.7, 0.9])
-@pytest.mark.parametrize("after", [0.05, 0.2, 3.0, 10.0])
+@pytest.mark.parametrize("part", [0.1, 0.9])
+@pytest.mark.parametrize("after", [0.05, 3.0])
 def test_an_impact_between_two_samples_leaves_the_time_open(part: float, after: float) -> None:
     # The rate jumps from 1 to another while the centre of gravity rises.
     times, impact = np.arange(0.0, 4.0, 0.05), 0.85 + 0.05 * part
@@ -157,9 +146,6 @@ def test_inversion_of_a_way_to_rest_is_that_in_the_papers_coordinates() -> None:
 
 def test_disk_without_eccentricity_is_never_inverted() -> None:
     upright = Start(beta=np.pi / 2, gamma=np.pi / 2, spin=40.0)
-    turning, centred = (
-        simulate(Scenario(disk=disk, start=upright), [0.0, 0.5, 1.0, 1.5], local_tolerance=1e-6)
-        for disk in (STEEL_DISK, CENTRED_DISK)
-    )
-    assert turning.inversion_time == 0.0
-    assert centred.inversion_time is None
+    for disk, time in ((STEEL_DISK, 0.0), (CENTRED_DISK, None)):
+        scenario = Scenario(disk=disk, start=upright)
+        assert simulate(scenario, [0.0, 0.5, 1.0, 1.5]).inversion_time == time

@@ -4,6 +4,7 @@
 # mypy: disable-error-code="arg-type, call-overload"
 
 from collections.abc import Callable
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,12 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
-    MODELS,
     Ensemble,
     PenaltyContact,
     Scenario,
+    SmoothCoulomb,
     State,
+    Table,
     simulate,
     simulate_many,
     simulate_to_rest,
@@ -26,9 +28,10 @@ from analysis.nonlinear.stationary import stationary_motions
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
 from mbs_models import Integrator, Newton, Scene
+from tests.helpers import model
 
 TIMES = [0.0, 0.01]
-MODEL_4 = Scenario(constraints=MODELS[4])
+PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
 MASKED = np.ma.array([0.0, 0.005, 0.01], mask=[False, True, False])
 
 CALLS: dict[str, Callable[..., Any]] = {
@@ -46,18 +49,19 @@ CALLS: dict[str, Callable[..., Any]] = {
     "integrator": lambda **how: Integrator(**{"name": "DOPRI5"} | how),
     "newton": Newton,
     "contact": lambda **how: PenaltyContact(**{"stiffness": 1e5} | how),
-    "spins": lambda spin: Ensemble(scenario=Scenario(), fields={"spin": spin}),
+    "ensemble": lambda **fields: Ensemble(scenario=Scenario(), fields=fields),
+    "penalty ensemble": lambda **fields: Ensemble(scenario=PENALTY, fields=fields),
     "state": lambda rates: State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.0), rates=rates),
     "eigenvalues": lambda spins: eigenvalues(Scenario(), spins),
-    "critical": lambda interval: critical_speeds(MODEL_4, interval),
+    "critical": lambda interval: critical_speeds(model(4), interval),
     "stationary": lambda starts: stationary_motions(Scenario(), 30.0, starts),
-    "fall": lambda spin: fall(MODEL_4, spin),
+    "fall": lambda spin: fall(model(4), spin),
     "acceleration": lambda state: mbs_models.acceleration(Scene(), state),
 }
 
 RUNS = ("in-house", "engine", "many")
 WAYS = ("in-house rest", "engine rest")
-WRONG = [
+ONE: list[tuple[str, str, Any, str]] = [
     *((side, "times", MASKED, "must hold no masked values, got") for side in RUNS),
     *((side, "allow_pulling", 1, "must be True or False, got 1") for side in RUNS),
     *((side, "stop_when", 2.0, "must hold names or functions of a State") for side in RUNS),
@@ -79,7 +83,7 @@ WRONG = [
     *((side, "criterion", 1.0, "must be a RestCriterion, got 1") for side in WAYS),
     ("newton", "modified", "yes", "must be True or False, got 'yes'"),
     ("contact", "bilateral", 1, "must be True or False, got 1"),
-    ("spins", "spin", np.ma.array([1.0, 2.0], mask=[True, False]), "must hold no masked values"),
+    ("ensemble", "spin", np.ma.array([1.0], mask=[True]), "must hold no masked values"),
     ("state", "rates", 5, "must hold 6 numbers, got 5"),
     ("eigenvalues", "spins", MASKED, "must hold no masked values"),
     ("eigenvalues", "spins", ["30"], "must be an array of real numbers, got <U2 values"),
@@ -88,16 +92,63 @@ WRONG = [
     ("fall", "spin", float("nan"), "must be a finite number, got nan"),
     ("acceleration", "state", 5, "must be a State, got 5"),
 ]  # fmt: skip
+"""A call, an argument and its value, and what is said behind its name."""
+
+REDUCED: dict[str, Any] = {"form": "reduced"}
+SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
+CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
+
+SEVERAL: list[tuple[str, dict[str, Any], str]] = [
+    ("in-house", {"times": [0.0, 1.0, 1.0]}, "times must increase strictly, got 1 before 1"),
+    ("in-house", {"times": [0.0]}, "times must be one-dimensional with at least 2 entries"),
+    ("in-house", {"form": "index-2"}, "form must be one of index-1, reduced, free-body, got"),
+    ("in-house", {"tolerance": nan}, "tolerance must be a finite number, got nan"),
+    ("in-house", {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
+    ("in-house", {"time_limit": 0.0}, "time_limit must be positive, got 0"),
+    ("in-house", {"scenario": model(3)} | REDUCED, "form 'reduced' exists for Model 4 alone, got"),
+    ("in-house", {"scenario": model(4, friction=SmoothCoulomb(load="contact"))} | REDUCED,
+     "form 'reduced' takes the load 'weight'"),
+    ("in-house", {"scenario": model(4, table=Table(inclination=0.1))} | REDUCED,
+     "form 'reduced' needs a hor"),
+    ("in-house", {"scenario": model(2, start=Scenario().initial_state)},
+     "start breaks 'fixed centre of gravity"),
+    ("in-house", {"form": "free-body"}, "form 'free-body' needs penalty contact, got"),
+    ("in-house", {"scenario": PENALTY, "form": "index-1"}, "form 'index-1' knows no penalty co"),
+    ("in-house", {"stop_when": "asleep"},
+     "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
+    ("in-house", {"stop_when": "math:pi"}, "stop_when must hold names or functions of a State"),
+    ("in-house", {"stop_when": lambda _: "low"}, "stop_when <lambda> must be a finite number, "),
+    ("in-house", {"stop_when": "no.such:thing"}, "stop_when 'no.such:thing' cannot be loaded: No"),
+    ("in-house", {"stop_when": CONDITIONS}, "stop_when .* different names, got <lambda> twice"),
+    ("in-house rest", {"scenario": SHARP}, "half_thickness must be positive for the disk"),
+    ("in-house rest", {"scenario": Scenario()}, "contact must be a PenaltyContact, got None"),
+    ("in-house rest", {"spacing": 2.0}, "spacing must not exceed end = 0.01"),
+    ("in-house rest", {"tolerance": 1e-3, "local_tolerance": 1e-8}, "give either tolerance or l"),
+    ("in-house rest", {"method": "Radau"}, "method must be one of"),
+    ("ensemble", {}, "fields must map names to arrays"),
+    ("ensemble", {"spim": [1.0]}, "fields must be a field of a scenario"),
+    ("ensemble", {"spin": [1.0], "start.spin": [2.0]}, "fields .* start.spin twice"),
+    ("ensemble", {"spin": [1.0, 2.0], "mu": [0.1]}, r"fields .* got \(2,\) of start.spin"),
+    ("ensemble", {"spin": 3.0}, r"start.spin must have shape \(m,\)"),
+    ("ensemble", {"stiffness": [1e5]}, ".* needs a penalty contact"),
+    ("penalty ensemble", {"stiffness": [1e5, 1.0]}, "member 1 of fields: stiffness must be at le"),
+]  # fmt: skip
+"""A call, its arguments, and how its message begins."""
+
+WRONG = [
+    *((call, {name: value}, f"(start.)?{name} ?{message}") for call, name, value, message in ONE),
+    *SEVERAL,
+]
 
 
 @pytest.mark.parametrize(
-    ("side", "name", "value", "message"),
+    ("call", "given", "message"),
     WRONG,
-    ids=[f"{side}-{name}-{value!r:.20}" for side, name, value, _ in WRONG],
+    ids=[f"{call}-{given!r:.40}" for call, given, _ in WRONG],
 )
-def test_wrong_argument_is_named(side: str, name: str, value: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=f"^(start.)?{name} ?{message}"):
-        CALLS[side](**{name: value})
+def test_wrong_argument_is_named(call: str, given: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        CALLS[call](**given)
 
 
 def test_truth_values_of_numpy_are_switches() -> None:

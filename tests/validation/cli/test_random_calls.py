@@ -1,0 +1,132 @@
+"""Any command line of random values works, or says in one line why it does not."""
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import analysis
+import mbs_models
+from analysis import MODELS, STEEL_DISK, Scenario, Start
+from analysis.data.quantities import QUANTITIES
+from analysis.data.scenario_text import scenario_text
+from tests.calls import Capture, run
+from tests.scenario_texts import with_key
+from validation.commands import rest
+from validation.commands import simulate as simulating
+from validation.parser.runs import SOURCES
+
+NUMBERS = st.one_of(
+    st.floats(),
+    st.integers(-(10**20), 10**20),
+    st.floats(-3.0, 3.0),
+    st.floats(0.0, 1e-250),
+    st.floats(-16.0, 16.0).map(lambda digits: 10.0**digits),
+    st.sampled_from(["", "x", "1e400", "-0", "nan", "inf", "1_000", "١٢", "0x10", "1:2:3"]),
+    st.sampled_from(["pi/2", "-pi", "90deg", "1/0", "contact,no-slip-along", "tanh", "ellipse"]),
+).map(str)
+
+PROBLEM = [each.flag for each in QUANTITIES.values()]
+LOSSES = [each.flag for each in QUANTITIES.values() if each.table == "dissipation"]
+COMMANDS = {
+    "simulate --out new.npz --source": (
+        *PROBLEM, "--end", "--samples", "--tolerance", "--step", "--time-limit",
+    ),
+    "rest --source": (*PROBLEM, "--step", "--end"),
+    "eigenvalues --spin=30 --system=reduced --source": ("--mu", "--eps", "--spin"),
+    "scenario": PROBLEM,
+    "scene": ("--mu", "--stiffness", "--half-thickness", "--model", *LOSSES),
+    "animate run.npz": ("--begin", "--end", "--speed"),
+}  # fmt: skip
+"""Commands and options that get a random value."""
+
+QUICK = settings(
+    max_examples=100,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+
+
+def is_taken(words: list[str], capsys: Capture) -> bool:
+    """Run a command line, check how it answers, and say whether it passes all checks."""
+    capsys.readouterr()
+    code = run(*words)
+    shown = capsys.readouterr()
+    # A run that fails has passed all checks.
+    assert code in (0, 1, 2)
+    # A number that looks as if it were meant in another unit is doubted in a line of its own.
+    doubts = tuple(f"tippedisk {words[0]}: {each.name} is in " for each in QUANTITIES.values())
+    lines = [line for line in shown.err.splitlines() if not line.startswith(doubts)]
+    assert len(lines) <= 1
+    if code:
+        assert lines[0].startswith(f"tippedisk {words[0]}: error: ")
+        assert shown.out == ""
+    return code != 2
+
+
+@pytest.mark.parametrize("call", COMMANDS)
+def test_command_answers_in_one_line(
+    call: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def accept(*_: Any, **__: Any) -> Any:
+        """Take what passes all checks in place of simulating it."""
+        raise ArithmeticError("accepted")
+
+    for side in (analysis, mbs_models):
+        for name in ("simulate", "simulate_to_rest"):
+            monkeypatch.setattr(side, name, accept)
+    for command in (simulating, rest):
+        monkeypatch.setattr(command, "announce", lambda _, effort, __=None: effort.check())
+    answers: Counter[bool] = Counter()
+
+    @QUICK
+    @given(
+        st.sampled_from(SOURCES),
+        st.dictionaries(st.sampled_from(COMMANDS[call]), NUMBERS, max_size=3),
+    )
+    def answer(source: str, chosen: dict[str, str]) -> None:
+        words = [*call.split(), *([source] if call.endswith("--source") else [])]
+        # A value may begin with a minus sign.
+        options = [f"{name}={value}" for name, value in chosen.items()]
+        answers[is_taken([*words, *options], capsys)] += 1
+
+    answer()
+    # Where all calls are refused, nothing is shown.
+    assert answers[True] >= 5, answers
+
+
+TABLE_3 = Start().state(MODELS[1], STEEL_DISK)
+KEYS = [(each.table, each.name) for each in QUANTITIES.values()]
+LITERALS = st.one_of(
+    st.floats().map(repr),
+    st.integers(-(10**30), 10**30).map(str),
+    st.sampled_from(["true", '"pi/2"', '"x"', '""', "[1, [2]]", "{a = 1}", "1979-05-27", "1e400"]),
+    st.sampled_from(["0x10", "1_000", "'steel'", '"tanh"', '"os:path"', "9" * 5000, "-0.0"]),
+)
+
+
+@pytest.mark.slow
+@settings(QUICK, max_examples=200)
+@given(
+    st.sampled_from([Scenario(), Scenario.rest(), Scenario(start=TABLE_3)]),
+    st.dictionaries(st.sampled_from(KEYS), LITERALS, min_size=1, max_size=3),
+)
+def test_any_value_of_a_key_is_answered_in_one_line(
+    capsys: Capture, scenario: Scenario, entries: dict[tuple[str, str], str]
+) -> None:
+    text = scenario_text(scenario)
+    for (table, key), literal in entries.items():
+        if f"\n[{table}]\n" in text:
+            text = with_key(text, table, key, literal)
+    Path("my.toml").write_text(text)
+    is_taken(["scenario", "my.toml"], capsys)
+
+
+def test_eigenvalues_of_the_steepest_friction_are_followed(capsys: Capture) -> None:
+    # Differences of rounding only, divided by each other, overflowed.
+    for steep in ("--mu=1e9 --eps=1e-3", "--mu=0 --eps=1e-12"):
+        assert is_taken(["eigenvalues", "--spin=3", *steep.split()], capsys)
