@@ -62,8 +62,8 @@ class IdealContact:
     contact_load: Callable[..., Any]
     chart: type[EulerAngles] = EulerAngles
 
-    def derivative(self, state: Numbers) -> tuple[list[Any], list[Any], Any]:
-        """Time derivative of a state, 12 numbers, the multipliers, and `_slowing`.
+    def derivative(self, state: Numbers) -> tuple[list[Any], list[Any]]:
+        """Time derivative of a state, 12 numbers, and the multipliers.
 
         They solve the systems of index 1, with all constraints on acceleration level: Eq. (80),
         Eq. (79) if friction takes the contact force as its load, Eq. (92) for the further
@@ -85,7 +85,7 @@ class IdealContact:
         held = directions(self.constraints, self.disk, moving.attitude)
         responses = [response(self.disk, each) for each in held]
         matrix = [[each.along(*other) for other in responses] for each in held]
-        changes = self._changes(self.constraints, moving)
+        changes = self._changes(moving)
         sides = [
             [
                 -(each.along(*acceleration) + change)
@@ -108,26 +108,17 @@ class IdealContact:
         for force, by_force in zip(forces, responses, strict=True):
             acceleration = together(acceleration, force, by_force)
         multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
-        derivative = self.chart.derivative(moving, acceleration)
-        return derivative, multipliers, self._slowing(moving, acceleration)
+        return self.chart.derivative(moving, acceleration), multipliers
 
-    def _changes(self, constraints: ConstraintSet, moving: Moving) -> list[Any]:
-        """Changes of what constraints hold, by the turning of their directions alone."""
+    def _changes(self, moving: Moving) -> list[Any]:
+        """Changes of what the constraints hold, by the turning of their directions alone."""
 
         def held(angles: Numbers) -> list[Any]:
-            every = directions(constraints, self.disk, angles)
+            every = directions(self.constraints, self.disk, angles)
             # One with a scale keeps the spin what it is.
             return [dot(each.turning, moving.angular) - each.scale * moving.spin for each in every]
 
         return rate(held, moving.attitude, moving.rates)
-
-    def _slowing(self, moving: Moving, acceleration: tuple[Vector, Vector]) -> Any:
-        """Half the rate of the squared slip speed, which is zero where the slip is least."""
-        ways = directions(SLIPS, self.disk, moving.attitude)
-        slips = [way.along(moving.velocity, moving.angular) for way in ways]
-        turned = self._changes(SLIPS, moving)
-        rates = [way.along(*acceleration) + each for way, each in zip(ways, turned, strict=True)]
-        return slips[0] * rates[0] + slips[1] * rates[1]
 
     def _sizes(self, alone: Numbers, added: Sequence[Numbers], slips: "_Slips") -> tuple[Any, ...]:
         """How much there is of each friction that knows the contact force, which it changes."""

@@ -81,7 +81,6 @@ def recording(
     law: type[FrictionLaw] = FrictionLaw,
     products: bool = False,
     body: Body | None = None,
-    slowing: bool = False,
     chart: type[EulerAngles] = EulerAngles,
 ) -> tuple[Recorder, list[Any]]:
     """Symbols of `IdealContact.derivative` for a structure.
@@ -100,8 +99,6 @@ def recording(
         Whether the disk has products of inertia.
     body : Body, optional
         Other than a round disk; its numbers are recorded in place of those of `NUMBERS`.
-    slowing : bool
-        Whether half the rate of the squared slip speed is told, too.
     chart : EulerAngles or EulerTurning
         What a state holds.
 
@@ -110,7 +107,7 @@ def recording(
     recorder : Recorder
         With `NUMBERS` as constants and `STATE` as variables.
     results : list
-        The derivative and the multipliers, 12 + n, and what `slowing` asks for.
+        The derivative and the multipliers, 12 + n.
     """
     recorder = Recorder(NUMBERS, STATE, _FUNCTIONS)
     along, across, down = recorder.constants[9:]
@@ -130,8 +127,8 @@ def recording(
         contact_load=partial(call, "contact_load"),
         chart=chart,
     )
-    derivative, multipliers, slower = contact.derivative(recorder.variables)
-    return recorder, [*derivative, *multipliers, *([slower] if slowing else [])]
+    derivative, multipliers = contact.derivative(recorder.variables)
+    return recorder, [*derivative, *multipliers]
 
 
 def _friction(along: Any, across: Any, load: Any) -> tuple[Any, Any]:

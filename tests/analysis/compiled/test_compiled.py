@@ -42,7 +42,9 @@ from analysis.data.checks import Array
 from analysis.data.quantities import LOADS
 from analysis.data.watch import Watch
 from analysis.mechanics import reduced
+from analysis.mechanics.attitude import EulerTurning
 from analysis.mechanics.recorded import solver
+from analysis.mechanics.states import paper_of
 from analysis.models import request
 from analysis.models.request import Request
 from tests.bodies import COMPOSED, TIPPE_TOP
@@ -61,21 +63,16 @@ def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(code, "COMPACT", True)
 
 
-def values(
-    symbols: list[Any],
-    variables: list[Any],
-    scenario: Scenario,
-    states: Array,
-    kink: Any = None,
-) -> Array:
-    """Values of symbols at states, shape (n, k), also of those that hold the sign of `kink`."""
-    function = heyoka.cfunc([*symbols, *([kink] if kink else [])], variables, opt_level=0)
-    numbers = np.array(systems.parameters(scenario))[: function.nparams, None]
+def values(symbols: list[Any], system: systems.System, scenario: Scenario, states: Array) -> Array:
+    """Values of symbols at states, shape (n, k), with the sign of the slip there."""
+    function = heyoka.cfunc([*symbols, *system.kinks], system.variables, opt_level=0)
+    numbers = np.array(systems.parameters(scenario, 0.0))[: function.nparams, None]
     numbers = numbers * np.ones(len(states))
-    columns = np.ascontiguousarray(states.T)
-    if kink:
-        numbers[SIGN] = np.sign(function(columns, pars=numbers)[-1])
-    return np.asarray(function(columns, pars=numbers)[: len(symbols)]).T
+    columns, time = np.ascontiguousarray(states.T), np.zeros(len(states))
+    if system.kinks:
+        numbers[SIGN] = np.sign(function(columns, pars=numbers, time=time)[-1])
+    found = function(columns, pars=numbers, time=time)
+    return np.asarray(found[: len(symbols)]).T
 
 
 def assert_rows_close(actual: Array, expected: Any, relative: float) -> None:
@@ -104,15 +101,14 @@ def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
         table=random_table(random),
         friction=SmoothCoulomb(load=load, coefficient=0.2, smoothing=0.5),
     )
-    structure = Structure.of(scenario, "index-1", {}, allow_pulling=False)
-    system = systems.build(structure)
-    variables, forces = systems.multipliers(structure)
+    system = systems.build(Structure.of(scenario, "index-1", {}, allow_pulling=False))
     states = random.normal(size=(1000, 12))
     states[:, 4] = random.uniform(0.3, pi - 0.3, size=1000)
-    kink = system.kink if system.flips else None
-    found = values(system.derivatives, system.variables, scenario, states, kink)
-    held = values(forces, variables, scenario, states)
-    solve, rows, pure = solver(scenario), [], []
+    found = values(system.derivatives, system, scenario, states)
+    read = values(system.readings, system, scenario, states)
+    told = np.concatenate(paper_of(scenario.disk, states.T, EulerTurning)).T
+    assert_rows_close(read[:, :12], told, relative=1e-12)
+    solve, rows, pure = solver(scenario, EulerTurning), [], []
     for row, state in enumerate(states.tolist()):
         try:
             result = solve(*state)
@@ -124,32 +120,31 @@ def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
             pure.append(result)
     assert len(rows) == 1000 if load == "weight" else len(rows) > 100
     assert_rows_close(found[rows], np.array(pure)[:, :12], relative=1e-10)
-    assert_rows_close(held[rows], np.array(pure)[:, 12:], relative=1e-10)
+    assert_rows_close(read[rows, 12 : len(pure[0])], np.array(pure)[:, 12:], relative=1e-10)
 
 
 def test_compiled_and_pure_reduced_systems_are_the_same_at_1000_states() -> None:
     random = np.random.default_rng(13)
     scenario = model(4, disk=random_disk(random), start=Start(spin=3.0, beta=1.2))
-    structure = Structure.of(scenario, "reduced", {}, allow_pulling=False)
-    system = systems.build(structure)
+    system = systems.build(Structure.of(scenario, "reduced", {}, allow_pulling=False))
     symbols = [*system.derivatives, system.endings["contact would pull"]]
     states = random.normal(size=(1000, 3))
     pure = [reduced.solver(scenario, 3.0)(*x)[:4] for x in states.tolist()]
-    found = values(symbols, system.variables, scenario, states, system.kink)
+    found = values(symbols, system, scenario, states)
     assert_rows_close(found, pure, relative=1e-12)
 
 
 @pytest.mark.parametrize("law", [Stribeck(), TanhCoulomb(), ViscousFriction()], ids=str)
 def test_compiled_and_pure_friction_laws_are_the_same(law: FrictionLaw) -> None:
     scenario = model(1, friction=law)
-    structure = Structure.of(scenario, "index-1", {}, allow_pulling=False)
-    variables, forces = systems.multipliers(structure)
+    system = systems.build(Structure.of(scenario, "index-1", {}, allow_pulling=False))
     # From much slip to hardly any.
     states = np.random.default_rng(14).normal(size=(100, 12))
     states *= 10.0 ** -np.linspace(0.0, 8.0, 100)[:, None]
     states[:, 4] = 1.0
-    pure = [solver(scenario)(*x)[12:] for x in states.tolist()]
-    assert_rows_close(values(forces, variables, scenario, states), pure, relative=1e-12)
+    pure = [solver(scenario, EulerTurning)(*x)[12:] for x in states.tolist()]
+    found = values(system.readings[12:13], system, scenario, states)
+    assert_rows_close(found, pure, relative=1e-12)
 
 
 CASES: list[tuple[Scenario, Form]] = [
@@ -275,7 +270,7 @@ def test_home_that_cannot_be_written_says_nothing() -> None:
 def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
     how = Request(times=TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
     (part,), _ = simulate_compiled([model(4)], how)
-    part.group.states[0, 10] = np.nan
+    part.group.starts[0, 2] = np.nan
     only = np.array([0])
     _, failures = integrate(part.group, only, TIMES, 1e-12, 1.0, watch=Watch())
     assert "no longer finite" in str(failures[0])
