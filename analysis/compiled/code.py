@@ -75,7 +75,7 @@ class Code:
         self.reasons = (*self._system.endings, TIME_LIMIT)
         self.size = len(self._system.variables)
         self.attitudes = slice(0, 2) if self.form == "reduced" else slice(4, 6)
-        self._held = 12 + len(multiplier_names(structure.constraints))
+        self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
     @contextmanager

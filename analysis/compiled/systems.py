@@ -13,15 +13,14 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from analysis.compiled.library import CannotCompileError, heyoka
-from analysis.data.constraint_set import ConstraintSet
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.data.friction import FrictionLaw
 from analysis.data.limits import LEAST_TILT
 from analysis.data.members import Members
-from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.attitude import EulerTurning
+from analysis.mechanics.constraints import SLIPS
 from analysis.mechanics.states import paper_of, state_of
 from analysis.models.forms import Form
 
@@ -37,36 +36,29 @@ SINGULAR = "singular"
 _NUMBERS = (float, Members)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Structure:
+class Structure(NamedTuple):
     """What decides which equations are compiled; all else are parameters of theirs.
 
     Parameters
     ----------
     form : str
         "index-1" or "reduced".
-    constraints : tuple of str
-    law : type
-        Class of the friction law.
-    load : str
+    equations : recorded.Structure
     options : tuple of pairs
-        Fields of the law that are no floats.
-    rubs, kinked, horizontal, products, allow_pulling : bool
-        Whether there is friction, it has a kink at no slip, the table is level, the disk has
-        products of inertia, and a run goes on where the contact pulls.
+        Fields of the friction law that are no floats.
+    kinked, flips : bool
+        Whether friction has a kink at no slip, and slip one direction, in which it changes sign.
+    allow_pulling : bool
+        Whether a run goes on where the contact pulls.
     conditions : tuple of pairs
         Reasons and functions of a state that end a run, too.
     """
 
     form: Form
-    constraints: ConstraintSet
-    law: type[FrictionLaw]
-    load: Load
+    equations: recorded.Structure
     options: tuple[tuple[str, Any], ...]
-    rubs: bool
     kinked: bool
-    horizontal: bool
-    products: bool
+    flips: bool
     allow_pulling: bool
     conditions: tuple[tuple[str, Condition], ...]
 
@@ -87,36 +79,22 @@ class Structure:
                 f"got {type(law).__name__}"
             )
         values = ((name, getattr(law, name)) for name in _names(type(law)))
-        return cls(
-            form=form,
-            constraints=scenario.constraints,
-            law=type(law),
-            load=law.load,
-            options=tuple(pair for pair in values if not isinstance(pair[1], _NUMBERS)),
-            rubs=bool(scenario.rubs),
-            kinked=bool(_has_kink(law)),
-            horizontal=bool(scenario.table.is_horizontal),
-            products=scenario.disk.has_products,
-            allow_pulling=allow_pulling,
-            conditions=tuple(conditions.items()),
+        options = tuple(pair for pair in values if not isinstance(pair[1], _NUMBERS))
+        # The force for each m/s of slip rises or falls from no slip on.
+        little = 1e-6 * law.finest_speed
+        kinked = bool(
+            scenario.rubs and abs(law.per_speed(little) - law.gradient) > 1e-9 * law.gradient
         )
-
-    @property
-    def flips(self) -> bool:
-        """Whether the friction has a kink where a slip in one direction changes its sign."""
-        one = "no-slip-along" in self.constraints or "no-slip-across" in self.constraints
-        return self.rubs and self.kinked and one
+        flips = kinked and any(slip in scenario.constraints for slip in SLIPS)
+        equations = recorded.Structure.of(scenario, EulerTurning)
+        return cls(
+            form, equations, options, kinked, flips, allow_pulling, tuple(conditions.items())
+        )
 
 
 @cache
 def _names(law: type[FrictionLaw]) -> tuple[str, ...]:
     return tuple(field.name for field in fields(law))
-
-
-def _has_kink(law: FrictionLaw) -> bool:
-    """Whether the force for each m/s of slip rises or falls from no slip on."""
-    little = 1e-6 * law.finest_speed
-    return abs(law.per_speed(little) - law.gradient) > 1e-9 * law.gradient
 
 
 def start(scenario: Scenario, form: Form) -> tuple[float, ...]:
@@ -178,9 +156,9 @@ def _symbolic(structure: Structure) -> Any:
     symbols = (heyoka().par[number] for number in count(SPIN))
     spin, turned, *given = islice(symbols, 2 + len(recorded.NUMBERS))
     # A law checks its numbers when it is made, and symbols are none.
-    law = object.__new__(structure.law)
+    law = object.__new__(structure.equations.law)
     options = dict(structure.options)
-    for field in fields(structure.law):
+    for field in fields(structure.equations.law):
         value = options[field.name] if field.name in options else next(symbols)
         object.__setattr__(law, field.name, value)
     return SimpleNamespace(
@@ -246,7 +224,7 @@ def _reduced(structure: Structure, scenario: Any, variables: Sequence[Any]) -> _
     def friction(slip: Any) -> Any:
         slips.append(slip)
         speed = _slip_speed(structure)(0.0, slip)
-        law = f"friction law {structure.law.__name__}"
+        law = f"friction law {structure.equations.law.__name__}"
         return _expressed(law, scenario.friction.per_speed, speed) * slip
 
     *derivatives, force, _ = reduced.formula()(
@@ -254,7 +232,7 @@ def _reduced(structure: Structure, scenario: Any, variables: Sequence[Any]) -> _
         scenario.spin,
         sin=library.sin,
         cos=library.cos,
-        friction=friction if structure.rubs else lambda _: 0.0,
+        friction=friction if structure.equations.load else lambda _: 0.0,
     )(*variables)
     return _Solution(derivatives, [force], slips)
 
@@ -278,13 +256,7 @@ def _index_1(
         feedback.append(added)
         return alone / (1.0 - added)
 
-    code = recorded.formula(
-        structure.constraints,
-        structure.load if structure.rubs else None,
-        horizontal=structure.horizontal,
-        products=structure.products,
-        chart=EulerTurning,
-    )
+    code = recorded.formula(structure.equations)
     try:
         found = code(
             *scenario.numbers,
@@ -296,7 +268,7 @@ def _index_1(
             contact_load=contact_load,
         )(*state)
     except (TypeError, ValueError, AttributeError) as error:
-        raise _unexpressed(f"friction law {structure.law.__name__}", error) from error
+        raise _unexpressed(f"friction law {structure.equations.law.__name__}", error) from error
     told = _symbols(found)
     return _Solution(told[:12], told[12:], slips, *feedback)
 

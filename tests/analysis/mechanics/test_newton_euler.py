@@ -114,12 +114,10 @@ def missing(scenario: Scenario, terms: Callable[..., tuple[Array, ...]]) -> floa
     pressing = max(0.0, forces[0]) if law.load == "contact" else scenario.weight
     # Eq. (3); what is held does not slip.
     free = np.array([way not in scenario.constraints for way in SLIPS])
-    slips = (across @ u * free).tolist()
-    rubbing = np.array(law.force(*slips, pressing)) * free * scenario.rubs
+    along, sideways = (across @ u * free).tolist()
+    rubbing = np.array(law.force(along, sideways, pressing)) * free * scenario.rubs
     left = M @ acceleration - others - W.T @ forces - across.T @ rubbing
-    return float(
-        np.linalg.norm(left) / np.linalg.norm((np.linalg.norm(M * acceleration), *forces))
-    )
+    return float(np.linalg.norm(left) / np.linalg.norm([*(M * acceleration).flat, *forces]))
 
 
 @more_sets

@@ -58,7 +58,7 @@ def test_reduced_acceleration_takes_arrays() -> None:
     directions = np.sin(many[0]), np.cos(many[0]), np.sin(many[1]), np.cos(many[1])
 
     def friction(slips: Array) -> Array:
-        return scenario.friction.per_speed(np.abs(slips)) * slips  # type: ignore[arg-type, no-any-return]
+        return scenario.friction.per_speed(np.abs(slips)) * slips  # type: ignore[arg-type]
 
     found = reduced.acceleration_from(scenario, spin, directions, many[2], friction)
     solve = reduced.solver(scenario, spin)
