@@ -7,7 +7,7 @@ structure share what is compiled.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, partial
 from itertools import count, islice
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -164,7 +164,7 @@ def _symbolic(structure: Structure) -> Any:
     return SimpleNamespace(
         numbers=given,
         disk=recorded.disk_of(given),
-        friction=law,
+        per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed),
         spin=spin,
         alpha=turned + spin * heyoka().time,
     )
@@ -224,8 +224,7 @@ def _reduced(structure: Structure, scenario: Any, variables: Sequence[Any]) -> _
     def friction(slip: Any) -> Any:
         slips.append(slip)
         speed = _slip_speed(structure)(0.0, slip)
-        law = f"friction law {structure.equations.law.__name__}"
-        return _expressed(law, scenario.friction.per_speed, speed) * slip
+        return scenario.per_speed(speed) * slip
 
     *derivatives, force, _ = reduced.formula()(
         *scenario.numbers,
@@ -257,18 +256,15 @@ def _index_1(
         return alone / (1.0 - added)
 
     code = recorded.formula(structure.equations)
-    try:
-        found = code(
-            *scenario.numbers,
-            sin=library.sin,
-            cos=library.cos,
-            speed=noted,
-            per_speed=scenario.friction.per_speed,
-            force=None,
-            contact_load=contact_load,
-        )(*state)
-    except (TypeError, ValueError, AttributeError) as error:
-        raise _unexpressed(f"friction law {structure.equations.law.__name__}", error) from error
+    found = code(
+        *scenario.numbers,
+        sin=library.sin,
+        cos=library.cos,
+        speed=noted,
+        per_speed=scenario.per_speed,
+        force=None,
+        contact_load=contact_load,
+    )(*state)
     told = _symbols(found)
     return _Solution(told[:12], told[12:], slips, *feedback)
 
@@ -294,11 +290,7 @@ def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:
     try:
         return function(argument)
     except (TypeError, ValueError, AttributeError) as error:
-        raise _unexpressed(what, error) from error
-
-
-def _unexpressed(what: str, error: Exception) -> CannotCompileError:
-    return CannotCompileError(
-        f"method 'taylor' cannot express {what} ({error}); it must do with arithmetic and the "
-        "functions of analysis.data.elementary"
-    )
+        raise CannotCompileError(
+            f"method 'taylor' cannot express {what} ({error}); it must do with arithmetic and the "
+            "functions of analysis.data.elementary"
+        ) from error

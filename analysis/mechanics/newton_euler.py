@@ -7,7 +7,7 @@ direction in them: that of a force at a point is the velocity of the point along
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from analysis.data.constraint_set import ConstraintSet
 from analysis.data.quantities import Load
@@ -77,10 +77,15 @@ class IdealContact:
         moving = self.chart.moving(state)
         gravity = self.chart.gravity(moving, self.gravity)
         acceleration = free_acceleration(self.disk, gravity, moving)
-        slips = _Slips.of(self, moving)
+        # The disk slides where it is not held.
+        free = [
+            Direction(NONE, NONE) if name in self.constraints else way
+            for name, way in zip(SLIPS, contact_directions(self.disk, moving.frame), strict=False)
+        ]
+        along, across = (way.along(moving.velocity, moving.angular) for way in free)
         if self.load == "weight":
             weight = self.disk.mass * -self.gravity[2]
-            rubbing = response(self.disk, slips.direction(self.friction(*slips.speeds, weight)))
+            rubbing = response(self.disk, _sum(free, self.friction(along, across, weight)))
             acceleration = together(acceleration, 1.0, rubbing)
         held = directions(self.constraints, self.disk, moving.attitude)
         responses = [response(self.disk, each) for each in held]
@@ -94,15 +99,19 @@ class IdealContact:
         ]
         ways: list[Direction] = []
         if self.load == "contact" and self.is_proportional:
-            ways = [slips.direction(self.friction(*slips.speeds, 1.0))]
+            ways = [_sum(free, self.friction(along, across, 1.0))]
         elif self.load == "contact":
-            ways = [slips.ahead, slips.across]
+            ways = free
         rubbings = [response(self.disk, way) for way in ways]
         sides += [[-each.along(*rubbing) for each in held] for rubbing in rubbings]
         forces, *added = solve(matrix, sides)
-        for size, more, rubbing in zip(
-            self._sizes(forces, added, slips), added, rubbings, strict=True
-        ):
+        # How much there is of each friction that knows the contact force, which it changes.
+        sizes: Sequence[Any] = ()
+        if ways:
+            slips = () if self.is_proportional else (along, across)
+            load = self.contact_load(forces[0], *(each[0] for each in added), *slips)
+            sizes = self.friction(along, across, load) if slips else (load,)
+        for size, more, rubbing in zip(sizes, added, rubbings, strict=True):
             forces = [force + size * each for force, each in zip(forces, more, strict=True)]
             acceleration = together(acceleration, size, rubbing)
         for force, by_force in zip(forces, responses, strict=True):
@@ -120,41 +129,12 @@ class IdealContact:
 
         return rate(held, moving.attitude, moving.rates)
 
-    def _sizes(self, alone: Numbers, added: Sequence[Numbers], slips: "_Slips") -> tuple[Any, ...]:
-        """How much there is of each friction that knows the contact force, which it changes."""
-        if not added:
-            return ()
-        if self.is_proportional:
-            return (self.contact_load(alone[0], added[0][0]),)
-        load = self.contact_load(alone[0], *(each[0] for each in added), *slips.speeds)
-        return self.friction(*slips.speeds, load)
 
-
-class _Slips(NamedTuple):
-    """Directions along and across the edge in which the disk may slip, and its speeds in them."""
-
-    ahead: Direction
-    across: Direction
-    speeds: tuple[Any, Any]
-
-    @classmethod
-    def of(cls, contact: IdealContact, moving: Moving) -> "_Slips":
-        """Slips in this state; the disk slides where it is not held."""
-        found = []
-        for name, way in zip(SLIPS, contact_directions(contact.disk, moving.frame), strict=False):
-            if name in contact.constraints:
-                found.append((Direction(NONE, NONE), 0.0))
-            else:
-                found.append((way, way.along(moving.velocity, moving.angular)))
-        (ahead, along), (across, sideways) = found
-        return cls(ahead, across, (along, sideways))
-
-    def direction(self, force: tuple[Any, Any]) -> Direction:
-        """Direction of a force with these parts along and across the edge."""
-        x, y = force
-        linear = add(scaled(x, self.ahead.linear), scaled(y, self.across.linear))
-        turning = add(scaled(x, self.ahead.turning), scaled(y, self.across.turning))
-        return Direction(linear, turning)
+def _sum(ways: Sequence[Direction], forces: Sequence[Any]) -> Direction:
+    """Direction of forces along two directions together."""
+    (first, second), (x, y) = ways, forces
+    linear = add(scaled(x, first.linear), scaled(y, second.linear))
+    return Direction(linear, add(scaled(x, first.turning), scaled(y, second.turning)))
 
 
 def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vector, Vector]:
