@@ -262,7 +262,6 @@ def _index_1(
         cos=library.cos,
         speed=noted,
         per_speed=scenario.per_speed,
-        force=None,
         contact_load=contact_load,
     )(*state)
     told = _symbols(found)

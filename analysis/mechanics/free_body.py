@@ -17,8 +17,6 @@ from analysis.mechanics.recorder import Recorder, Symbol, call, pair
 Solver = Callable[..., tuple[float, ...]]
 """From the floats of a state to its time derivative and what else follows from it."""
 
-_FUNCTIONS = ("spring", "normal_force", "load", "speed", "per_speed", "force")
-
 
 def free_solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
     """Function from a state in Euler angles, 12 floats, to its derivative and the normal force.
@@ -96,7 +94,7 @@ def _recorded(
     def friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Any, Any]:
         return force(along, across, call("load", normal_force) if is_simple else normal_force)
 
-    recorder = Recorder((), [f"s{number}" for number in range(size)], _FUNCTIONS)
+    recorder = Recorder((), [f"s{number}" for number in range(size)])
     table = YieldingTable(
         disk=scenario.disk,
         rim=scenario.penalty_contact,

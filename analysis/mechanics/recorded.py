@@ -123,7 +123,7 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     results : list
         The derivative and the multipliers, 12 + n.
     """
-    recorder = Recorder(NUMBERS, STATE, ("speed", "per_speed", "force", "contact_load"))
+    recorder = Recorder(NUMBERS, STATE)
     along, across, down = recorder.constants[9:]
     disk: Any = structure.body
     if disk is None:

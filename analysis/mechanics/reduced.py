@@ -28,7 +28,7 @@ def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
         rate of beta. That one returns their time derivatives, Eqs. (102) and (109), the normal
         contact force in N, and the lateral slip in m/s.
     """
-    recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"), ("friction",))
+    recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"))
     *given, spin = recorder.constants
     disk = disk_of(given)
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
