@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import partial
 from math import asin, sin
 from typing import Any
 
@@ -103,13 +102,13 @@ def integrate(
             if code.allow_pulling:
                 for member, each in zip(lanes[some], edges, strict=True):
                     each[:] = times[:1].tolist() if group.pulled[member] else []
-            call = partial(solver.propagate_grid, grid, max_delta_t=longest[some])
-            if watch is None:
-                most = int(group.most[lanes[some]].max())
-                _, samples = call(max_steps=most)
-            else:
-                callback = _interruption(watch, float(times[-1]))
-                _, samples = call(max_steps=watch.steps_left, callback=callback)
+            limit = watch or Watch(most=float(group.most[lanes[some]].max()))
+            _, samples = solver.propagate_grid(
+                grid,
+                max_delta_t=longest[some],
+                max_steps=limit.steps_left,
+                callback=_interruption(limit, float(times[-1])),
+            )
             failed += _take(found, solver, samples, first)
             if code.allow_pulling:
                 for row, each in enumerate(edges[: members.size - first], first):

@@ -18,7 +18,7 @@ from analysis.data.friction import FrictionLaw
 from analysis.data.limits import LEAST_TILT
 from analysis.data.members import Members
 from analysis.data.scenario import Scenario
-from analysis.mechanics import recorded, reduced
+from analysis.mechanics import newton_euler, recorded, reduced
 from analysis.mechanics.attitude import EulerTurning
 from analysis.mechanics.constraints import SLIPS
 from analysis.mechanics.states import paper_of, state_of
@@ -43,7 +43,7 @@ class Structure(NamedTuple):
     ----------
     form : str
         "index-1" or "reduced".
-    equations : recorded.Structure
+    equations : newton_euler.Structure
     options : tuple of pairs
         Fields of the friction law that are no floats.
     kinked, flips : bool
@@ -55,7 +55,7 @@ class Structure(NamedTuple):
     """
 
     form: Form
-    equations: recorded.Structure
+    equations: newton_euler.Structure
     options: tuple[tuple[str, Any], ...]
     kinked: bool
     flips: bool
@@ -86,7 +86,7 @@ class Structure(NamedTuple):
             scenario.rubs and abs(law.per_speed(little) - law.gradient) > 1e-9 * law.gradient
         )
         flips = kinked and any(slip in scenario.constraints for slip in SLIPS)
-        equations = recorded.Structure.of(scenario, EulerTurning)
+        equations = newton_euler.Structure.of(scenario, EulerTurning)
         return cls(
             form, equations, options, kinked, flips, allow_pulling, tuple(conditions.items())
         )

@@ -4,7 +4,7 @@ Nothing is simulated with them. In the co-rotating coordinates, Eqs. (15)-(32),
 
 M(z) z'' - h(z, z') = f + w_N lambda_N + W_T lambda_T with z = (x, y, z, alpha, beta, gamma),
 
-with the constraints (66), (83), (84), (87), (88) on position, velocity and acceleration level.
+with the constraints (66), (83), (84), (87), (88) on position and velocity level.
 
 Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
@@ -158,23 +158,6 @@ def constraint_directions(constraints: ConstraintSet, disk: Body, z: Vector) -> 
         (1.0, 0.0, 0.0, r * cb - y, 0.0, r),
         (0.0, 1.0, 0.0, x, r * sb, 0.0),
         (0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
-    )
-    return np.array([every[row] for row in _rows(constraints)])
-
-
-def constraint_changes(constraints: ConstraintSet, disk: Body, z: Vector, u: Vector) -> Array:
-    """Terms chi = (d/dt W^T) u of the acceleration-level constraints, Eq. (59), shape (n,)."""
-    r, e = disk.radius, disk.eccentricity
-    beta, gamma = z[4], z[5]
-    xd, yd, _, ad, bd, gd = u
-    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    every = (
-        r * sb * bd * bd,
-        -e * cg * gd * gd,
-        -e * (cb * sg * (bd * bd + gd * gd) + 2 * sb * cg * bd * gd),
-        -(r * sb * bd + yd) * ad,
-        xd * ad + r * cb * bd * bd,
-        0.0,
     )
     return np.array([every[row] for row in _rows(constraints)])
 

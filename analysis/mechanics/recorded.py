@@ -4,23 +4,20 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from math import hypot
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from analysis.data import elementary
-from analysis.data.body import Body
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet
-from analysis.data.friction import FrictionLaw, SmoothCoulomb
-from analysis.data.quantities import Load
+from analysis.data.friction import FrictionLaw
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.contact_load import any_contact_load
 from analysis.mechanics.dual import Dual, derivatives, plain, rate
 from analysis.mechanics.free_body import Solver, free_solver, friction_of
-from analysis.mechanics.newton_euler import IdealContact
+from analysis.mechanics.newton_euler import Structure, derivative
 from analysis.mechanics.recorder import Recorder, call
 from analysis.mechanics.states import paper_of, state_of
 from analysis.mechanics.vectors import Numbers
@@ -56,48 +53,6 @@ def disk_of(values: Numbers) -> Any:
     )
 
 
-class Structure(NamedTuple):
-    """What decides which operations are recorded for the ideal contact.
-
-    Parameters
-    ----------
-    constraints : tuple of str
-    load : str, optional
-        What presses the disk on the table where friction acts; None where there is none.
-    law : type
-        Of the friction: whether it is isotropic and in proportion to the load.
-    horizontal : bool
-        Whether the table is level.
-    products : bool
-        Whether the disk has products of inertia.
-    body : Body, optional
-        Other than a round disk; its numbers are recorded in place of those of `NUMBERS`.
-    chart : EulerAngles or EulerTurning
-        What a state holds.
-    """
-
-    constraints: ConstraintSet
-    load: Load | None = None
-    law: type[FrictionLaw] = SmoothCoulomb
-    horizontal: bool = True
-    products: bool = False
-    body: Body | None = None
-    chart: type[EulerAngles] = EulerAngles
-
-    @classmethod
-    def of(cls, scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> "Structure":
-        """That of a scenario, or of `Members` that are alike in it."""
-        return cls(
-            scenario.constraints,
-            scenario.friction.load if scenario.rubs else None,
-            type(scenario.friction),
-            bool(scenario.table.is_horizontal),
-            scenario.disk.has_products,
-            None if scenario.disk.is_round_disk else scenario.disk,
-            chart,
-        )
-
-
 @lru_cache(maxsize=256)
 def formula(structure: Structure) -> Callable[..., Callable[..., tuple[Any, ...]]]:
     """Code of `recording`.
@@ -114,7 +69,7 @@ def formula(structure: Structure) -> Callable[..., Callable[..., tuple[Any, ...]
 
 
 def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
-    """Symbols of `IdealContact.derivative`.
+    """Symbols of `newton_euler.derivative`.
 
     Returns
     -------
@@ -131,19 +86,15 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
         if not structure.products:
             # Zeros take no time in what is recorded.
             disk.products = (0.0, 0.0, 0.0)
-    law = structure.law
-    contact = IdealContact(
-        constraints=structure.constraints,
-        disk=disk,
+    found, multipliers = derivative(
+        structure,
+        disk,
+        recorder.variables,
         gravity=(0.0, 0.0, down) if structure.horizontal else (along, across, down),
-        load=structure.load,
-        is_proportional=law.IS_PROPORTIONAL,
-        friction=friction_of(is_simple=law.force is FrictionLaw.force),
+        friction=friction_of(is_simple=structure.law.force is FrictionLaw.force),
         contact_load=partial(call, "contact_load"),
-        chart=structure.chart,
     )
-    derivative, multipliers = contact.derivative(recorder.variables)
-    return recorder, [*derivative, *multipliers]
+    return recorder, [*found, *multipliers]
 
 
 def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:

@@ -12,7 +12,8 @@ from jinja2 import Environment
 
 from analysis import MODELS, Disk, Scenario, SmoothCoulomb, Start
 from analysis.data.elementary import cos, sin
-from analysis.mechanics.recorded import NUMBERS, STATE, Structure, disk_of, numbers, recording
+from analysis.mechanics.newton_euler import Structure
+from analysis.mechanics.recorded import NUMBERS, STATE, disk_of, numbers, recording
 from analysis.mechanics.recorder import Recorder, Symbol
 from analysis.mechanics.states import paper_of, state_of
 from validation.kit.animation import player
