@@ -277,9 +277,7 @@ class RigidBody(NamedTuple):
     normal_direction: Any
     tangential_directions: Any
     cog: Any
-    """Position of S in the frame of the coordinates."""
-    height: Any
-    """Height of G over the lowest point of the rim."""
+    """Position of S in the frame R."""
 
 
 def parameter_values(disk: Body, table: Table) -> tuple[float, ...]:
@@ -289,11 +287,8 @@ def parameter_values(disk: Body, table: Table) -> tuple[float, ...]:
 
 
 @cache
-def rigid_body(*, rotating: bool) -> RigidBody:
-    """Lagrange's equations from the position of G and the rotation matrix alone.
-
-    G is given in the frame R if `rotating`, in the inertial frame otherwise.
-    """
+def rigid_body() -> RigidBody:
+    """Lagrange's equations from the position of G in the frame R and the rotation matrix alone."""
     parameters = sympy.symbols("m r e A B C", positive=True) + sympy.symbols("D E F", real=True)
     m, r, e, A, B, C, D, E, F = parameters
     inertia = sympy.Matrix([[A, D, E], [D, B, F], [E, F, C]])
@@ -305,8 +300,8 @@ def rigid_body(*, rotating: bool) -> RigidBody:
         terms = (matrix.diff(place) * speed for place, speed in zip(z, u, strict=True))
         return sum(terms, sympy.zeros(*matrix.shape))
 
-    frame = _symbolic_turn(z[3], 2) if rotating else sympy.eye(3)
-    turn = _symbolic_turn(z[3], 2) * _symbolic_turn(z[4], 0) * _symbolic_turn(z[5], 2)
+    frame = _symbolic_turn(z[3], 2)
+    turn = frame * _symbolic_turn(z[4], 0) * _symbolic_turn(z[5], 2)
     centre, to_cog = frame * z[:3, :], sympy.Matrix([e, 0, 0])
     spin = turn.T * rate(turn)
     omega = sympy.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
@@ -333,7 +328,6 @@ def rigid_body(*, rotating: bool) -> RigidBody:
         normal_direction=sympy.Matrix([(centre + arm)[2]]).jacobian(z).T,
         tangential_directions=contact_speed[:2, :].jacobian(u).T,
         cog=frame.T * (centre + turn * to_cog),
-        height=-arm[2],
     )
 
 

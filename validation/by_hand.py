@@ -11,11 +11,12 @@ import numpy as np
 
 from analysis import Form, Scenario
 from analysis.compiled import systems
-from analysis.compiled.code import code_for, kinks
+from analysis.compiled.code import kinks
+from analysis.compiled.ensemble import simulate_compiled
 from analysis.compiled.library import heyoka
-from analysis.compiled.systems import SIGN, Structure
+from analysis.compiled.systems import Structure
 from analysis.data.checks import Array
-from analysis.models.forms import start_values
+from analysis.models.request import Request
 
 
 def single(
@@ -70,7 +71,6 @@ def batches(
 def _pieces(members: Sequence[Scenario], form: Form) -> tuple[systems.System, Array, Array]:
     """Symbols, parameters and starts of members alike in structure."""
     structure = Structure.of(members[0], form, {}, allow_pulling=False)
-    numbers = np.array([systems.parameters(member) for member in members])
-    starts = np.array([start_values(member, form) for member in members])
-    numbers[:, SIGN] = code_for(members[0], form, {}, allow_pulling=False).signs(starts, numbers)
-    return systems.build(structure), numbers, starts
+    once = Request(times=np.array((0.0, 1e-3)), form=form, method="taylor", local_tolerance=1e-9)
+    (part,), _ = simulate_compiled(members, once)
+    return systems.build(structure), part.group.numbers, part.group.starts

@@ -61,6 +61,10 @@ class Code:
         Whether runs go on where the contact pulls.
     reasons : tuple of str
         Why a run may end.
+    size : int
+        Numbers of a state.
+    attitudes : slice
+        Columns of beta and gamma in it.
     """
 
     def __init__(self, structure: Structure, compact: bool) -> None:
@@ -69,6 +73,9 @@ class Code:
         self.form: Form = structure.form
         self.allow_pulling = structure.allow_pulling
         self.reasons = (*self._system.endings, TIME_LIMIT)
+        self.size = len(self._system.variables)
+        self.attitudes = slice(0, 2) if self.form == "reduced" else slice(4, 6)
+        self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
     @contextmanager
@@ -110,31 +117,32 @@ class Code:
         return min(widest, WIDEST_INDEX_1) if self.form == "index-1" else widest
 
     @cached_property
-    def _multipliers(self) -> Any:
-        variables, forces = systems.multipliers(self._structure)
-        return heyoka().cfunc(forces, variables, compact_mode=self._compact)
+    def _readings(self) -> Any:
+        return heyoka().cfunc(
+            self._system.readings, self._system.variables, compact_mode=self._compact
+        )
 
-    def multipliers(self, variables: Array, numbers: Array) -> Array:
-        """Constraint forces of k members at n states each, shape (c, k, n).
+    def readings(self, states: Array, times: Array, numbers: Array) -> tuple[Array, ...]:
+        """What k members are at n states each.
 
         Parameters
         ----------
-        variables : ndarray, shape (12, k, n)
-            States of the index-1 system.
+        states : ndarray, shape (k, n, d)
+        times : ndarray, shape (k, n)
         numbers : ndarray, shape (k, p)
+
+        Returns
+        -------
+        coordinates, rates : ndarray, shape (k, n, 6)
+        multipliers, slips : ndarray, shapes (k, n, c) and (k, n, 0), (k, n, 1) or (k, n, 2)
         """
-        return _values(self._multipliers, variables, numbers)
-
-    @cached_property
-    def _slip(self) -> Any:
-        return heyoka().cfunc([self._system.kink], self._system.variables)
-
-    def signs(self, states: Array, numbers: Array) -> Array:
-        """Signs of a slip in one direction at states, shape (k, d); shape (k,)."""
-        if not self._system.flips:
-            return np.ones(len(states))
-        slips = _values(self._slip, states.T[:, :, None], numbers)
-        return np.where(slips[0, :, 0] < 0.0, -1.0, 1.0)
+        function = self._readings
+        given = np.repeat(numbers[:, : function.nparams].T, times.shape[1], axis=1)
+        columns = np.ascontiguousarray(states.reshape(-1, states.shape[2]).T)
+        found = function(columns, pars=given, time=times.reshape(-1))
+        rows = np.ascontiguousarray(found.T).reshape(*times.shape, -1)
+        held = self._held
+        return rows[..., :6], rows[..., 6:12], rows[..., 12:held], rows[..., held:]
 
 
 def code_for(
@@ -184,29 +192,17 @@ def code_for(
 _code = lru_cache(maxsize=64)(Code)
 
 
-def _values(function: Any, variables: Array, numbers: Array) -> Array:
-    """Values of a compiled function of k members at n states each, shape (c, k, n)."""
-    shape = variables.shape
-    given = np.repeat(numbers[:, : function.nparams].T, shape[2], axis=1)
-    columns = np.ascontiguousarray(variables).reshape(shape[0], -1)
-    found: Array = function(columns, pars=given)
-    return found.reshape(-1, *shape[1:])
-
-
 def kinks(system: System, event: Callable[..., Any]) -> list[Any]:
-    """Event, of heyoka's kind for one run or for batches, that ends a step at friction's kink.
+    """Events, of heyoka's kind for one run or for batches, that end a step at friction's kink.
 
-    A step across it has an error that its size does not show.
+    A step across it, or close by, has an error that its size does not show. Where both slips come
+    close to zero, one of them passes through it no farther from the kink than the kink is off.
     """
-    if system.kink is None:
-        return []
-    directions = heyoka().event_direction
-    turning = directions.any if system.flips else directions.positive
-    return [event(system.kink, callback=_flip, direction=turning)]
+    return [event(slip, callback=_flip) for slip in system.kinks]
 
 
 def _flip(solver: Any, direction: int, *lane: int) -> bool:
-    """Give a slip in one direction the sign it has from now on; the run goes on in a new step."""
+    """Note the sign that a slip has from now on; the run goes on in a new step."""
     if direction != 0:
         solver.pars[(SIGN, *lane)] = direction
     return True

@@ -13,7 +13,7 @@ import numpy as np
 from analysis.compiled import systems
 from analysis.compiled.code import Code, code_for
 from analysis.compiled.runs import Group, integrate
-from analysis.compiled.systems import SIGN, SPIN
+from analysis.compiled.systems import SIGN
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble, one_by_one
 from analysis.data.files import AnyArray
@@ -22,9 +22,7 @@ from analysis.data.samples import Samples, blocks
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Watch
-from analysis.mechanics import reduced
-from analysis.mechanics.states import paper_arrays, state_of
-from analysis.models.forms import check_form, default_form, pose, start_values
+from analysis.models.forms import check_form, default_form, pose
 from analysis.models.request import Request, trajectory
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import pulls_at_start
@@ -96,31 +94,15 @@ class CompiledPart:
         found: AnyArray = names[self.runs.reasons]
         return found
 
-    def kinematics(self, some: slice) -> Samples:
-        """Samples of some at the times asked for, and at their ends, without forces."""
-        return self._sampled(some)[0]
-
     def samples(self, some: slice) -> Samples:
-        """The same with constraint forces."""
-        found, states = self._sampled(some)
-        group = self.group.part(some)
-        variables = states.transpose(2, 0, 1)
-        if group.code.form == "reduced":
-            z, u = (each.transpose(2, 0, 1) for each in (found.coordinates, found.rates))
-            variables = np.stack(state_of(group.disk, z, u))
-        forces = group.code.multipliers(variables, group.numbers)
-        return replace(found, multipliers=forces.transpose(1, 2, 0))
-
-    def _sampled(self, some: slice) -> tuple[Samples, Array]:
-        """Samples of some without forces, and the states that they come from."""
-        runs, ends = self.runs, self.ends[some, None]
-        times = np.append(self.times, np.inf)
+        """Samples of some at the times asked for, and at their ends."""
+        runs, group = self.runs, self.group.part(some)
+        times, ends = np.append(self.times, np.inf), self.ends[some, None]
         states = np.append(runs.states[some], runs.last[some, None], axis=1)
-        behind = times > ends
-        states[behind] = np.repeat(runs.last[some], behind.sum(axis=1), axis=0)
+        states = np.where((times > ends)[..., None], runs.last[some, None], states)
         times = np.minimum(times, ends)
-        found = self._expanded(self.group.part(some), times, states)
-        return Samples(times, *found, np.empty((*times.shape, 0))), states
+        coordinates, rates, forces, _ = group.code.readings(states, times, group.numbers)
+        return Samples(times, coordinates, rates, forces)
 
     def trajectory(self, row: int) -> Trajectory:
         """Motion of one of them."""
@@ -153,14 +135,6 @@ class CompiledPart:
             watch=self.watch,
             seconds=self.seconds,
         )
-
-    def _expanded(self, group: Group, times: Array, states: Array) -> tuple[Array, Array]:
-        """Coordinates and rates, each shape (k, n, 6), of members at times, shape (k, n)."""
-        if group.code.form == "index-1":
-            return paper_arrays(group.disk, states)
-        spin = group.numbers[:, None, SPIN]
-        alpha = group.states[:, None, 3] + spin * (times - self.times[0])
-        return reduced.expand(group.disk, spin, alpha, states)
 
 
 def simulate_compiled(
@@ -197,7 +171,7 @@ def simulate_compiled(
     parts = []
     for code, pieces in groups.items():
         rows, array = (np.concatenate(each) for each in zip(*pieces, strict=True))
-        group = _group(code, array)
+        group = _group(code, array, float(request.times[0]))
         refused = {} if code.allow_pulling else _refused(group, scenarios, rows)
         if refused:
             left = _without(refused, rows.size)
@@ -234,17 +208,17 @@ def _columns(request: Request, scenario: Scenario) -> Columns:
     code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
     check_form(scenario, form)
     effort = request.effort(scenario, "taylor")
-    start, numbers = start_values(scenario, "index-1"), systems.parameters(scenario)
-    return code, (*start, *numbers, longest_step(scenario), effort.most)
+    numbers = systems.parameters(scenario, float(request.times[0]))
+    start = systems.start(scenario, form)
+    return code, (longest_step(scenario), effort.most, *numbers, *start)
 
 
-def _group(code: Code, array: Array) -> Group:
-    """Members with these starts, parameters, longest steps and most steps, shape (m, 14 + p)."""
-    states, numbers = array[:, :12], array[:, 12:-2]
-    forces = code.multipliers(states.T[:, :, None], numbers)[0, :, 0]
-    group = Group(code, states, numbers, array[:, -2], array[:, -1], ~(forces >= 0.0))
-    numbers[:, SIGN] = code.signs(group.starts, numbers)
-    return group
+def _group(code: Code, array: Array, begin: float) -> Group:
+    """Members with these longest and most steps, parameters and starts, shape (m, 2 + p + d)."""
+    numbers, starts = array[:, 2 : -code.size], array[:, -code.size :]
+    _, _, forces, slips = code.readings(starts[:, None], np.full((len(array), 1), begin), numbers)
+    numbers[:, SIGN] = np.where(slips[:, 0].sum(axis=1) < 0.0, -1.0, 1.0)
+    return Group(code, starts, numbers, array[:, 0], array[:, 1], ~(forces[:, 0, 0] >= 0.0))
 
 
 def _refused(group: Group, scenarios: Scenarios, rows: Rows) -> dict[int, Exception]:
@@ -274,9 +248,12 @@ def _run(
         return found
 
     def estimated(fine: Runs, coarse: Runs, some: Rows) -> Array:
-        return estimated_errors(
-            fine, coarse, group.attitudes, lambda runs: group.attitude_rates(some, runs.last)
-        )
+        def rates(runs: Runs) -> Array:
+            told = group.code.readings(runs.last[:, None], runs.ends[:, None], group.numbers[some])
+            return told[1][:, 0, 4:]
+
+        columns = group.code.attitudes
+        return estimated_errors(fine, coarse, lambda states: states[..., columns], rates)
 
     rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
     runs, failures = agree(run, estimated, len(group), tolerance, rungs, method="taylor")

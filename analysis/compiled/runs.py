@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import partial
 from math import asin, sin
 from typing import Any
 
@@ -10,18 +9,14 @@ import numpy as np
 
 from analysis.compiled.code import Code
 from analysis.compiled.library import heyoka
-from analysis.compiled.systems import ALIVE, REASON, SINGULAR, SPIN, WHEN
+from analysis.compiled.systems import ALIVE, REASON, SINGULAR, WHEN
 from analysis.data.checks import Array
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.files import AnyArray
 from analysis.data.members import Rows
 from analysis.data.watch import Watch
-from analysis.mechanics import recorded
 from analysis.solve.lookout import intervals
 from analysis.solve.to_tolerance import Runs
-
-_REDUCED = [4, 5, 10]
-"""Columns of beta, gamma and the rate of beta in a state of the index-1 system."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,8 +26,8 @@ class Group:
     Parameters
     ----------
     code : Code
-    states : ndarray, shape (m, 12)
-        Of the index-1 system at the start.
+    starts : ndarray, shape (m, d)
+        States at the start.
     numbers : ndarray, shape (m, p)
         Parameters of the code.
     longest : ndarray, shape (m,)
@@ -44,41 +39,19 @@ class Group:
     """
 
     code: Code
-    states: Array
+    starts: Array
     numbers: Array
     longest: Array
     most: Array
     pulled: AnyArray
 
     def __len__(self) -> int:
-        return len(self.states)
+        return len(self.starts)
 
     def part(self, rows: Rows | slice) -> "Group":
         """Some of the members."""
         arrays = (getattr(self, field.name)[rows] for field in fields(self)[1:])
         return Group(self.code, *arrays)
-
-    @property
-    def starts(self) -> Array:
-        """States of the form that is run at the start, shape (m, d)."""
-        return self.states if self.code.form == "index-1" else self.states[:, _REDUCED]
-
-    @property
-    def disk(self) -> Any:
-        """The disk, with an array of shape (m, 1) for each number, or a number for one member."""
-        numbers = self.numbers[:, SPIN + 1 :]
-        return recorded.disk_of(numbers.T[:, :, None] if len(self) > 1 else numbers[0].tolist())
-
-    def attitudes(self, states: Array) -> Array:
-        """Angles beta and gamma of states, shape (..., d); shape (..., 2)."""
-        first = _REDUCED[0] if self.code.form == "index-1" else 0
-        return states[..., first : first + 2]
-
-    def attitude_rates(self, members: Rows, states: Array) -> Array:
-        """Their rates at one state of each of k members, shape (k, d); shape (k, 2)."""
-        if self.code.form == "index-1":
-            return states[:, 10:12]
-        return np.column_stack((states[:, 2], -self.numbers[members, SPIN] * np.cos(states[:, 0])))
 
 
 def integrate(
@@ -129,13 +102,13 @@ def integrate(
             if code.allow_pulling:
                 for member, each in zip(lanes[some], edges, strict=True):
                     each[:] = times[:1].tolist() if group.pulled[member] else []
-            call = partial(solver.propagate_grid, grid, max_delta_t=longest[some])
-            if watch is None:
-                most = int(group.most[lanes[some]].max())
-                _, samples = call(max_steps=most)
-            else:
-                callback = _interruption(watch, float(times[-1]))
-                _, samples = call(max_steps=watch.steps_left, callback=callback)
+            limit = watch or Watch(most=float(group.most[lanes[some]].max()))
+            _, samples = solver.propagate_grid(
+                grid,
+                max_delta_t=longest[some],
+                max_steps=limit.steps_left,
+                callback=_interruption(limit, float(times[-1])),
+            )
             failed += _take(found, solver, samples, first)
             if code.allow_pulling:
                 for row, each in enumerate(edges[: members.size - first], first):
@@ -199,7 +172,7 @@ def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | 
     found.states[:] = np.nan
     found.last[:] = np.nan
     if outcome == kinds.step_limit:
-        watch.flattest = (moment, asin(min(1.0, sin(group.attitudes(state)[0]))))
+        watch.flattest = (moment, asin(min(1.0, sin(state[group.code.attitudes][0]))))
         return watch.given_up("taylor")
     return ArithmeticError(f"taylor stopped after t = {moment:g} s: {why}")
 

@@ -51,11 +51,14 @@ class EulerAngles:
     A state holds the position of S, the angles, the velocity of S and the rates of the angles.
     """
 
+    HOLDS_RATES = True
+
     @classmethod
     def moving(cls, state: Numbers) -> Moving:
         """A state of 12 numbers taken apart."""
         position, angles, velocity, turning = (tuple(state[k : k + 3]) for k in (0, 3, 6, 9))
-        rates, angular = cls.rates(angles, turning), cls.angular(angles, turning)
+        rates = cls.rates(angles, turning)
+        angular = cls.angular_velocity(angles, rates) if cls.HOLDS_RATES else turning
         return Moving(position, angles, rates, velocity, angular, cls.frame(angles), rates[0])
 
     @classmethod
@@ -65,26 +68,29 @@ class EulerAngles:
         u, v, w = moving.velocity
         place = u + moving.spin * y, v - moving.spin * x, w
         linear, change = acceleration
-        return [*place, *moving.rates, *linear, *cls.changes(moving, change)]
-
-    @staticmethod
-    def rates(_: Numbers, turning: Numbers) -> Vector:
-        """Rates of the angles, from the last three numbers of a state."""
-        return turning[0], turning[1], turning[2]
+        turning = cls._changes(moving, change) if cls.HOLDS_RATES else change
+        return [*place, *moving.rates, *linear, *turning]
 
     @classmethod
-    def angular(cls, angles: Numbers, turning: Numbers) -> Vector:
-        """Angular velocity in axes of the body, from the last three numbers of a state."""
-        return cls.angular_velocity(angles, turning)
+    def rates(cls, angles: Numbers, turning: Numbers) -> Vector:
+        """Rates of the angles, from the last three numbers of a state."""
+        p, q, s = turning
+        if cls.HOLDS_RATES:
+            return p, q, s
+        _, beta, gamma = angles
+        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+        spin = (sg * p + cg * q) / sb
+        return spin, cg * p - sg * q, s - cb * spin
 
-    @staticmethod
-    def turning_of(_: Numbers, rates: Numbers) -> Vector:
+    @classmethod
+    def turning_of(cls, angles: Numbers, rates: Numbers) -> Vector:
         """The last three numbers of a state, from the rates of the angles."""
-        return rates[0], rates[1], rates[2]
+        p, q, s = rates
+        return (p, q, s) if cls.HOLDS_RATES else cls.angular_velocity(angles, rates)
 
     @staticmethod
-    def changes(moving: Moving, change: Vector) -> Vector:
-        """Changes of the last three numbers of a state, from that of the angular velocity."""
+    def _changes(moving: Moving, change: Vector) -> Vector:
+        """Second derivatives of the angles, from the change of the angular velocity."""
         (_, beta, gamma), (spin, tilting, rolling) = moving.attitude, moving.rates
         p, q, s = change
         sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
@@ -136,29 +142,7 @@ class EulerTurning(EulerAngles):
     bounds. Elsewhere it changes faster than they do.
     """
 
-    @staticmethod
-    def rates(angles: Numbers, turning: Numbers) -> Vector:
-        """Rates of the angles, from the last three numbers of a state."""
-        _, beta, gamma = angles
-        p, q, s = turning
-        sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
-        spin = (sg * p + cg * q) / sb
-        return spin, cg * p - sg * q, s - cb * spin
-
-    @classmethod
-    def angular(cls, _: Numbers, turning: Numbers) -> Vector:
-        """Angular velocity in axes of the body, from the last three numbers of a state."""
-        return turning[0], turning[1], turning[2]
-
-    @staticmethod
-    def turning_of(angles: Numbers, rates: Numbers) -> Vector:
-        """The last three numbers of a state, from the rates of the angles."""
-        return EulerAngles.angular_velocity(angles, rates)
-
-    @staticmethod
-    def changes(_: Moving, change: Vector) -> Vector:
-        """Changes of the last three numbers of a state, from that of the angular velocity."""
-        return change
+    HOLDS_RATES = False
 
 
 class Quaternion:

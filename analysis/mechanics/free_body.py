@@ -10,13 +10,12 @@ import numpy as np
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import EulerAngles, Quaternion
+from analysis.mechanics.newton_euler import Friction
 from analysis.mechanics.penalty import READINGS, YieldingTable
 from analysis.mechanics.recorder import Recorder, Symbol, call, pair
 
 Solver = Callable[..., tuple[float, ...]]
 """From the floats of a state to its time derivative and what else follows from it."""
-
-_FUNCTIONS = ("spring", "normal_force", "load", "speed", "per_speed", "force")
 
 
 def free_solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
@@ -89,13 +88,19 @@ def _recorded(
     results: Callable[[YieldingTable, list[Symbol]], list[Any]],
 ) -> Solver:
     """Code of results from a state of this size, with the numbers of a scenario in it."""
-    recorder = Recorder((), [f"s{number}" for number in range(size)], _FUNCTIONS)
+    is_simple = scenario.friction.is_simple
+    force = friction_of(is_simple=is_simple)
+
+    def friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Any, Any]:
+        return force(along, across, call("load", normal_force) if is_simple else normal_force)
+
+    recorder = Recorder((), [f"s{number}" for number in range(size)])
     table = YieldingTable(
         disk=scenario.disk,
         rim=scenario.penalty_contact,
         gravity=scenario.table.vector,
         dissipation=scenario.dissipation,
-        friction=_friction if scenario.friction.is_simple else _any_friction,
+        friction=friction,
         **{name: partial(call, name) for name in ("spring", "normal_force", "speed")},
     )
     code = recorder.code(results(table, recorder.variables))
@@ -103,13 +108,14 @@ def _recorded(
     return solver
 
 
-def _friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Symbol, Symbol]:
-    factor = -(call("load", normal_force) * call("per_speed", call("speed", along, across)))
-    return factor * along, factor * across
+def friction_of(*, is_simple: bool) -> Friction:
+    """Symbols of friction; a law that is not isotropic and in proportion is called as it is."""
 
+    def simple(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        factor = -(call("per_speed", call("speed", along, across)) * load)
+        return factor * along, factor * across
 
-def _any_friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Symbol, Symbol]:
-    return pair("force", along, across, normal_force)
+    return simple if is_simple else partial(pair, "force")
 
 
 def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:

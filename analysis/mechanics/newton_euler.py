@@ -6,11 +6,13 @@ direction in them: that of a force at a point is the velocity of the point along
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from analysis.data.body import Body
 from analysis.data.constraint_set import ConstraintSet
+from analysis.data.friction import FrictionLaw, SmoothCoulomb
 from analysis.data.quantities import Load
+from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import (
     SLIPS,
@@ -27,143 +29,141 @@ Friction = Callable[[Any, Any, Any], tuple[Any, Any]]
 held is the float 0.0."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IdealContact:
-    """Equations of a body on the ideal contact, in numbers of any kind.
+class Structure(NamedTuple):
+    """What decides which equations a body on the ideal contact has.
 
     Parameters
     ----------
     constraints : tuple of str
-    disk : Body
-        Or, of a round disk, what has its mass, radius, eccentricity, `inertia_about_cog` and
-        `products`.
-    gravity : tuple of 3 numbers
-        In m/s², in axes of the table; the first two are the float 0.0 if it is level.
     load : str, optional
         What presses the disk on the table where friction acts; None where there is none.
-    is_proportional : bool
-        Whether friction is in proportion to the load.
+    law : type
+        Of the friction: whether it is isotropic and in proportion to the load.
+    horizontal : bool
+        Whether the table is level.
+    products : bool
+        Whether the disk has products of inertia.
+    body : Body, optional
+        Other than a round disk; its numbers are no constants of what is recorded.
+    chart : EulerAngles or EulerTurning
+        What a state holds.
+    """
+
+    constraints: ConstraintSet
+    load: Load | None = None
+    law: type[FrictionLaw] = SmoothCoulomb
+    horizontal: bool = True
+    products: bool = False
+    body: Body | None = None
+    chart: type[EulerAngles] = EulerAngles
+
+    @classmethod
+    def of(cls, scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> "Structure":
+        """That of a scenario, or of `Members` that are alike in it."""
+        return cls(
+            scenario.constraints,
+            scenario.friction.load if scenario.rubs else None,
+            type(scenario.friction),
+            bool(scenario.table.is_horizontal),
+            scenario.disk.has_products,
+            None if scenario.disk.is_round_disk else scenario.disk,
+            chart,
+        )
+
+
+def derivative(
+    structure: Structure,
+    disk: Any,
+    state: Numbers,
+    *,
+    gravity: Vector,
+    friction: Friction,
+    contact_load: Callable[..., Any],
+) -> tuple[list[Any], list[Any]]:
+    """Time derivative of a state of a body on the ideal contact, and the multipliers.
+
+    They solve the systems of index 1, with all constraints on acceleration level: Eq. (80),
+    Eq. (79) if friction takes the contact force as its load, Eq. (92) for the further
+    constraints.
+
+    Parameters
+    ----------
+    structure : Structure
+    disk : Body
+        Or, of a round disk, what has its mass, radius, eccentricity, `inertia_about_cog` and
+        `products`, of any kind.
+    state : sequence of 12 numbers
+        See `states`.
+    gravity : tuple of 3 numbers
+        In m/s², in axes of the table; the first two are the float 0.0 if it is level.
     friction : callable
         See `Friction`.
     contact_load : callable
         Load in N, from the normal force without friction and what each newton of load adds to it
         through friction; where that is not in proportion to the load, from what each newton of
         friction along and across the edge adds to it, and the two slips.
-    chart : EulerAngles or EulerTurning
-        What a state holds.
     """
-
-    constraints: ConstraintSet
-    disk: Any
-    gravity: Vector
-    load: Load | None
-    is_proportional: bool
-    friction: Friction
-    contact_load: Callable[..., Any]
-    chart: type[EulerAngles] = EulerAngles
-
-    def derivative(self, state: Numbers) -> tuple[list[Any], list[Any], Any]:
-        """Time derivative of a state, 12 numbers, the multipliers, and `_slowing`.
-
-        They solve the systems of index 1, with all constraints on acceleration level: Eq. (80),
-        Eq. (79) if friction takes the contact force as its load, Eq. (92) for the further
-        constraints.
-
-        Parameters
-        ----------
-        state : sequence of 12 numbers
-            See `states`.
-        """
-        moving = self.chart.moving(state)
-        gravity = self.chart.gravity(moving, self.gravity)
-        acceleration = free_acceleration(self.disk, gravity, moving)
-        slips = _Slips.of(self, moving)
-        if self.load == "weight":
-            weight = self.disk.mass * -self.gravity[2]
-            rubbing = response(self.disk, slips.direction(self.friction(*slips.speeds, weight)))
-            acceleration = together(acceleration, 1.0, rubbing)
-        held = directions(self.constraints, self.disk, moving.attitude)
-        responses = [response(self.disk, each) for each in held]
-        matrix = [[each.along(*other) for other in responses] for each in held]
-        changes = self._changes(self.constraints, moving)
-        sides = [
-            [
-                -(each.along(*acceleration) + change)
-                for each, change in zip(held, changes, strict=True)
-            ],
-        ]
-        ways: list[Direction] = []
-        if self.load == "contact" and self.is_proportional:
-            ways = [slips.direction(self.friction(*slips.speeds, 1.0))]
-        elif self.load == "contact":
-            ways = [slips.ahead, slips.across]
-        rubbings = [response(self.disk, way) for way in ways]
-        sides += [[-each.along(*rubbing) for each in held] for rubbing in rubbings]
-        forces, *added = solve(matrix, sides)
-        for size, more, rubbing in zip(
-            self._sizes(forces, added, slips), added, rubbings, strict=True
-        ):
-            forces = [force + size * each for force, each in zip(forces, more, strict=True)]
-            acceleration = together(acceleration, size, rubbing)
-        for force, by_force in zip(forces, responses, strict=True):
-            acceleration = together(acceleration, force, by_force)
-        multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
-        derivative = self.chart.derivative(moving, acceleration)
-        return derivative, multipliers, self._slowing(moving, acceleration)
-
-    def _changes(self, constraints: ConstraintSet, moving: Moving) -> list[Any]:
-        """Changes of what constraints hold, by the turning of their directions alone."""
-
-        def held(angles: Numbers) -> list[Any]:
-            every = directions(constraints, self.disk, angles)
-            # One with a scale keeps the spin what it is.
-            return [dot(each.turning, moving.angular) - each.scale * moving.spin for each in every]
-
-        return rate(held, moving.attitude, moving.rates)
-
-    def _slowing(self, moving: Moving, acceleration: tuple[Vector, Vector]) -> Any:
-        """Half the rate of the squared slip speed, which is zero where the slip is least."""
-        ways = directions(SLIPS, self.disk, moving.attitude)
-        slips = [way.along(moving.velocity, moving.angular) for way in ways]
-        turned = self._changes(SLIPS, moving)
-        rates = [way.along(*acceleration) + each for way, each in zip(ways, turned, strict=True)]
-        return slips[0] * rates[0] + slips[1] * rates[1]
-
-    def _sizes(self, alone: Numbers, added: Sequence[Numbers], slips: "_Slips") -> tuple[Any, ...]:
-        """How much there is of each friction that knows the contact force, which it changes."""
-        if not added:
-            return ()
-        if self.is_proportional:
-            return (self.contact_load(alone[0], added[0][0]),)
-        load = self.contact_load(alone[0], *(each[0] for each in added), *slips.speeds)
-        return self.friction(*slips.speeds, load)
+    moving = structure.chart.moving(state)
+    acceleration = free_acceleration(disk, structure.chart.gravity(moving, gravity), moving)
+    # The disk slides where it is not held.
+    free = [
+        Direction(NONE, NONE) if name in structure.constraints else way
+        for name, way in zip(SLIPS, contact_directions(disk, moving.frame), strict=False)
+    ]
+    along, across = (way.along(moving.velocity, moving.angular) for way in free)
+    if structure.load == "weight":
+        weight = disk.mass * -gravity[2]
+        rubbing = response(disk, _sum(free, friction(along, across, weight)))
+        acceleration = together(acceleration, 1.0, rubbing)
+    held = directions(structure.constraints, disk, moving.attitude)
+    responses = [response(disk, each) for each in held]
+    matrix = [[each.along(*other) for other in responses] for each in held]
+    changes = _changes(structure.constraints, disk, moving)
+    sides = [
+        [
+            -(each.along(*acceleration) + change)
+            for each, change in zip(held, changes, strict=True)
+        ],
+    ]
+    ways: list[Direction] = []
+    if structure.load == "contact" and structure.law.IS_PROPORTIONAL:
+        ways = [_sum(free, friction(along, across, 1.0))]
+    elif structure.load == "contact":
+        ways = free
+    rubbings = [response(disk, way) for way in ways]
+    sides += [[-each.along(*rubbing) for each in held] for rubbing in rubbings]
+    forces, *added = solve(matrix, sides)
+    # How much there is of each friction that knows the contact force, which it changes.
+    sizes: Sequence[Any] = ()
+    if ways:
+        slips = () if structure.law.IS_PROPORTIONAL else (along, across)
+        load = contact_load(forces[0], *(each[0] for each in added), *slips)
+        sizes = friction(along, across, load) if slips else (load,)
+    for size, more, rubbing in zip(sizes, added, rubbings, strict=True):
+        forces = [force + size * each for force, each in zip(forces, more, strict=True)]
+        acceleration = together(acceleration, size, rubbing)
+    for force, by_force in zip(forces, responses, strict=True):
+        acceleration = together(acceleration, force, by_force)
+    multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
+    return structure.chart.derivative(moving, acceleration), multipliers
 
 
-class _Slips(NamedTuple):
-    """Directions along and across the edge in which the disk may slip, and its speeds in them."""
+def _changes(constraints: ConstraintSet, disk: Any, moving: Moving) -> list[Any]:
+    """Changes of what constraints hold, by the turning of their directions alone."""
 
-    ahead: Direction
-    across: Direction
-    speeds: tuple[Any, Any]
+    def held(angles: Numbers) -> list[Any]:
+        every = directions(constraints, disk, angles)
+        # One with a scale keeps the spin what it is.
+        return [dot(each.turning, moving.angular) - each.scale * moving.spin for each in every]
 
-    @classmethod
-    def of(cls, contact: IdealContact, moving: Moving) -> "_Slips":
-        """Slips in this state; the disk slides where it is not held."""
-        found = []
-        for name, way in zip(SLIPS, contact_directions(contact.disk, moving.frame), strict=False):
-            if name in contact.constraints:
-                found.append((Direction(NONE, NONE), 0.0))
-            else:
-                found.append((way, way.along(moving.velocity, moving.angular)))
-        (ahead, along), (across, sideways) = found
-        return cls(ahead, across, (along, sideways))
+    return rate(held, moving.attitude, moving.rates)
 
-    def direction(self, force: tuple[Any, Any]) -> Direction:
-        """Direction of a force with these parts along and across the edge."""
-        x, y = force
-        linear = add(scaled(x, self.ahead.linear), scaled(y, self.across.linear))
-        turning = add(scaled(x, self.ahead.turning), scaled(y, self.across.turning))
-        return Direction(linear, turning)
+
+def _sum(ways: Sequence[Direction], forces: Sequence[Any]) -> Direction:
+    """Direction of forces along two directions together."""
+    (first, second), (x, y) = ways, forces
+    linear = add(scaled(x, first.linear), scaled(y, second.linear))
+    return Direction(linear, add(scaled(x, first.turning), scaled(y, second.turning)))
 
 
 def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vector, Vector]:

@@ -61,7 +61,7 @@ class YieldingTable:
     disk : Body
     rim : PenaltyContact
     gravity : tuple of 3 numbers
-        See `newton_euler.IdealContact`.
+        In m/s², in axes of the table.
     dissipation : Dissipation
     spring : callable
         Force of the spring in N from the gap.

@@ -9,19 +9,16 @@ from typing import Any
 import numpy as np
 
 from analysis.data import elementary
-from analysis.data.body import Body
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet
 from analysis.data.friction import FrictionLaw
-from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
 from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.contact_load import any_contact_load
 from analysis.mechanics.dual import Dual, derivatives, plain, rate
-from analysis.mechanics.free_body import Solver, free_solver
-from analysis.mechanics.newton_euler import IdealContact
-from analysis.mechanics.recorder import Recorder, call, pair
+from analysis.mechanics.free_body import Solver, free_solver, friction_of
+from analysis.mechanics.newton_euler import Structure, derivative
+from analysis.mechanics.recorder import Recorder, call
 from analysis.mechanics.states import paper_of, state_of
 from analysis.mechanics.vectors import Numbers
 
@@ -34,8 +31,6 @@ NUMBERS = (
     *(f"gravity_{axis}" for axis in "xyz"),
 )
 """Names of what code is bound to: the disk, with its inertia about S, and gravity on the table."""
-
-_FUNCTIONS = ("speed", "per_speed", "force", "contact_load")
 
 
 def numbers(scenario: Any) -> tuple[Any, ...]:
@@ -59,8 +54,8 @@ def disk_of(values: Numbers) -> Any:
 
 
 @lru_cache(maxsize=256)
-def formula(*structure: Any, **more: Any) -> Callable[..., Callable[..., tuple[Any, ...]]]:
-    """Code of `recording`, whose parameters these are.
+def formula(structure: Structure) -> Callable[..., Callable[..., tuple[Any, ...]]]:
+    """Code of `recording`.
 
     Returns
     -------
@@ -69,78 +64,37 @@ def formula(*structure: Any, **more: Any) -> Callable[..., Callable[..., tuple[A
         and `cos` of these kinds of numbers, to a function of the 12 numbers of a state; that one
         returns the results.
     """
-    recorder, results = recording(*structure, **more)
+    recorder, results = recording(structure)
     return recorder.code(results)
 
 
-def recording(
-    held: ConstraintSet,
-    load: Load | None,
-    *,
-    horizontal: bool,
-    law: type[FrictionLaw] = FrictionLaw,
-    products: bool = False,
-    body: Body | None = None,
-    slowing: bool = False,
-    chart: type[EulerAngles] = EulerAngles,
-) -> tuple[Recorder, list[Any]]:
-    """Symbols of `IdealContact.derivative` for a structure.
-
-    Parameters
-    ----------
-    held : tuple of str
-        Constraints.
-    load : str, optional
-        What presses the disk on the table where friction acts; None where there is none.
-    horizontal : bool
-        Whether the table is level.
-    law : type
-        Of the friction: whether it is isotropic and in proportion to the load.
-    products : bool
-        Whether the disk has products of inertia.
-    body : Body, optional
-        Other than a round disk; its numbers are recorded in place of those of `NUMBERS`.
-    slowing : bool
-        Whether half the rate of the squared slip speed is told, too.
-    chart : EulerAngles or EulerTurning
-        What a state holds.
+def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
+    """Symbols of `newton_euler.derivative`.
 
     Returns
     -------
     recorder : Recorder
         With `NUMBERS` as constants and `STATE` as variables.
     results : list
-        The derivative and the multipliers, 12 + n, and what `slowing` asks for.
+        The derivative and the multipliers, 12 + n.
     """
-    recorder = Recorder(NUMBERS, STATE, _FUNCTIONS)
+    recorder = Recorder(NUMBERS, STATE)
     along, across, down = recorder.constants[9:]
-    disk: Any = body
-    if body is None:
+    disk: Any = structure.body
+    if disk is None:
         disk = disk_of(recorder.constants)
-        if not products:
+        if not structure.products:
             # Zeros take no time in what is recorded.
             disk.products = (0.0, 0.0, 0.0)
-    contact = IdealContact(
-        constraints=held,
-        disk=disk,
-        gravity=(0.0, 0.0, down) if horizontal else (along, across, down),
-        load=load,
-        is_proportional=law.IS_PROPORTIONAL,
-        friction=_friction if law.force is FrictionLaw.force else _any_friction,
+    found, multipliers = derivative(
+        structure,
+        disk,
+        recorder.variables,
+        gravity=(0.0, 0.0, down) if structure.horizontal else (along, across, down),
+        friction=friction_of(is_simple=structure.law.force is FrictionLaw.force),
         contact_load=partial(call, "contact_load"),
-        chart=chart,
     )
-    derivative, multipliers, slower = contact.derivative(recorder.variables)
-    return recorder, [*derivative, *multipliers, *([slower] if slowing else [])]
-
-
-def _friction(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
-    factor = -(call("per_speed", call("speed", along, across)) * load)
-    return factor * along, factor * across
-
-
-def _any_friction(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
-    return pair("force", along, across, load)
+    return recorder, [*found, *multipliers]
 
 
 def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
@@ -209,15 +163,9 @@ def _bound(
     """Code of a scenario, which is named where it cannot be run."""
     law = scenario.friction
     contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
-    code = formula(
-        scenario.constraints,
-        law.load if scenario.rubs else None,
-        horizontal=bool(scenario.table.is_horizontal),
-        law=type(law),
-        products=scenario.disk.has_products,
-        body=None if scenario.disk.is_round_disk else scenario.disk,
-        chart=chart,  # type: ignore[arg-type] # a class can be hashed
-    )(*numbers(scenario), force=law.force, contact_load=contact_load, **functions)
+    code = formula(Structure.of(scenario, chart))(
+        *numbers(scenario), force=law.force, contact_load=contact_load, **functions
+    )
 
     def solve(*state: Any) -> tuple[Any, ...]:
         try:

@@ -13,6 +13,8 @@ from typing import Any
 
 from analysis.data import elementary
 
+_USUAL = {"sin": sin, "cos": cos, "sqrt": sqrt}
+
 
 class Recorder:
     """Keeps what is done with its symbols.
@@ -21,14 +23,10 @@ class Recorder:
     ----------
     constants, variables : sequence of str
         Names of what is known beforehand and of what comes with each call; symbols from then on.
-    functions : sequence of str
-        Names of those of `call` beside sine, cosine and square root.
     """
 
-    def __init__(
-        self, constants: Sequence[str], variables: Sequence[str], functions: Sequence[str] = ()
-    ) -> None:
-        self._functions = functions
+    def __init__(self, constants: Sequence[str], variables: Sequence[str]) -> None:
+        self.functions = dict.fromkeys(_USUAL)
         self.constants = [Symbol(self, name, fixed=True) for name in constants]
         self.variables = [Symbol(self, name, fixed=False) for name in variables]
         self._kept: dict[str, Symbol] = {}
@@ -66,17 +64,11 @@ class Recorder:
     def source(self, results: Sequence[Any]) -> str:
         """Source of a function `bind` in Python, as `code` returns it."""
         before, body = self._statements(results)
-        arguments = [
-            *map(str, self.constants),
-            "*",
-            "sin=sin",
-            "cos=cos",
-            "sqrt=sqrt",
-            *self._functions,
-        ]
+        usual = (f"{each}={each}" if each in _USUAL else each for each in self.functions)
+        arguments = [*map(str, self.constants), "*", *usual]
         return "\n".join(
             (
-                f"def bind({', '.join(arguments)}):",
+                f"def bind({', '.join(arguments)}, **_):",
                 *(f"    {line}" for line in before),
                 f"    def formula({', '.join(map(str, self.variables))}):",
                 *(f"        {line}" for line in body),
@@ -91,7 +83,7 @@ class Recorder:
         constants, variables = (
             ", ".join(map(str, symbols)) for symbols in (self.constants, self.variables)
         )
-        given = ", ".join(("sin", "cos", "sqrt", *self._functions))
+        given = ", ".join(self.functions)
         return "\n".join(
             (
                 f"([{constants}], {{ {given} }} = Math) => {{",
@@ -107,14 +99,14 @@ class Recorder:
     def code(self, results: Sequence[Any]) -> Callable[..., Callable[..., Any]]:
         """From constants to a function, which goes from variables to the results.
 
-        Both are of any kind, as are the functions, which go by keyword; sine, cosine and square
-        root are those of floats unless others are given.
+        Both are of any kind, as are the functions of `call`, which go by keyword; sine, cosine and
+        square root are those of floats unless others are given.
 
         Parameters
         ----------
         results : sequence of symbols or floats
         """
-        names: dict[str, Any] = {"sin": sin, "cos": cos, "sqrt": sqrt}
+        names: dict[str, Any] = dict(_USUAL)
         exec(self.source(results), names)  # noqa: S102 - formulas of ours, and nothing else
         bind: Callable[..., Callable[..., Any]] = names["bind"]
         return bind
@@ -178,6 +170,7 @@ def _is(operand: Any, number: float) -> bool:
 def call(name: str, *operands: Any) -> Symbol:
     """Symbol for what the function of this name returns; one of the operands is a symbol."""
     recorder = next(each.recorder for each in operands if isinstance(each, Symbol))
+    recorder.functions[name] = None
     return recorder.keep(f"{name}({', '.join('{}' for _ in operands)})", *operands)
 
 
@@ -191,6 +184,4 @@ def _plain(operand: Any) -> Any:
     return operand if isinstance(operand, Symbol) else float(operand)
 
 
-elementary.register(
-    Symbol, SimpleNamespace(**{name: partial(call, name) for name in ("sin", "cos", "sqrt")})
-)
+elementary.register(Symbol, SimpleNamespace(**{name: partial(call, name) for name in _USUAL}))

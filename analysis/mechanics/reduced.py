@@ -28,7 +28,7 @@ def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
         rate of beta. That one returns their time derivatives, Eqs. (102) and (109), the normal
         contact force in N, and the lateral slip in m/s.
     """
-    recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"), ("friction",))
+    recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"))
     *given, spin = recorder.constants
     disk = disk_of(given)
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
@@ -141,7 +141,7 @@ def expand(disk: Body, spin: Any, alpha: Array, x: Array) -> tuple[Array, Array]
     Parameters
     ----------
     disk : Body
-    spin : float, or ndarray of shape (..., 1)
+    spin : float
         Constant spinning speed in rad/s.
     alpha : ndarray, shape (..., n)
         Angle of the R-frame in rad.
@@ -152,11 +152,8 @@ def expand(disk: Body, spin: Any, alpha: Array, x: Array) -> tuple[Array, Array]
     -------
     coordinates, rates : ndarray, shape (..., n, 6)
     """
-    result = np.empty((2, *x.shape[:-1], 6))
-    for level, values in enumerate(expanded(disk, spin, alpha, np.moveaxis(x, -1, 0))):
-        for column, value in enumerate(values):
-            result[level, ..., column] = value
-    return result[0], result[1]
+    coordinates, rates = expanded(disk, spin, alpha, np.moveaxis(x, -1, 0))
+    return np.stack(coordinates, axis=-1), np.stack(np.broadcast_arrays(*rates), axis=-1)
 
 
 def expanded(

@@ -130,21 +130,6 @@ def check_form(scenario: Scenario, form: str) -> None:
         scenario.require_plain("form 'reduced'")
 
 
-def start_values(scenario: Scenario, form: str) -> tuple[float, ...]:
-    """State at the start.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Or that of `Members`.
-    form : str
-    """
-    start = scenario.initial_state
-    if form == "reduced":
-        return *start.coordinates[4:6], start.rates[4]
-    return state_of(scenario.disk, start.coordinates, start.rates)
-
-
 def _full(
     scenario: Scenario, conditions: Mapping[str, Condition], chart: type[EulerAngles]
 ) -> PosedForm:
@@ -197,7 +182,7 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
 
     problem = InitialValueProblem(
         reduced.right_hand_side(scenario, spin),
-        np.array(start_values(scenario, "reduced")),
+        np.array((*start.coordinates[4:6], start.rates[4])),
         lambda state: sin(state[0]),
         lambda state: solved(*state.tolist())[3],
         longest_step(scenario),

@@ -145,10 +145,10 @@ class Trajectories(InCoordinates):
         return whole[0], whole[1]
 
     def _blocks(self) -> Iterator[tuple[Rows, Samples]]:
-        """Numbers of some members at a time, and their samples, without forces."""
+        """Numbers of some members at a time, and their samples."""
         for part in self.parts:
             for some in blocks(len(part.rows), self.times.size):
-                yield part.rows[some], part.kinematics(some)
+                yield part.rows[some], part.samples(some)
         for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 

@@ -11,7 +11,7 @@ from analysis.mechanics.recorder import Recorder, call
 
 def recorded(formula: Callable[..., tuple[Any, ...]], **functions: Any) -> tuple[Any, str]:
     """A formula of two constants and two variables, as code, and its source."""
-    recorder = Recorder(("a", "b"), ("x", "y"), tuple(functions))
+    recorder = Recorder(("a", "b"), ("x", "y"))
     results = formula(*recorder.constants, *recorder.variables)
     return partial(recorder.code(results), **functions), recorder.source(results)
 

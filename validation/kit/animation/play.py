@@ -12,6 +12,7 @@ from jinja2 import Environment
 
 from analysis import MODELS, Disk, Scenario, SmoothCoulomb, Start
 from analysis.data.elementary import cos, sin
+from analysis.mechanics.newton_euler import Structure
 from analysis.mechanics.recorded import NUMBERS, STATE, disk_of, numbers, recording
 from analysis.mechanics.recorder import Recorder, Symbol
 from analysis.mechanics.states import paper_of, state_of
@@ -61,7 +62,7 @@ SLIDERS = (
 
 def equations() -> str:
     """JavaScript of what `play.js` calls, by name, each from constants and functions."""
-    recorder, results = recording(MODELS[1], "weight", horizontal=True)
+    recorder, results = recording(Structure(MODELS[1], "weight"))
     made = {
         "derivative": recorder.javascript(results),
         "perSpeed": _friction(),
