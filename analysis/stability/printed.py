@@ -13,19 +13,17 @@ of the eccentricity and changes nothing else, so noninverted spinning has the sa
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from math import sqrt
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.body import Body
 from analysis.data.checks import Array, choice
-from analysis.data.elementary import sqrt
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linearisation import ComplexArray, require_spinning, spin_array
-
-Matrix = tuple[tuple[Any, ...], ...]
 
 
 def signed_eccentricity(disk: Body, motion: Motion) -> float:
@@ -43,10 +41,8 @@ def signed_eccentricity(disk: Body, motion: Motion) -> float:
 # --- The full system ----------------------------------------------------------------------------
 
 
-def printed_matrices(
-    *, m: Any, r: Any, e: Any, A: Any, B: Any, C: Any, mg: Any, D: Any = None
-) -> dict[str, Matrix]:
-    """Entries of Eqs. (48)-(54), of numbers of any kind, by the paper's names.
+def printed_matrices(numbers: Mapping[str, float], D: float | None = None) -> dict[str, Array]:
+    """Matrices of Eqs. (48)-(54) by the paper's names, shape (4, 4) each, of `paper_numbers`.
 
     With the signs of Eq. (48), friction enters as + d D_C and + d Omega B_C with the force d =
     mu m g / epsilon: the paper prints (53) and (54) with a minus, which would feed energy in. The
@@ -54,8 +50,9 @@ def printed_matrices(
     B_C. M is Eq. (49), G_h (50), K_h (51), K_f (52), D_C (53) and B_C (54); D abbreviates A - B -
     C, unless another number is given.
     """
+    m, r, e, A, B, C, mg = numbers.values()
     me, D = m * e, A - B - C if D is None else D
-    return {
+    printed = {
         "M": ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C)),
         "G_h": (
             (0, -2 * m, 2 * me, 0),
@@ -68,6 +65,7 @@ def printed_matrices(
         "D_C": ((1, 0, 0, r), (0, 1, r, 0), (0, r, r * r, 0), (r, 0, 0, r * r)),
         "B_C": ((0, -1, -r, 0), (1, 0, 0, 0), (r, 0, 0, 0), (0, -r, -r * r, 0)),
     }
+    return {name: np.array(rows, dtype=float) for name, rows in printed.items()}
 
 
 def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, float]:
@@ -84,9 +82,9 @@ def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, 
     }
 
 
-def first_order(printed: Mapping[str, npt.ArrayLike], spins: Array, d: float) -> Array:
+def first_order(printed: Mapping[str, Array], spins: Array, d: float) -> Array:
     """Eq. (55): state matrices in (z, z'), shape (n, 8, 8), with a friction force d in N s/m."""
-    M, G_h, K_h, K_f, D_C, B_C = (np.array(each, dtype=float) for each in printed.values())
+    M, G_h, K_h, K_f, D_C, B_C = printed.values()
     Omega = spins[:, None, None]
     result = np.zeros((spins.size, 8, 8))
     result[:, :4, 4:] = np.eye(4)
@@ -135,7 +133,7 @@ def full_matrices(
     require_spinning(scenario, "the full system", 1)
     spins = spin_array(spins)
     d = (scenario.friction.gradient if gradient is None else gradient) * scenario.weight
-    matrices = first_order(printed_matrices(**paper_numbers(scenario, motion)), spins, d)
+    matrices = first_order(printed_matrices(paper_numbers(scenario, motion)), spins, d)
     if drift:
         return matrices
     change = np.zeros((spins.size, 8, 8))
@@ -304,12 +302,6 @@ class CriticalSpeed:
     kind: Literal["hopf", "static", "saddle"]
 
 
-def critical_spin(m: Any, r: Any, e: Any, B: Any, mg: Any) -> Any:
-    """Eq. (126), of numbers of any kind."""
-    B_bar = B - m * e * e
-    return sqrt((r + e) * (r + e) / r * mg / B_bar)
-
-
 def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalSpeed:
     """Critical spinning speed of the reduced system in closed form, Eqs. (126), (127).
 
@@ -330,8 +322,8 @@ def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalS
     """
     scenario.require_plain("the closed form")
     m, r, e, _, B, _, mg = paper_numbers(scenario, motion).values()
-    Omega_crit = critical_spin(m, r, e, B, mg)
+    Omega_crit = sqrt((r + e) ** 2 / r * mg / (B - m * e**2))
     if e > 0.0:
-        frequency = float(sqrt(e / (r + e))) * Omega_crit
+        frequency = sqrt(e / (r + e)) * Omega_crit
         return CriticalSpeed(spin=Omega_crit, frequency=frequency, kind="hopf")
     return CriticalSpeed(spin=Omega_crit, frequency=0.0, kind="static" if e == 0.0 else "saddle")

@@ -61,7 +61,7 @@ def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
     that they act along their directions there, and add no stiffness.
     """
     free = with_gradient(replace(scenario, constraints=MODELS[1]), 0.0)
-    mass: Array = np.array(printed_matrices(**paper_numbers(free, motion))["M"])
+    mass = printed_matrices(paper_numbers(free, motion))["M"]
     r, e = scenario.disk.radius, signed_eccentricity(scenario.disk, motion)
     slips = (
         ("no-slip-along", (1.0, 0.0, 0.0, r), (0.0, -spin, -r * spin, 0.0)),

@@ -7,22 +7,12 @@ from math import log
 import numpy as np
 import pytest
 
-from analysis import (
-    MOTIONS,
-    STEEL_DISK,
-    Motion,
-    Scenario,
-)
+from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
 from analysis.stability.chart import stability_chart, with_gradient
-from analysis.stability.critical import critical_speeds
+from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.hopf_curves import HopfCurve, corners, hopf_curves
-from analysis.stability.printed import critical_speed, full_matrices, static_gradient
-from analysis.stability.sensitivities import (
-    FIELDS,
-    SIZE,
-    closed_form_sensitivities,
-    full_sensitivities,
-)
+from analysis.stability.printed import full_matrices, static_gradient
+from analysis.stability.sensitivities import POWERS, sensitivities
 
 PAPER = Scenario()
 
@@ -102,35 +92,24 @@ def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
     assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
 
 
-def scaled(fields: Mapping[str, int], step: float) -> Scenario:
-    """With fields of the disk times powers of e to a step."""
-    changes = {name: getattr(STEEL_DISK, name) * np.exp(step * fields[name]) for name in fields}
-    return Scenario(disk=replace(STEEL_DISK, **changes))
+def crossings(steps: Mapping[str, float], level: Level) -> tuple[Crossing, ...]:
+    """Of the disk with its fields times powers of e."""
+    fields = {name: getattr(STEEL_DISK, name) * np.exp(step) for name, step in steps.items()}
+    scenario = Scenario(constraints=MODELS[level], disk=replace(STEEL_DISK, **fields))
+    return critical_speeds(scenario, (20.0, 80.0)).crossings
 
 
-def test_closed_form_sensitivities_are_derivatives_of_the_closed_form() -> None:
-    found = closed_form_sensitivities(PAPER)
-    powers = {name: {name: 1} for name in FIELDS}
-    for name, fields in {**powers, "size": dict(zip(FIELDS, SIZE, strict=True))}.items():
-        ahead, behind = (critical_speed(scaled(fields, step)).spin for step in (1e-5, -1e-5))
-        assert found[name] == pytest.approx(log(ahead / behind) / 2e-5, abs=1e-8)
-
-
-def test_dimensions_tie_size_and_friction_together() -> None:
-    """In units of the disk's size, size**(1/2) * mu / epsilon is the friction."""
-    for sensitivity in full_sensitivities(PAPER, (0.0, 100.0)):
-        values = sensitivity.values
-        expected = -0.5 + 0.5 * values["friction_gradient"]
-        assert values["size"] == pytest.approx(expected, abs=1e-7)
-
-
-@pytest.mark.parametrize("name", ["inertia_x", "eccentricity", "mass", "radius"])
-def test_full_sensitivities_are_derivatives_of_the_critical_speeds(name: str) -> None:
-    change, around = 1e-4, (20.0, 80.0)
-    ahead, behind = (
-        [each.spin for each in critical_speeds(scaled({name: 1}, step), around).crossings]
-        for step in (change, -change)
-    )
-    found = [each.values[name] for each in full_sensitivities(PAPER, around)]
-    expected = np.log(np.divide(ahead, behind)) / (2 * change)
-    assert found == pytest.approx(expected, rel=1e-4, abs=1e-7)
+@pytest.mark.parametrize("level", [1, 4])
+def test_sensitivities_are_derivatives_of_the_critical_speeds(level: Level) -> None:
+    scenario = Scenario(constraints=MODELS[level])
+    found = [sensitivities(scenario, each) for each in crossings({}, level)]
+    for name, powers in {**{name: {name: 1} for name in POWERS}, "size": POWERS}.items():
+        ahead, behind = (
+            [each.spin for each in crossings({n: step * powers[n] for n in powers}, level)]
+            for step in (1e-4, -1e-4)
+        )
+        expected = np.log(np.divide(ahead, behind)) / 2e-4
+        assert [each[name] for each in found] == pytest.approx(expected, rel=1e-4, abs=1e-7)
+    # In units of the disk's size, size**(1/2) * mu / epsilon is the friction.
+    for each in found:
+        assert each["size"] == pytest.approx(-0.5 + 0.5 * each["friction_gradient"], abs=1e-8)
