@@ -32,8 +32,7 @@ def _families() -> list[Row]:
     rows += [{"case": SWINGING, **birth}, {"case": SWINGING, **end}]
     turn = {"case": ROTATING, **cycle, "tilt": 0.1, "largest_tilt": 0.5, "spin": 30.1}
     rows += [turn, turn | {"spin": 31.0, "stable": False}, turn | {"kind": "fold", "spin": 30.08}]
-    orders = {"surface": 1.0, "corrected": 2.0, "separation": 18.0}
-    rows += [cycle | {"case": SLOW}, {"case": SLOW, "kind": "slow", **orders}]
+    rows.append(cycle | {"case": SLOW})
     for name in HELD_NAMES:
         held = {"case": name, **cycle, "complex_multiplier": nan, "spin": 30.0}
         rows += [held | {"amplitude": 0.1}, held | {"amplitude": 0.2, "stable": False}]
