@@ -21,6 +21,9 @@ _GROWTH = 1.5
 _SMALLEST = 1e-6
 """Step at which a curve counts as lost."""
 
+_MOST = 2000
+"""Points of a curve one way, at most."""
+
 _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
 
@@ -120,7 +123,6 @@ class Curve:
         self,
         start: Array,
         axis: int,
-        most: int = 2000,
         is_over: Callable[[Array], bool] = lambda _: False,
     ) -> tuple[list[Array], list[str | None]]:
         """Points of the curve both ways from one of them, and the names of the bounds at its ends.
@@ -131,25 +133,23 @@ class Curve:
             A point of the curve.
         axis : int
             A coordinate that falls from it on the first of the ways, and rises on the other.
-        most : int
-            Points to find at most, each way.
         is_over : callable
             Whether the curve ends before a point, without a bound.
 
         Raises
         ------
         ArithmeticError
-            If no further point is found, however short the step, or more than `most` are.
+            If no further point is found, however short the step, or too many are.
         """
         tangent = np.linalg.svd(self._equations(start)[1])[2][-1]
         tangent = np.copysign(1.0, tangent[axis]) * tangent
         (before, first), (after, last) = (
-            self._way(start, way * tangent, most, is_over) for way in (-1.0, 1.0)
+            self._way(start, way * tangent, is_over) for way in (-1.0, 1.0)
         )
         return [*reversed(before), start, *after], [first, last]
 
     def _way(
-        self, point: Array, tangent: Array, most: int, is_over: Callable[[Array], bool]
+        self, point: Array, tangent: Array, is_over: Callable[[Array], bool]
     ) -> tuple[list[Array], str | None]:
         """Points beyond one, and the bound that the last one lies on."""
         step, made = self._longest(point), list[Array]()
@@ -165,8 +165,8 @@ class Curve:
                 continue
             if is_over(found[0]):
                 return made, None
-            if len(made) == most:
-                raise self._lost(f"has more than {most} points one way, and goes on", point)
+            if len(made) == _MOST:
+                raise self._lost(f"has more than {_MOST} points one way, and goes on", point)
             made.append(found[0])
             if bound is not None:
                 return made, bound.name
