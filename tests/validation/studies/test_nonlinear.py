@@ -82,8 +82,11 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(section, "figures", MagicMock())
-    monkeypatch.setattr(section, "drawings", MagicMock())
+    axes = MagicMock()
+    axes.get_xlim.return_value = (0.0, 1.0)
+    drawn = MagicMock()
+    drawn.diagram.return_value.axes = [axes]
+    monkeypatch.setattr(section, "figures", drawn)
 
 
 WRONG = [
