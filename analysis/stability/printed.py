@@ -82,10 +82,13 @@ def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, 
     }
 
 
-def first_order(printed: Mapping[str, Array], spins: Array, d: float) -> Array:
-    """Eq. (55): state matrices in (z, z'), shape (n, 8, 8), with a friction force d in N s/m."""
+def first_order(printed: Mapping[str, Array], spins: Array, d: npt.ArrayLike) -> Array:
+    """Eq. (55): state matrices in (z, z'), shape (n, 8, 8), with a friction force d in N s/m.
+
+    That is one for all spins, or one for each.
+    """
     M, G_h, K_h, K_f, D_C, B_C = printed.values()
-    Omega = spins[:, None, None]
+    Omega, d = spins[:, None, None], np.reshape(d, (-1, 1, 1))
     result = np.zeros((spins.size, 8, 8))
     result[:, :4, 4:] = np.eye(4)
     result[:, 4:, :4] = -np.linalg.solve(M, Omega**2 * K_h + K_f + d * Omega * B_C)
@@ -98,7 +101,7 @@ def full_matrices(
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
     *,
-    gradient: float | None = None,
+    gradient: npt.ArrayLike | None = None,
     drift: bool = False,
 ) -> Array:
     """State matrices of the full system, Eqs. (48)-(55).
@@ -113,8 +116,9 @@ def full_matrices(
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
-    gradient : float, optional
-        Friction gradient mu / epsilon in s/m, in place of that of the scenario's law.
+    gradient : float or array_like, shape (n,), optional
+        Friction gradient mu / epsilon in s/m, or one for each spin, in place of that of the
+        scenario's law.
     drift : bool
         Whether a disk that spins elsewhere is told apart. In the R-frame, which turns with the
         disk, a place fixed on the table circles with -Omega, which gives the matrices the pair of
@@ -132,7 +136,7 @@ def full_matrices(
     """
     require_spinning(scenario, "the full system", 1)
     spins = spin_array(spins)
-    d = (scenario.friction.gradient if gradient is None else gradient) * scenario.weight
+    d = scenario.weight * np.array(scenario.friction.gradient if gradient is None else gradient)
     matrices = first_order(printed_matrices(paper_numbers(scenario, motion)), spins, d)
     if drift:
         return matrices

@@ -222,6 +222,9 @@ MEETING = {
 
 INSIDE = "inside"
 
+GRADIENTS = np.geomspace(0.3, 30.0, 121)
+"""Friction gradients in s/m at which Hopf points are looked for."""
+
 
 def stable_region(scenario: Scenario) -> list[Row]:
     """Boundaries and corners of the stable region, and points inside and outside of it.
@@ -229,13 +232,13 @@ def stable_region(scenario: Scenario) -> list[Row]:
     The inner point is the mean of the corners, in the spin and the logarithm of the gradient; the
     outer ones mirror it in the middles of the edges, and one has the paper's gradient.
     """
-    curves = hopf_curves(scenario)
+    curves = hopf_curves(scenario, GRADIENTS)
     rows: list[Row] = [
         {"kind": "curve", "place": str(number), "spins": each.spins, "gradients": each.gradients}
         for number, each in enumerate(curves)
     ]
     places = []
-    for corner in corners(scenario, curves):
+    for corner in corners(scenario, GRADIENTS[::4]):
         places.append((corner.spin, np.log(corner.gradient)))
         rows.append({"kind": "corner", "place": MEETING[corner.kind], **_place(*places[-1])})
     middle = np.mean(places, axis=0)
