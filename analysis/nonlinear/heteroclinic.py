@@ -19,8 +19,8 @@ from analysis.data.checks import Array, number, positive
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
+from analysis.nonlinear.continuation import nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
-from analysis.stability.continuation import nearest_root
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 

@@ -17,7 +17,7 @@ from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
-from analysis.stability.continuation import nearest_root
+from analysis.nonlinear.continuation import nearest_root
 from analysis.stability.printed import critical_speed
 
 _NODES = 200

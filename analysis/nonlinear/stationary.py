@@ -25,7 +25,7 @@ from analysis.mechanics.dual import derivatives
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import state_of
 from analysis.mechanics.vectors import Numbers
-from analysis.stability.continuation import Bound, Curve
+from analysis.nonlinear.continuation import Curve
 from analysis.stability.linearisation import (
     ComplexArray,
     require_spinning,
@@ -309,7 +309,6 @@ def stationary_branch(
         )
 
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
-    bounds = [Bound("value", 4, end / unit, end == interval[1]) for end in interval]
 
     def where(point: Array) -> str:
         value, beta, gamma = unit * point[4], point[2], point[3]
@@ -321,9 +320,8 @@ def stationary_branch(
         is_upright = max(abs(point[2] - np.pi / 2), sideways) < _SAME
         return is_upright or bool(np.cos(point[3]) * np.cos(start.gamma) < 0.0)
 
-    name = "the branch of stationary motions"
-    curve = Curve(equations, name, where, bounds, lambda _: _STEP)
-    points, _ = curve.through(point, axis=4, is_over=is_over)
+    ends = interval[0] / unit, interval[1] / unit
+    points = Curve(equations, ends, _STEP, where, is_over).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )

@@ -16,13 +16,13 @@ from analysis import (
     simulate,
 )
 from analysis.data.checks import Array
+from analysis.nonlinear.continuation import Curve
 from analysis.nonlinear.stationary import (
     Parameter,
     StationaryMotion,
     stationary_branch,
     stationary_motions,
 )
-from analysis.stability.continuation import Curve
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
 
@@ -77,9 +77,9 @@ def test_a_curve_that_goes_on_without_end_says_so() -> None:
     def circle(point: Array) -> tuple[Array, Array]:
         return np.array([point @ point - 1.0]), 2.0 * point[None]
 
-    curve = Curve(circle, "the circle", lambda point: f"at {point[0]:.1f}", (), lambda _: 0.1)
-    with pytest.raises(ArithmeticError, match="the circle has more than 2000 points one way, and"):
-        curve.through(np.array((1.0, 0.0)), axis=1)
+    curve = Curve(circle, (-2.0, 2.0), 0.1)
+    with pytest.raises(ArithmeticError, match="has more than 2000 points one way, and goes on"):
+        curve.through(np.array((1.0, 0.0)))
 
 
 @pytest.mark.parametrize(("gamma", "growth", "order"), [(2.607, -1.0, 4), (1.8202, 1.0, 3)])
