@@ -162,7 +162,7 @@ def test_a_cycle_at_a_spin_or_followed_over_a_parameter_is_that_of_the_family(sp
 def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(families, "AMPLITUDES", np.array((0.2, 0.4)))
+    monkeypatch.setattr(families, "_amplitudes", lambda _: np.array((0.2, 0.4)))
     # With the centre of gravity nearer to the middle the Hopf point falls below the held spin.
     nearer = replace(PAPER, disk=Disk.ring(**STEEL_RING | {"hole_distance": 0.0199}))
     found = cycles_over([PAPER, nearer], spin=30.91)
@@ -284,6 +284,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     r"amplitude must lie in the open interval \(0, pi\)": lambda: cycles_over(
         [PAPER], amplitude=4.0
     ),
+    r"spin must lie in the open interval \(15.* got 100": lambda: cycle_at(PAPER, 100.0),
     "scenarios must be 1 or more": lambda: cycles_over([], spin=30.0),
 }
 
