@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.helpers import failing
+from tests.helpers import failing, planted
 from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.nonlinear import figures
@@ -89,15 +89,13 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(section, "figures", drawn)
 
 
+FITS = "fit over theory less 1"
 WRONG = [
     *(("engine-cycles", "engine", name, f"cycles: {name}, engine") for name in SAME_CYCLE),
     ("families", "end", "off", "cycles: end at the connection"),
-    (
-        "families",
-        "birth",
-        "fitted_curvature",
-        "cycles: spin over amplitude², fit over theory less 1",
-    ),
+    ("families", "birth", "fitted_curvature", f"cycles: spin over amplitude², {FITS}"),
+    ("families", "birth", "fitted_exponent", f"cycles: power of the amplitude, {FITS}"),
+    ("families", "end", "by_amplitude", f"cycles: period over ln(π − amplitude), {FITS}"),
     ("connections", "disk of Table 1", "bracket", "connections: bracket"),
     ("passages", f"{DISSIPATED}, engine", "lowest_spin", "passage: lowest_spin, engine"),
     ("passages", f"{DISSIPATED}, engine", "crossing", "passage: crossing, engine"),
@@ -112,8 +110,9 @@ def test_a_wrong_value_none_or_a_missing_row_fails_its_check(
     table = rows[study]
     at = table.index[table.isin([label]).any(axis=1)][0]
     for value in (0.3, nan, inf):
-        table.loc[at, column] = value
-        assert failing(present(rows).checks) == {check}
+        assert failing(present({**rows, study: planted(table, at, column, value)}).checks) == {
+            check
+        }
     if study != "families":
         assert failing(present({**rows, study: table.drop(at)}).checks)
 
