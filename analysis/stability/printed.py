@@ -102,9 +102,13 @@ def full_matrices(
     motion: Motion = "inverted",
     *,
     gradient: npt.ArrayLike | None = None,
-    drift: bool = False,
 ) -> Array:
-    """State matrices of the full system, Eqs. (48)-(55).
+    """State matrices of the full system, Eqs. (48)-(55), without the drift.
+
+    In the R-frame, which turns with the disk, a place fixed on the table circles with -Omega. That
+    gives Eq. (55) the pair of eigenvalues +-i Omega exactly, whatever the friction. In the states
+    (beta, gamma, inertial velocity of G along e_x^R and e_y^R, rates of beta and gamma) the place
+    does not occur.
 
     Load "weight" and load "contact" have the same linearisation, because the contact force is m g
     up to second order, Eq. (40).
@@ -119,15 +123,10 @@ def full_matrices(
     gradient : float or array_like, shape (n,), optional
         Friction gradient mu / epsilon in s/m, or one for each spin, in place of that of the
         scenario's law.
-    drift : bool
-        Whether a disk that spins elsewhere is told apart. In the R-frame, which turns with the
-        disk, a place fixed on the table circles with -Omega, which gives the matrices the pair of
-        eigenvalues +-i Omega exactly, whatever the friction. In the states (beta, gamma, inertial
-        velocity of G along e_x^R and e_y^R, rates of beta and gamma) the place does not occur.
 
     Returns
     -------
-    ndarray, shape (n, 6, 6), or (n, 8, 8) with the drift
+    ndarray, shape (n, 6, 6)
 
     Raises
     ------
@@ -138,8 +137,6 @@ def full_matrices(
     spins = spin_array(spins)
     d = scenario.weight * np.array(scenario.friction.gradient if gradient is None else gradient)
     matrices = first_order(printed_matrices(paper_numbers(scenario, motion)), spins, d)
-    if drift:
-        return matrices
     change = np.zeros((spins.size, 8, 8))
     change[:, 4, 1], change[:, 5, 0] = -spins, spins
     turned = (np.eye(8) + change) @ matrices @ (np.eye(8) - change)

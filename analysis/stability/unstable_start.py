@@ -54,7 +54,7 @@ def unstable_start(scenario: Scenario) -> str | None:
         scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
     )
     system = Linearisation(ideal, upright(ideal, gamma))
-    values = np.linalg.eigvals(system.matrices(np.array([spin]), drift=False)[0])
+    values = np.linalg.eigvals(system.matrices(np.array([spin]))[0])
     growth = float(np.max(values.real))
     if growth <= _SLOWEST * system.frequency + ROUND_OFF * np.max(np.abs(values)):
         return None

@@ -40,10 +40,11 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
     scenario = Scenario(constraints=MODELS[level])
     found = eigenvalues(scenario, spins, system, motion)
     followed = branches(scenario, spins, system, motion)
-    matrices = matrices_over_spin(scenario, system, motion, drift=True)(spins)
+    matrices = matrices_over_spin(scenario, system, motion)(spins)
     for index, values in enumerate(np.linalg.eigvals(matrices).astype(complex)):
-        assert_same_set(found[index], values, 1e-6)
-        assert_same_set(followed.values[index], values, 1e-6)
+        drift = np.array((1j, -1j)) * spins[index] if level == 1 else ()
+        assert_same_set(found[index], np.append(values, drift), 1e-6)
+        assert_same_set(followed.values[index], np.append(values, drift), 1e-6)
     # The pair of the place on the table is exact.
     if level == 1:
         np.testing.assert_array_equal(followed.values[:, 2:4].T, [1j * spins, -1j * spins])
