@@ -154,8 +154,8 @@ def corners(
     for each in Spectra(static, inside).crossings() if inside.size else ():
         kind: Kind = "zero hopf" if each.kind == "hopf" else "double zero"
         gradient = float(static_gradient(scenario, each.spin, motion)[0])
-        place = {"spin": each.spin, "gradient": gradient, "frequencies": (each.frequency,)}
-        found.append(Corner(kind=kind, **place))
+        frequencies = (each.frequency,)
+        found.append(Corner(kind=kind, spin=each.spin, gradient=gradient, frequencies=frequencies))
     return tuple(sorted(found, key=lambda corner: corner.gradient))
 
 

@@ -60,7 +60,8 @@ def sensitivities(
     """
 
     def matrix(scenario: Scenario, spin: float = crossing.spin) -> Array:
-        return matrices_over_spin(scenario, system, motion)(np.array([spin]))[0]
+        result: Array = matrices_over_spin(scenario, system, motion)(np.array([spin]))[0]
+        return result
 
     values, left, right = eig(matrix(scenario), left=True)
     critical = np.argmin(np.abs(values - 1j * crossing.frequency))

@@ -105,12 +105,9 @@ def test_branches_go_on_as_they_have_come_past_others_collisions_and_zeros_that_
     # Of smooth eigenvectors.
     one, other = np.random.default_rng(0).normal(size=(2, 4, 4))
     vectors = np.eye(4) + 0.3 * one + np.linspace(0.0, 0.3, p.size)[:, None, None] * other
-    for blocks, columns in (
-        (crossing, lines.T),
-        (colliding, (root, 0.8 * p, -root, 0 * p - 5.0)),
-        (meeting, (0 * p, p, 0 * p - 3.0, 0 * p - 4.0)),
-    ):
-        true = np.column_stack(columns).astype(complex)
+    others = (root, 0.8 * p, -root, 0 * p - 5.0), (0 * p, p, 0 * p - 3.0, 0 * p - 4.0)
+    every = [lines, *map(np.column_stack, others)]
+    for blocks, true in zip((crossing, colliding, meeting), every, strict=True):
         found = follow(vectors @ blocks @ np.linalg.inv(vectors))
         np.testing.assert_allclose(found, true[:, np.argsort(-true[0].real)], atol=1e-7)
 

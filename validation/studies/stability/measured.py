@@ -166,11 +166,14 @@ def in_house_numbers(disk: Body) -> dict[str, float]:
 
 def engine_speeds() -> dict[str, float]:
     """Critical speeds of the engine, by the names of `IN_PAPER`."""
-    reduced, full = (
-        Spectra(partial(engine_matrices, Scenario(constraints=MODELS[level])), spins).crossings()
-        for level, spins in ((4, np.linspace(30.0, 32.0, 5)), (1, np.linspace(26.0, 31.0, 11)))
+    looked = (MODELS[4], np.linspace(30.0, 32.0, 5)), (MODELS[1], np.linspace(26.0, 31.0, 11))
+    found = (
+        each.spin
+        for held, spins in looked
+        for each in Spectra(
+            partial(engine_matrices, Scenario(constraints=held)), spins
+        ).crossings()
     )
-    found = (each.spin for each in (*reduced, *full))
     return dict(zip((COMPUTED, LOWER, UPPER), found, strict=True))
 
 
