@@ -86,8 +86,7 @@ def solve(
     """
     ends, stretches = start.ends, 2.0 if start.ends.mirrored else 1.0
     found, unit = _collocated(scenario, value, start, spin)
-    *spins, duration = found.p.tolist()
-    speed = spins[0] if spin is None else spin
+    speed, duration = found.p.tolist()
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
     reached = value if spin is None else float((states[0] - INVERTED)[ends.follows])
     residual = np.max(found.rms_residuals)
@@ -125,18 +124,16 @@ def _collocated(
     column = unit[:, None]
 
     def rates(_: float, y: Array, p: Array) -> Any:
-        speed = p[0] if spin is None else spin
-        return p[-1] * flow.right_hand_side(scenario, speed, column * y) / column
+        return p[1] * flow.right_hand_side(scenario, p[0], column * y) / column
 
     def slopes(_: float, y: Array, p: Array) -> tuple[Array, Array]:
-        speed = p[0] if spin is None else spin
-        right, jacobian, by_spin = flow.derivatives(scenario, speed, column * y)
-        by_state = p[-1] * jacobian.transpose(1, 2, 0) / column[:, None] * column[None, :]
-        by_unknown = (right,) if spin is not None else (p[-1] * by_spin, right)
-        return by_state, np.stack(by_unknown, axis=1) / column[:, None]
+        right, jacobian, by_spin = flow.derivatives(scenario, p[0], column * y)
+        by_state = p[1] * jacobian.transpose(1, 2, 0) / column[:, None] * column[None, :]
+        return by_state, np.stack((p[1] * by_spin, right), axis=1) / column[:, None]
 
-    def residual(first: Array, last: Array, _: Array) -> Array:
-        return ends.residual(value / unit[1] if spin is None else None, first, last)
+    def residual(first: Array, last: Array, p: Array) -> Array:
+        given = first[ends.follows] - value / unit[1] if spin is None else p[0] / spin - 1.0
+        return np.append(given, ends.residual(first, last))
 
     duration = float(start.times[-1])
     with np.errstate(all="ignore"):
@@ -146,7 +143,7 @@ def _collocated(
                 residual,
                 start.times[kept] / duration,
                 values,
-                (start.spin, duration) if spin is None else (duration,),
+                (start.spin if spin is None else spin, duration),
                 fun_jac=slopes,
                 tol=_TOLERANCE,
                 bc_tol=_BOUNDARY,

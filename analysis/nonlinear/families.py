@@ -16,7 +16,7 @@ from itertools import chain
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, number, real_array
+from analysis.data.checks import Array, in_range, number, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
 from analysis.nonlinear import flow
@@ -38,13 +38,8 @@ from analysis.nonlinear.heteroclinic import (
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
 from analysis.stability.printed import critical_speed
 
-AMPLITUDES: Array = np.concatenate(
-    (np.linspace(0.1, 3.0, 30), np.pi - np.geomspace(0.1, 1e-6, 16))
-)
-"""Amplitudes in rad from near the Hopf point to near the end of the family at pi.
-
-About a saddle-focus it ends beyond pi; see `_amplitudes`.
-"""
+AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
+"""Amplitudes in rad from near the Hopf point; further ones close in on the connection."""
 
 BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 1.3, 26)))
 """Amplitudes in rad beyond that of the bifurcation, to which cycles without symmetry go."""
@@ -110,16 +105,11 @@ def cycle_family(
 
 
 def _amplitudes(scenario: Scenario) -> Array:
-    """`AMPLITUDES`, but beyond 3 rad closing in on that of the connection."""
-    try:
+    """Those from the Hopf point to the connection, at pi if none is found."""
+    last = float(np.pi)
+    with suppress(NoConnectionError):
         last = last_amplitude(scenario)
-    except NoConnectionError:
-        return np.array(AMPLITUDES)
-    beyond = last - np.pi
-    if beyond < _SAME_END:
-        return np.array(AMPLITUDES)
-    near = last - np.geomspace(0.1 + beyond, _SAME_END, 16)
-    return np.concatenate((AMPLITUDES[near[0] - 0.05 > AMPLITUDES], near))
+    return np.append(AMPLITUDES, last - np.geomspace(0.1 + last - np.pi, _SAME_END, 16))
 
 
 def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
@@ -129,7 +119,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     ----------
     scenario : Scenario
     spin : float
-        In rad/s.
+        In rad/s, nearer to the critical speed than half of it, as the connection is looked for.
 
     Raises
     ------
@@ -139,10 +129,12 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
         If the iteration fails.
     """
     flow.require_cycles(scenario, STEEPEST)
-    spin = number("spin", spin)
     before = hopf_cycle(scenario)
+    low, high = 0.5 * before.spin, 1.5 * before.spin
+    why = "within half the critical speed of it, where cycles are looked for"
+    in_range("spin", spin, low, high, is_above=True, is_below=True, why=why)
     spins = [before.spin]
-    for cycle in followed(reach, before, np.asarray(_amplitudes(scenario)).tolist()):
+    for cycle in followed(reach, before, _amplitudes(scenario).tolist()):
         part = (spin - before.spin) / (cycle.spin - before.spin)
         if 0.0 < part <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.

@@ -19,8 +19,8 @@ from analysis.data.checks import Array, number, positive
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
+from analysis.nonlinear.continuation import nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
-from analysis.stability.continuation import nearest_root
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 
@@ -267,9 +267,8 @@ def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> d
     Returns
     -------
     dict
-        "by_spin": the period over the logarithm of the distance to the connection's spin, in s;
-        "by_amplitude": over that of what the amplitude lacks to pi; and what is predicted of
-        both: -2 / growth, and -2 (1 / growth + 1 / slow decay).
+        "by_amplitude": the period over the logarithm of what the amplitude lacks to pi, in s; and
+        what is predicted of it: -2 (1 / growth + 1 / slow decay).
 
     Raises
     ------
@@ -281,10 +280,7 @@ def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> d
     if np.sum(used) < 4:
         raise ValueError(f"cycles must hold 4 with 0.01 to 3e-5 rad to pi, got {np.sum(used)}")
     periods = np.array([cycle.period for cycle in cycles])[used]
-    away = np.array([abs(cycle.spin - connection.spin) for cycle in cycles])[used]
     return {
-        "by_spin": float(np.polyfit(np.log(away), periods, 1)[0]),
-        "predicted_by_spin": -2.0 / connection.growing,
         "by_amplitude": float(np.polyfit(np.log(lacking[used]), periods, 1)[0]),
         "predicted_by_amplitude": -2.0 * (1.0 / connection.growing - 1.0 / connection.slow),
     }

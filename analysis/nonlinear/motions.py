@@ -64,14 +64,11 @@ class Ends:
     mirrored: bool = False
     turn: float = 0.0
 
-    def residual(self, value: float | None, first: Array, last: Array) -> Array:
-        """Residuals of two deviations, shape (3,) each; 5, or 4 if no value is given."""
+    def residual(self, first: Array, last: Array) -> Array:
+        """What is zero of the deviations at both ends, shape (3,) each: 4 numbers."""
         closing = last + first if self.mirrored else last - first
         closing[1] -= self.turn
-        begins = [first[self.held] - self.at]
-        if value is not None:
-            begins.append(first[self.follows] - value)
-        return np.array((*begins, *closing))
+        return np.append(first[self.held] - self.at, closing)
 
 
 _DOUBLING = {"fold": 1.0, "period-doubling": -1.0}

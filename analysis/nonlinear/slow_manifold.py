@@ -9,18 +9,16 @@ Spins at which the height regains its value over an orbit are those of the cycle
 (Melnikov's integral, the slip over sin(beta) integrated over gamma).
 """
 
-from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
-from analysis.data.checks import Array, positive, real_array
+from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
-from analysis.mechanics.reduced import acceleration_from, right_hand_side
+from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
-from analysis.stability.continuation import nearest_root
-from analysis.stability.printed import critical_speed, reduced_matrices
+from analysis.nonlinear.continuation import nearest_root
+from analysis.stability.printed import critical_speed
 
 _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
@@ -100,37 +98,6 @@ def _slip(scenario: Scenario, needed: float) -> float:
     )
 
 
-def slow_rates(scenario: Scenario, spin: float, x: Array, order: Literal[0, 1] = 1) -> Array:
-    """Rates of beta and gamma in rad/s on the slow manifold.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Of the reduced system.
-    spin : float
-        In rad/s.
-    x : ndarray, shape (2, n)
-        beta and gamma in rad, beta between 0 and pi.
-    order : {0, 1}
-        In the reciprocal gradient of friction.
-
-    Returns
-    -------
-    ndarray, shape (2, n)
-
-    Raises
-    ------
-    NoManifoldError
-        See `slip_on`.
-    """
-    disk = scenario.disk
-    beta, gamma = x
-    sb, rho = np.sin(beta), disk.radius + disk.eccentricity * np.sin(gamma)
-    slip = 0.0 if order == 0 else slip_on(scenario, spin, beta, gamma)
-    rate = (slip + disk.eccentricity * spin * sb**2 * np.cos(gamma)) / (rho * sb)
-    return np.array((rate, -spin * np.cos(beta)))
-
-
 class SlowOrbit(NamedTuple):
     """An orbit on the slow manifold that survives to first order.
 
@@ -208,83 +175,3 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     return SlowOrbit(
         amplitude=amplitude, spin=spin, period=period, friction=float(np.max(np.abs(needed)))
     )
-
-
-def separation(scenario: Scenario, spin: float) -> float:
-    """How much faster a motion is drawn to the slow manifold than it goes there.
-
-    The size of the real eigenvalue of inverted spinning over that of the complex pair (paper:
-    lambda_3, and lambda_1 and lambda_2).
-
-    Raises
-    ------
-    ValueError
-        If the spin is not positive, the scenario has no cycles, or there is no complex pair
-        beside a real eigenvalue at this spin.
-    """
-    flow.require_cycles(scenario)
-    spin = positive("spin", spin)
-    values = np.linalg.eigvals(reduced_matrices(scenario, [spin])[0])
-    pair, real = values[values.imag > 0.0], values[values.imag == 0.0]
-    if pair.size != 1:
-        raise ValueError(
-            "spin must be one with a complex pair beside a real eigenvalue, got "
-            f"{spin:g}, with {', '.join(f'{v:.4g}' for v in values)} 1/s"
-        )
-    return float(abs(real[0]) / abs(pair[0]))
-
-
-def distances(scenarios: Sequence[Scenario], spin: float) -> Array:
-    """Measure with which power of epsilon / mu motions keep away from the slow manifold.
-
-    Motions of the whole reduced system start upright and 1 rad from inverted spinning; the first
-    half second, in which they are drawn to the manifold, is left out.
-
-    Parameters
-    ----------
-    scenarios : sequence of Scenario
-        That differ in the gradient of friction.
-    spin : float
-        In rad/s.
-
-    Returns
-    -------
-    ndarray, shape (2,)
-        Powers of the reciprocal gradient with which the largest difference of beta' from its value
-        on the surface goes, to leading order and with the first correction, by least squares.
-
-    Raises
-    ------
-    ValueError
-        If there are less than two, the spin is not positive, or one has no cycles.
-    NoManifoldError
-        If friction cannot hold the disk there, or a run fails.
-    """
-    spin = positive("spin", spin)
-    if len(scenarios) < 2:
-        raise ValueError(f"scenarios must be 2 or more, got {len(scenarios)}")
-    away = np.log([_distance(scenario, spin) for scenario in scenarios])
-    ratios = -np.log([scenario.friction.gradient for scenario in scenarios])
-    return real_array("slopes", np.polyfit(ratios, away, 1)[0])
-
-
-def _distance(scenario: Scenario, spin: float) -> tuple[float, float]:
-    flow.require_cycles(scenario)
-    start = np.array((np.pi / 2, np.pi / 2 + 1.0))
-    begin = np.append(start, slow_rates(scenario, spin, start[:, None])[0])
-    run = solve_ivp(
-        right_hand_side(scenario, spin),
-        (0.0, 2.0),
-        begin,
-        method="LSODA",
-        t_eval=np.linspace(0.5, 2.0, 301),
-        rtol=1e-11,
-        atol=1e-12,
-    )
-    if not run.success:
-        raise NoManifoldError(f"the motion at {spin:.9g} rad/s fails: {run.message}")
-    surface, corrected = (
-        float(np.max(np.abs(run.y[2] - slow_rates(scenario, spin, run.y[:2], order)[0])))
-        for order in (0, 1)
-    )
-    return surface, corrected

@@ -25,7 +25,7 @@ from analysis.mechanics.dual import derivatives
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import state_of
 from analysis.mechanics.vectors import Numbers
-from analysis.stability.continuation import Bound, Curve
+from analysis.nonlinear.continuation import Curve
 from analysis.stability.linearisation import (
     ComplexArray,
     require_spinning,
@@ -255,8 +255,6 @@ def stationary_branch(
     start: StationaryMotion,
     interval: tuple[float, float],
     parameter: Parameter | None = None,
-    *,
-    most: int = 2000,
 ) -> tuple[StationaryMotion, ...]:
     """Follow stationary motions by pseudo-arclength, both ways from one of them.
 
@@ -271,8 +269,6 @@ def stationary_branch(
         is left.
     parameter : Parameter, optional
         What to continue in, at the spin of the start; the spin by default.
-    most : int
-        Motions to find at most, each way.
 
     Returns
     -------
@@ -283,29 +279,36 @@ def stationary_branch(
     Raises
     ------
     ValueError
-        If the start is upright or lies outside of the interval, or `most` is below 1.
+        If the start is upright or lies outside of the interval.
     ArithmeticError
-        If an iteration fails, or more than `most` motions lie in the interval; the message names
+        If an iteration fails, or too many motions lie in the interval; the message names
         the last good one.
     """
     if not start.is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
-    if most < 1:
-        raise ValueError(f"most must be 1 or more, got {most}")
-    value = start.spin if parameter is None else parameter.value
+    value, unit = (
+        (start.spin, _SPIN_UNIT) if parameter is None else (parameter.value, parameter.unit)
+    )
     if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
         allowed = "positive spins" if parameter is None else "values"
         raise ValueError(f"interval must be one of {allowed} about {value:g}, got {interval}")
-    unit = _SPIN_UNIT if parameter is None else parameter.unit
 
-    def at(place: Array) -> tuple[Scenario, float]:
+    def at(point: Array) -> tuple[Scenario, float]:
         """Scenario and spin of a point: a place and the value over its unit."""
-        found = unit * float(place[4])
+        found = unit * float(point[4])
         return (scenario, found) if parameter is None else (parameter.change(found), start.spin)
 
-    r = scenario.disk.radius
+    r, step = scenario.disk.radius, _PARAMETER_STEP * np.eye(5)[4]
+
+    def equations(point: Array) -> tuple[Array, Array]:
+        place = point[:4]
+        ahead, behind = (_residual(*at(each), place) for each in (point + step, point - step))
+        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
+        return _residual(*at(point), place), np.column_stack(
+            (_slopes(*at(point), place), by_value)
+        )
+
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
-    bounds = [Bound("value", 4, end / unit, end == interval[1]) for end in interval]
 
     def where(point: Array) -> str:
         value, beta, gamma = unit * point[4], point[2], point[3]
@@ -317,26 +320,8 @@ def stationary_branch(
         is_upright = max(abs(point[2] - np.pi / 2), sideways) < _SAME
         return is_upright or bool(np.cos(point[3]) * np.cos(start.gamma) < 0.0)
 
-    name = "the branch of stationary motions"
-    curve = Curve(_equations(at), name, where, bounds, lambda _: _STEP)
-    points, _ = curve.through(point, axis=4, most=most, is_over=is_over)
+    ends = interval[0] / unit, interval[1] / unit
+    points = Curve(equations, ends, _STEP, where, is_over).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )
-
-
-def _equations(
-    at: Callable[[Array], tuple[Scenario, float]],
-) -> Callable[[Array], tuple[Array, Array]]:
-    """What is zero in stationary motions, given what tells scenario and spin of a point."""
-    step = _PARAMETER_STEP * np.eye(5)[4]
-
-    def equations(point: Array) -> tuple[Array, Array]:
-        place = point[:4]
-        ahead, behind = (_residual(*at(each), place) for each in (point + step, point - step))
-        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        return _residual(*at(point), place), np.column_stack(
-            (_slopes(*at(point), place), by_value)
-        )
-
-    return equations

@@ -13,8 +13,7 @@ that leaving them out leaves the other eigenvalues as they are:
 - the drift, unless the centre of gravity is held: spinning elsewhere on the table, which circles
   in the turning R-frame and has the eigenvalues +-i spin.
 
-With alpha and its rate left out, Models 1 to 4 have the 8 eigenvalues of Eq. (55), 4, and twice
-the 3 of Eq. (111).
+Without them Models 1 to 4 have 6 of the 8 eigenvalues of Eq. (55), 4, and twice the 3 of (111).
 
 The equations of motion are quadratic in the velocities, but for friction, whose law is one of the
 slip and at no slip linear in it. For upright spinning, which has no slip, all derivatives are
@@ -195,14 +194,8 @@ class Linearisation:
         result: Array = rows * self._units / disk.radius
         return result
 
-    def matrices(self, spins: Array, *, drift: bool = True) -> Array:
-        """State matrices in 1/s at spins in rad/s, shape (n, k, k).
-
-        Parameters
-        ----------
-        spins : ndarray, shape (n,)
-        drift : bool
-            Whether the pair +-i spin of a disk that spins elsewhere stays in; see `has_drift`.
+    def matrices(self, spins: Array) -> Array:
+        """State matrices in 1/s at spins in rad/s, shape (n, k, k), without what is neutral.
 
         Raises
         ------
@@ -211,7 +204,7 @@ class Linearisation:
         """
         every = self._at(spins)
         jacobians = every[:, :12]
-        free, neutral, bases = self._tangents(every[:, 12:], drift=drift)
+        free, neutral, bases = self._tangents(every[:, 12:])
         rows = jacobians[:, free]
         coupling = np.max(np.abs(rows[:, :, neutral]), axis=(1, 2))
         worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
@@ -223,21 +216,17 @@ class Linearisation:
         result: Array = self.frequency * rows @ bases
         return result
 
-    def bases(self, spins: Array, *, drift: bool = True) -> Array:
-        """Deviations of a state without units by each free number, shape (n, 12, k)."""
-        return self._tangents(self._at(spins)[:, 12:], drift=drift)[2]
-
     def _at(self, spins: Array) -> Array:
         """Those of `_by_state` and `_held` at spins in rad/s, shape (n, 12 + m, 12)."""
         spin = np.vander(spins / self.frequency, len(self._powers), increasing=True)
         return np.tensordot(spin, self._powers, axes=1)
 
-    def _tangents(self, normals: Array, *, drift: bool) -> tuple[Array, list[int], Array]:
+    def _tangents(self, normals: Array) -> tuple[Array, list[int], Array]:
         """Free numbers and neutral ones, and how all deviate with each free one."""
         held = self._scenario.constraints
         # A free spin is that about the centre of gravity: no other motion is stationary.
         neutral = [3] if "constant-spin" in held else [3, 9]
-        if not drift and has_drift(held):
+        if has_drift(held):
             neutral += [0, 1]
         others = np.array([each for each in range(12) if each not in neutral])
         best = qr(self._powers[0][12:, others], mode="r", pivoting=True)[1]
@@ -291,5 +280,4 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
             f"a motion at {spin:.9g} rad/s with beta {place[2]:.6g} and gamma {place[3]:.6g} rad "
             f"is not stationary: its accelerations are {change:.1e} of those of the spinning"
         )
-    matrices = found.matrices(np.array([spin]), drift=False)
-    return falling(np.linalg.eigvals(matrices[0]))
+    return falling(np.linalg.eigvals(found.matrices(np.array([spin]))[0]))

@@ -13,19 +13,17 @@ of the eccentricity and changes nothing else, so noninverted spinning has the sa
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from math import sqrt
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.data.body import Body
 from analysis.data.checks import Array, choice
-from analysis.data.elementary import sqrt
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
 from analysis.stability.linearisation import ComplexArray, require_spinning, spin_array
-
-Matrix = tuple[tuple[Any, ...], ...]
 
 
 def signed_eccentricity(disk: Body, motion: Motion) -> float:
@@ -43,10 +41,8 @@ def signed_eccentricity(disk: Body, motion: Motion) -> float:
 # --- The full system ----------------------------------------------------------------------------
 
 
-def printed_matrices(
-    *, m: Any, r: Any, e: Any, A: Any, B: Any, C: Any, mg: Any, D: Any = None
-) -> dict[str, Matrix]:
-    """Entries of Eqs. (48)-(54), of numbers of any kind, by the paper's names.
+def printed_matrices(numbers: Mapping[str, float], D: float | None = None) -> dict[str, Array]:
+    """Matrices of Eqs. (48)-(54) by the paper's names, shape (4, 4) each, of `paper_numbers`.
 
     With the signs of Eq. (48), friction enters as + d D_C and + d Omega B_C with the force d =
     mu m g / epsilon: the paper prints (53) and (54) with a minus, which would feed energy in. The
@@ -54,8 +50,9 @@ def printed_matrices(
     B_C. M is Eq. (49), G_h (50), K_h (51), K_f (52), D_C (53) and B_C (54); D abbreviates A - B -
     C, unless another number is given.
     """
+    m, r, e, A, B, C, mg = numbers.values()
     me, D = m * e, A - B - C if D is None else D
-    return {
+    printed = {
         "M": ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C)),
         "G_h": (
             (0, -2 * m, 2 * me, 0),
@@ -68,6 +65,7 @@ def printed_matrices(
         "D_C": ((1, 0, 0, r), (0, 1, r, 0), (0, r, r * r, 0), (r, 0, 0, r * r)),
         "B_C": ((0, -1, -r, 0), (1, 0, 0, 0), (r, 0, 0, 0), (0, -r, -r * r, 0)),
     }
+    return {name: np.array(rows, dtype=float) for name, rows in printed.items()}
 
 
 def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, float]:
@@ -84,10 +82,13 @@ def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, 
     }
 
 
-def first_order(printed: Mapping[str, npt.ArrayLike], spins: Array, d: float) -> Array:
-    """Eq. (55): state matrices in (z, z'), shape (n, 8, 8), with a friction force d in N s/m."""
-    M, G_h, K_h, K_f, D_C, B_C = (np.array(each, dtype=float) for each in printed.values())
-    Omega = spins[:, None, None]
+def first_order(printed: Mapping[str, Array], spins: Array, d: npt.ArrayLike) -> Array:
+    """Eq. (55): state matrices in (z, z'), shape (n, 8, 8), with a friction force d in N s/m.
+
+    That is one for all spins, or one for each.
+    """
+    M, G_h, K_h, K_f, D_C, B_C = printed.values()
+    Omega, d = spins[:, None, None], np.reshape(d, (-1, 1, 1))
     result = np.zeros((spins.size, 8, 8))
     result[:, :4, 4:] = np.eye(4)
     result[:, 4:, :4] = -np.linalg.solve(M, Omega**2 * K_h + K_f + d * Omega * B_C)
@@ -100,10 +101,14 @@ def full_matrices(
     spins: npt.ArrayLike,
     motion: Motion = "inverted",
     *,
-    gradient: float | None = None,
-    drift: bool = False,
+    gradient: npt.ArrayLike | None = None,
 ) -> Array:
-    """State matrices of the full system, Eqs. (48)-(55).
+    """State matrices of the full system, Eqs. (48)-(55), without the drift.
+
+    In the R-frame, which turns with the disk, a place fixed on the table circles with -Omega. That
+    gives Eq. (55) the pair of eigenvalues +-i Omega exactly, whatever the friction. In the states
+    (beta, gamma, inertial velocity of G along e_x^R and e_y^R, rates of beta and gamma) the place
+    does not occur.
 
     Load "weight" and load "contact" have the same linearisation, because the contact force is m g
     up to second order, Eq. (40).
@@ -115,17 +120,13 @@ def full_matrices(
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, of either sign.
     motion : {"inverted", "noninverted"}
-    gradient : float, optional
-        Friction gradient mu / epsilon in s/m, in place of that of the scenario's law.
-    drift : bool
-        Whether a disk that spins elsewhere is told apart. In the R-frame, which turns with the
-        disk, a place fixed on the table circles with -Omega, which gives the matrices the pair of
-        eigenvalues +-i Omega exactly, whatever the friction. In the states (beta, gamma, inertial
-        velocity of G along e_x^R and e_y^R, rates of beta and gamma) the place does not occur.
+    gradient : float or array_like, shape (n,), optional
+        Friction gradient mu / epsilon in s/m, or one for each spin, in place of that of the
+        scenario's law.
 
     Returns
     -------
-    ndarray, shape (n, 6, 6), or (n, 8, 8) with the drift
+    ndarray, shape (n, 6, 6)
 
     Raises
     ------
@@ -134,10 +135,8 @@ def full_matrices(
     """
     require_spinning(scenario, "the full system", 1)
     spins = spin_array(spins)
-    d = (scenario.friction.gradient if gradient is None else gradient) * scenario.weight
-    matrices = first_order(printed_matrices(**paper_numbers(scenario, motion)), spins, d)
-    if drift:
-        return matrices
+    d = scenario.weight * np.array(scenario.friction.gradient if gradient is None else gradient)
+    matrices = first_order(printed_matrices(paper_numbers(scenario, motion)), spins, d)
     change = np.zeros((spins.size, 8, 8))
     change[:, 4, 1], change[:, 5, 0] = -spins, spins
     turned = (np.eye(8) + change) @ matrices @ (np.eye(8) - change)
@@ -304,12 +303,6 @@ class CriticalSpeed:
     kind: Literal["hopf", "static", "saddle"]
 
 
-def critical_spin(m: Any, r: Any, e: Any, B: Any, mg: Any) -> Any:
-    """Eq. (126), of numbers of any kind."""
-    B_bar = B - m * e * e
-    return sqrt((r + e) * (r + e) / r * mg / B_bar)
-
-
 def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalSpeed:
     """Critical spinning speed of the reduced system in closed form, Eqs. (126), (127).
 
@@ -330,8 +323,8 @@ def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalS
     """
     scenario.require_plain("the closed form")
     m, r, e, _, B, _, mg = paper_numbers(scenario, motion).values()
-    Omega_crit = critical_spin(m, r, e, B, mg)
+    Omega_crit = sqrt((r + e) ** 2 / r * mg / (B - m * e**2))
     if e > 0.0:
-        frequency = float(sqrt(e / (r + e))) * Omega_crit
+        frequency = sqrt(e / (r + e)) * Omega_crit
         return CriticalSpeed(spin=Omega_crit, frequency=frequency, kind="hopf")
     return CriticalSpeed(spin=Omega_crit, frequency=0.0, kind="static" if e == 0.0 else "saddle")

@@ -79,10 +79,8 @@ def matrices_over_spin(
     scenario: Scenario,
     system: System | None = None,
     motion: Motion = "inverted",
-    *,
-    drift: bool = False,
 ) -> Matrices:
-    """Return what gives the state matrices of a linear system at any spins.
+    """Return what gives the state matrices of a linear system at any spins, but for the drift.
 
     Parameters
     ----------
@@ -93,8 +91,6 @@ def matrices_over_spin(
         Eq. (55), Eq. (111), or any constraints linearised by dual numbers; by default the one
         that is closed for these constraints, and "numeric" if none is.
     motion : {"inverted", "noninverted"}
-    drift : bool
-        Whether the drift pair +-i spin stays in, where there is one.
 
     Raises
     ------
@@ -104,9 +100,9 @@ def matrices_over_spin(
     system = chosen_system(scenario, system)
     choice("motion", motion, MOTIONS)
     if system == "numeric":
-        return partial(spinning(scenario, motion).matrices, drift=drift)
+        return spinning(scenario, motion).matrices
     closed = {
-        "full": partial(full_matrices, scenario, motion=motion, drift=drift),
+        "full": partial(full_matrices, scenario, motion=motion),
         "reduced": partial(reduced_matrices, scenario, motion=motion),
     }
     # Another scenario is refused at once.

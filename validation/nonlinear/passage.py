@@ -19,7 +19,6 @@ from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
 from analysis.data.checks import Array
 from analysis.data.trajectory import Source
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import matrices_over_spin
 from validation.kit.tables import Table
 from validation.run import run, run_to_rest
@@ -76,28 +75,25 @@ class SlowPair:
             )
         return cls(scenario=ideal, spin=found[-1].spin, frequency=found[-1].frequency)
 
-    def growth(self, spins: Array) -> Array:
-        """Growth rate in 1/s at spins in rad/s, shape (n,); interpolated between 200 of them."""
-        grid, values = self._values(spins)
-        # A pair that has become two real eigenvalues grows as its faster one.
-        away = np.where(values.imag < 0.0, np.inf, np.abs(values.imag - self.frequency))
-        away = np.where(values.real < _DAMPED, np.inf, away)
-        nearest = np.argmin(away, axis=1)
-        rates = np.take_along_axis(values.real, nearest[:, None], axis=1)[:, 0]
-        return np.asarray(np.interp(spins, grid, rates), dtype=float)
+    def over(self, spins: Array) -> tuple[Array, Array | None]:
+        """Growth rate of the slow pair in 1/s, and frequency of a fast one in rad/s, shape (n,).
 
-    def fast(self, spins: Array) -> Array | None:
-        """Frequency of the fast pair in rad/s at spins, shape (n,), if there is one at all."""
-        grid, values = self._values(spins)
-        highest = np.max(np.where(values.real < _DAMPED, 0.0, values.imag), axis=1)
-        if np.any(highest < 2.0 * self.frequency):
-            return None
-        return np.asarray(np.interp(spins, grid, highest), dtype=float)
-
-    def _values(self, spins: Array) -> tuple[Array, ComplexArray]:
+        At spins in rad/s, interpolated between 200 of them; no frequency if there is no fast pair.
+        """
         grid = np.linspace(np.min(spins) - 0.01, np.max(spins) + 0.01, 200)
-        matrices = matrices_over_spin(self.scenario, None, "inverted")(grid)
-        return grid, np.linalg.eigvals(matrices).astype(complex)
+        values = np.linalg.eigvals(matrices_over_spin(self.scenario)(grid)).astype(complex)
+        swings = values.real >= _DAMPED
+        # A pair that has become two real eigenvalues grows as its faster one.
+        away = np.where(
+            swings & (values.imag >= 0.0), np.abs(values.imag - self.frequency), np.inf
+        )
+        nearest = np.argmin(away, axis=1)[:, None]
+        growth = np.interp(spins, grid, np.take_along_axis(values.real, nearest, axis=1)[:, 0])
+        fastest = np.max(np.where(swings, values.imag, 0.0), axis=1)
+        fast = None
+        if np.all(fastest >= 2.0 * self.frequency):
+            fast = np.interp(spins, grid, fastest)
+        return growth, fast
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,14 +170,14 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     kept = (times >= inversion.time) & (times <= end)
     turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
     deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns
-    fast = pair.fast(spins)
+    growth, fast = pair.over(spins)
     if fast is not None:
         for _ in range(2):
             deviation = _mean(times, deviation, 2.0 * np.pi / fast)
     amplitude = np.hypot(deviation, np.gradient(deviation, times) / pair.frequency)[kept]
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
-    linear, predicted = _predicted(pair, times, spins, amplitude)
+    linear, predicted = _predicted(times, growth[kept], amplitude)
     return Passage(
         source=motion.source,
         pair=pair,
@@ -215,11 +211,8 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     return measure(run_to_rest(scenario, end, source=source, spacing=SPACING, **accuracy))
 
 
-def _predicted(
-    pair: SlowPair, times: Array, spins: Array, amplitude: Array
-) -> tuple[Array, float | None]:
+def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, float | None]:
     """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
-    rates = pair.growth(spins)
     grown = _integral(times, rates)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)

@@ -18,7 +18,6 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
 )
-from analysis.data.checks import Array
 from analysis.mechanics import paper
 from analysis.stability.printed import (
     critical_speed,
@@ -133,9 +132,7 @@ def _sizes(left_over: Iterable[npt.ArrayLike]) -> tuple[float, float]:
 
 def _linear_friction() -> tuple[float, float]:
     scenario, spin = Scenario(), np.array([40.0])
-    right: dict[str, Array] = {
-        n: np.array(m) for n, m in printed_matrices(**paper_numbers(scenario)).items()
-    }
+    right = printed_matrices(paper_numbers(scenario))
     printed = MATRIX_CHANGES["(53) and (54) with the printed signs"](right)
     force = scenario.friction.gradient * scenario.weight
     engine = mbs_models.state_matrix(spinning(scenario, *spin))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from analysis import DISKS, Scenario, SmoothCoulomb, ViscousFriction
-from analysis.data.checks import Array
 from analysis.nonlinear.families import cycle_family
 from analysis.nonlinear.heteroclinic import (
     Connection,
@@ -21,12 +20,8 @@ from analysis.nonlinear.heteroclinic import (
 from analysis.nonlinear.hopf import hopf_type
 from analysis.nonlinear.slow_manifold import (
     NoManifoldError,
-    distances,
-    separation,
-    slip_on,
     slow_connection,
     slow_cycle,
-    slow_rates,
 )
 from analysis.stability.printed import critical_speed
 from tests.helpers import model
@@ -55,7 +50,6 @@ def test_cycles_end_in_the_connection() -> None:
     assert family.motions[-1].spin == pytest.approx(found.spin, abs=1e-9)
     assert found.below <= found.spin <= found.above <= found.below + 1e-10
     growth = period_growth(family.motions, found)
-    assert growth["by_spin"] == pytest.approx(growth["predicted_by_spin"], rel=0.02)
     assert growth["by_amplitude"] == pytest.approx(growth["predicted_by_amplitude"], rel=1e-4)
     assert found.saddle_index > 1.0
     assert family.motions[-1].multiplier < 1e-3
@@ -103,30 +97,6 @@ def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
     assert np.log(missing[0] / missing[1]) / np.log(2.0) == pytest.approx(2.0, abs=0.05)
 
 
-def test_motions_keep_as_near_the_slow_manifold_as_its_order_says() -> None:
-    found = distances([with_smoothing(smoothing) for smoothing in (0.04, 0.02, 0.01)], 30.5)
-    assert found == pytest.approx([1.0, 2.0], abs=0.07)
-    assert separation(PAPER, critical_speed(PAPER).spin) == pytest.approx(18.19, abs=0.01)
-
-
-def cog_height(beta: Array, gamma: Array) -> Array:
-    disk = PAPER.disk
-    return np.asarray((disk.radius + disk.eccentricity * np.sin(gamma)) * np.sin(beta))
-
-
-def test_the_height_of_the_centre_of_gravity_is_conserved_without_slip() -> None:
-    random = np.random.default_rng(3)
-    x = np.array((random.uniform(0.6, 2.5, 20), random.uniform(-3.0, 3.0, 20)))
-    step = 1e-6
-    scenario = replace(PAPER, friction=ViscousFriction())
-    without, corrected = (slow_rates(scenario, 25.0, x, order) for order in (0, 1))
-    ahead, behind = (cog_height(*(x + way * without)) for way in (step, -step))
-    np.testing.assert_allclose((ahead - behind) / (2.0 * step), 0.0, atol=1e-9)
-    ahead, behind = (cog_height(*(x + way * corrected)) for way in (step, -step))
-    expected = slip_on(scenario, 25.0, x[0], x[1]) / np.tan(x[0])
-    np.testing.assert_allclose((ahead - behind) / (2.0 * step), expected, atol=1e-7)
-
-
 LOOSE = replace(PAPER, friction=SmoothCoulomb(coefficient=0.02))
 HERE = Connection(spin=1, below=1, above=1, growing=1, slow=-1, strong=-2)
 
@@ -134,8 +104,6 @@ REFUSED: dict[str, Callable[[], object]] = {
     r"gradient of at most 100000 s/m .* got 300000": lambda: fall(with_smoothing(1e-6), 30.0),
     "Model 4": lambda: fall(model(2), 30.0),
     "spin must be positive": lambda: fall(PAPER, -30.0),
-    "scenarios must be 2 or more": lambda: distances([PAPER], 30.0),
-    "complex pair beside": lambda: separation(PAPER, 0.5),
     "friction law cannot give": lambda: slow_connection(LOOSE),
     "cycles must hold 4": lambda: period_growth([], HERE),
     "is no saddle with one growing": lambda: saddle(PAPER, 0.0),

@@ -16,6 +16,7 @@ from analysis import (
     simulate,
 )
 from analysis.data.checks import Array
+from analysis.nonlinear.continuation import Curve
 from analysis.nonlinear.stationary import (
     Parameter,
     StationaryMotion,
@@ -72,14 +73,13 @@ def test_tilted_motions_at_held_spin_fold_and_meet_inverted_spinning_where_it_is
     assert below * above < 0.0
 
 
-def test_a_branch_that_goes_on_beyond_the_most_motions_says_so(tilted: StationaryMotion) -> None:
-    whole = stationary_branch(HELD, tilted, (58.0, 62.0))
-    begin = [motion.spin for motion in whole].index(60.0)
-    longest = max(begin, len(whole) - 1 - begin)
-    assert len(stationary_branch(HELD, tilted, (58.0, 62.0), most=longest)) == len(whole)
-    message = rf"more than {longest - 1} points one way, and goes on beyond \d+\.\d+ with beta"
-    with pytest.raises(ArithmeticError, match=message):
-        stationary_branch(HELD, tilted, (58.0, 62.0), most=longest - 1)
+def test_a_curve_that_goes_on_without_end_says_so() -> None:
+    def circle(point: Array) -> tuple[Array, Array]:
+        return np.array([point @ point - 1.0]), 2.0 * point[None]
+
+    curve = Curve(circle, (-2.0, 2.0), 0.1)
+    with pytest.raises(ArithmeticError, match="has more than 2000 points one way, and goes on"):
+        curve.through(np.array((1.0, 0.0)))
 
 
 @pytest.mark.parametrize(("gamma", "growth", "order"), [(2.607, -1.0, 4), (1.8202, 1.0, 3)])
@@ -140,9 +140,6 @@ REFUSED: dict[str, Callable[[], object]] = {
     "start must be tilted": lambda: stationary_branch(Scenario(), UPRIGHT, (5.0, 20.0)),
     r"positive spins about 10, got \(20": lambda: stationary_branch(
         Scenario(), TILTED, (20.0, 30.0)
-    ),
-    "most must be 1 or more, got 0": lambda: stationary_branch(
-        Scenario(), TILTED, (5.0, 20.0), most=0
     ),
     "unit must be positive": lambda: Parameter(change=lambda _: Scenario(), value=1.0, unit=0.0),
     "is not stationary": lambda: stationary_eigenvalues(Scenario(), 30.0, (0.0, 0.0, 1.2, 1.0)),

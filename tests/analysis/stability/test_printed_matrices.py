@@ -17,7 +17,6 @@ from analysis import (
     Table,
 )
 from analysis.data.body import Body
-from analysis.data.checks import Array
 from analysis.stability.chart import stability_chart
 from analysis.stability.critical import critical_speeds
 from analysis.stability.hopf_curves import hopf_curves
@@ -31,7 +30,6 @@ from analysis.stability.printed import (
     reduced_matrices,
     static_gradient,
 )
-from analysis.stability.sensitivities import closed_form_sensitivities
 from analysis.stability.spectra import branches, eigenvalues
 
 FULL = Scenario()
@@ -40,9 +38,7 @@ SPINS = np.array([0.0, 1e-3, 5.0, 30.0, 60.0])
 
 
 def test_printed_matrices_are_as_symmetric_as_the_paper_says() -> None:
-    printed: dict[str, Array] = {
-        name: np.array(each) for name, each in printed_matrices(**paper_numbers(FULL)).items()
-    }
+    printed = printed_matrices(paper_numbers(FULL))
     for name in ("M", "K_h", "K_f", "D_C"):
         np.testing.assert_array_equal(printed[name], printed[name].T)
     np.testing.assert_array_equal(printed["G_h"], -printed["G_h"].T)
@@ -104,53 +100,38 @@ CALLS: dict[str, tuple[str, Any]] = {
     "reduced matrices": ("reduced", reduced_matrices),
     "closed form": ("closed", closed_form),
     "spectra": ("any", eigenvalues),
-    "chart": ("full", lambda s, spins, **more: stability_chart(s, spins, [1.0], **more)),
     "static": ("full", static_gradient),
-    "hopf curves": ("full", lambda s, _, **more: hopf_curves(s, **more)),
-    "critical speed": ("closed", lambda s, _, **more: critical_speed(s, **more)),
-    "critical speeds": ("any", lambda s, _, **more: critical_speeds(s, **more)),
-    "linearisation": ("any", lambda s, _, **more: spinning(s, **more)),
+    "chart": ("full", lambda s, spins=1.0, **more: stability_chart(s, spins, [1.0], **more)),
+    "hopf curves": ("full", lambda s, **more: hopf_curves(s, [1.0], **more)),
+    "critical speed": ("closed", critical_speed),
+    "critical speeds": ("any", critical_speeds),
+    "linearisation": ("any", spinning),
 }
-"""What takes a scenario, spins and a motion, by names, with the system it is about."""
+"""What takes a scenario, spins if it is one of the first six, and a motion, with its system."""
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_other_scenarios_and_motions_are_refused(name: str) -> None:
+def test_other_scenarios_motions_and_spins_are_refused(name: str) -> None:
     system, call = CALLS[name]
     fitting = PAPER if system == "reduced" else FULL
+    takes_spins = name in [*CALLS][:6]
+    some: dict[str, Any] = {"spins": 1.0} if takes_spins else {}
     with pytest.raises(ValueError, match="needs a horizontal table"):
-        call(replace(fitting, table=LEANING.table), 1.0)
+        call(replace(fitting, table=Table(inclination=0.1)), **some)
     with pytest.raises(ValueError, match="motion must be one of inverted, noninverted"):
-        call(fitting, 1.0, motion="upright")
+        call(fitting, **some, motion="upright")
     # A penalty contact takes no further constraint.
     if system in ("full", "any"):
         with pytest.raises(ValueError, match="needs the ideal contact, got a Penalty"):
-            call(replace(fitting, contact=PenaltyContact(stiffness=1e5)), 1.0)
+            call(replace(fitting, contact=PenaltyContact(stiffness=1e5)), **some)
     if system in ("full", "reduced"):
         with pytest.raises(ValueError, match=rf"the {system} system is that of Model .*numeric"):
-            call(replace(fitting, constraints=MODELS[2]), 1.0)
+            call(replace(fitting, constraints=MODELS[2]), **some)
+    for spins in ([], [[1.0]], [1.0, np.nan], "fast") if takes_spins else ():
+        with pytest.raises(ValueError, match=r"spins must be .*(dimensional|numbers)"):
+            call(fitting, spins=spins)
 
 
-BAD_SPINS: list[tuple[object, str]] = [
-    ([], "spins must be one-dimensional with at least 1 entry"),
-    ([[1.0]], "spins must be one-dimensional"),
-    ([1.0, np.nan], "spins must be finite numbers in rad/s, got nan"),
-    ("fast", "must be an array of real numbers"),
-]
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["full matrices", "reduced matrices", "closed form", "spectra", "static"],
-)
-def test_bad_spins_are_refused(name: str) -> None:
-    system, call = CALLS[name]
-    for spins, message in BAD_SPINS:
-        with pytest.raises(ValueError, match=message):
-            call(PAPER if system == "reduced" else FULL, spins)
-
-
-LEANING = Scenario(table=Table(inclination=0.1))
 SLIPPERY = replace(PAPER, friction=SmoothCoulomb(coefficient=0.0))
 UNKNOWN: Any = "model1"
 
@@ -158,12 +139,10 @@ REFUSED: dict[str, Callable[[], object]] = {
     "gradients must be one-dimensional": lambda: stability_chart(FULL, [1.0], []),
     "must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
     "must be finite numbers, got nan": lambda: stability_chart(FULL, [1.0], [np.nan]),
-    "lowest < highest spin, got 5 to 1": lambda: hopf_curves(FULL, spins=(5.0, 1.0)),
-    "gradients must be positive": lambda: hopf_curves(FULL, gradients=(0.0, 1.0)),
-    "gradients must have lowest < highest": lambda: hopf_curves(FULL, gradients=(2.0, 2.0)),
+    "lowest < highest spin, got 5 to 1": lambda: hopf_curves(FULL, [1.0], (5.0, 1.0)),
+    "gradients must be positive": lambda: hopf_curves(FULL, [1.0, 0.0]),
     "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
     "friction must have a positive gradient": lambda: closed_form(SLIPPERY, 1.0),
-    "form needs a horizontal table": lambda: closed_form_sensitivities(LEANING),
     "scenario must be a Scenario, got 'S'": lambda: critical_speeds("S"),  # type: ignore[arg-type]
     "system must be one of full, reduced, numeric": lambda: eigenvalues(FULL, [1.0], UNKNOWN),
 }

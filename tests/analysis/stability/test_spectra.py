@@ -40,10 +40,11 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
     scenario = Scenario(constraints=MODELS[level])
     found = eigenvalues(scenario, spins, system, motion)
     followed = branches(scenario, spins, system, motion)
-    matrices = matrices_over_spin(scenario, system, motion, drift=True)(spins)
+    matrices = matrices_over_spin(scenario, system, motion)(spins)
     for index, values in enumerate(np.linalg.eigvals(matrices).astype(complex)):
-        assert_same_set(found[index], values, 1e-6)
-        assert_same_set(followed.values[index], values, 1e-6)
+        drift = np.array((1j, -1j)) * spins[index] if level == 1 else ()
+        assert_same_set(found[index], np.append(values, drift), 1e-6)
+        assert_same_set(followed.values[index], np.append(values, drift), 1e-6)
     # The pair of the place on the table is exact.
     if level == 1:
         np.testing.assert_array_equal(followed.values[:, 2:4].T, [1j * spins, -1j * spins])
@@ -90,42 +91,27 @@ def test_a_branch_is_the_same_whatever_spins_are_asked_for(
     np.testing.assert_allclose(single, fine[-1:], atol=1e-9)
 
 
-def test_crossing_eigenvalues_go_on_as_they_have_come() -> None:
-    p = np.linspace(-1.0, 1.0, 100)
-    true = np.column_stack((p, -p, 0.5 * np.sin(3 * p) + 0.1, np.full_like(p, -0.33)))
+def test_branches_go_on_as_they_have_come_past_others_collisions_and_zeros_that_stay() -> None:
+    p = np.linspace(-2.0, 2.0, 400)
+    crossing, colliding, meeting = np.zeros((3, p.size, 4, 4))
+    lines = np.column_stack((p, -p, 0.5 * np.sin(1.5 * p) + 0.1, np.full_like(p, -0.33)))
+    crossing[:, range(4), range(4)] = lines
+    # Eigenvalues +-sqrt(p² - 1), and one that runs through the collisions.
+    colliding[:, 0, 1], colliding[:, 1, 0] = 1.0, p**2 - 1.0
+    colliding[:, 2, 2], colliding[:, 3, 3] = 0.8 * p, -5.0
+    root = np.emath.sqrt(p**2 - 1.0)
+    # Defective where one passes the zero: both eigenvectors are the same there.
+    meeting[:, 0, 0], meeting[:, 0, 1], meeting[:, 2, 2], meeting[:, 3, 3] = p, 1.0, -3.0, -4.0
     # Of smooth eigenvectors.
     one, other = np.random.default_rng(0).normal(size=(2, 4, 4))
-    part = np.linspace(0.0, 0.3, len(p))[:, None, None]
-    vectors = np.eye(4) + 0.3 * one + part * other
-    found = follow(vectors @ (true[:, :, None] * np.linalg.inv(vectors)))
-    order = np.argsort(-true[0])
-    np.testing.assert_allclose(found, true[:, order], atol=1e-10)
-
-
-def test_a_collision_into_a_complex_pair_and_back_leaves_other_branches_alone() -> None:
-    p = np.linspace(-2.0, 2.0, 400)
-    block = np.zeros((p.size, 3, 3))
-    # eigenvalues +-sqrt(p² - 1), and one that runs through the collisions
-    block[:, 0, 1], block[:, 1, 0], block[:, 2, 2] = 1.0, p**2 - 1.0, 0.8 * p
-    vectors = np.eye(3) + 0.3 * np.random.default_rng(1).normal(size=(3, 3))
-    found = follow(vectors @ block @ np.linalg.inv(vectors))
-    root = np.emath.sqrt(p**2 - 1.0)
-    true = np.column_stack((root, 0.8 * p, -root))
-    np.testing.assert_allclose(found, true[:, np.argsort(-true[0].real)], atol=1e-7)
+    vectors = np.eye(4) + 0.3 * one + np.linspace(0.0, 0.3, p.size)[:, None, None] * other
+    others = (root, 0.8 * p, -root, 0 * p - 5.0), (0 * p, p, 0 * p - 3.0, 0 * p - 4.0)
+    every = [lines, *map(np.column_stack, others)]
+    for blocks, true in zip((crossing, colliding, meeting), every, strict=True):
+        found = follow(vectors @ blocks @ np.linalg.inv(vectors))
+        np.testing.assert_allclose(found, true[:, np.argsort(-true[0].real)], atol=1e-7)
 
 
 def test_pairs_are_numbered_from_even_places_and_a_real_eigenvalue_gives_way() -> None:
     matrix = np.array([[2.0, 0, 0, 0], [0, -1, 1, 0], [0, -1, -1, 0], [0, 0, 0, -3]])
     np.testing.assert_allclose(follow(matrix[None]), [[2.0, -3.0, -1.0 + 1j, -1.0 - 1j]])
-
-
-@pytest.mark.parametrize("count", [100, 101])
-def test_an_eigenvalue_passes_through_a_zero_mode_that_stays(count: int) -> None:
-    p = np.linspace(-1.0, 1.0, count)
-    block = np.zeros((p.size, 3, 3))
-    # defective where the two meet: both eigenvectors are the same there
-    block[:, 0, 0], block[:, 0, 1], block[:, 2, 2] = p, 1.0, -3.0
-    turn = np.eye(3) + 0.3 * np.random.default_rng(2).normal(size=(3, 3))
-    found = follow(turn @ block @ np.linalg.inv(turn))
-    true = np.column_stack((np.zeros_like(p), p, np.full_like(p, -3.0)))
-    np.testing.assert_allclose(found, true, atol=1e-7)

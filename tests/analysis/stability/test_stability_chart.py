@@ -2,34 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import log
 
 import numpy as np
 import pytest
 
-from analysis import (
-    MOTIONS,
-    STEEL_DISK,
-    Motion,
-    Scenario,
-)
+from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
 from analysis.stability.chart import stability_chart, with_gradient
-from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import HopfCurve, corners, hopf_curves
-from analysis.stability.printed import critical_speed, full_matrices, static_gradient
-from analysis.stability.sensitivities import (
-    FIELDS,
-    SIZE,
-    closed_form_sensitivities,
-    full_sensitivities,
-)
+from analysis.stability.critical import Crossing, critical_speeds
+from analysis.stability.hopf_curves import corners, hopf_curves
+from analysis.stability.printed import full_matrices, static_gradient
+from analysis.stability.sensitivities import POWERS, sensitivities
+from analysis.stability.spectra import eigenvalues
 
 PAPER = Scenario()
-
-
-@pytest.fixture(scope="module")
-def curves() -> Mapping[Motion, tuple[HopfCurve, ...]]:
-    return {motion: hopf_curves(PAPER, motion) for motion in MOTIONS}
 
 
 def test_noninverted_spinning_is_unstable_with_every_friction() -> None:
@@ -44,45 +29,26 @@ def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
     chart = stability_chart(PAPER, spins, gradients)
     for row, gradient in enumerate(gradients):
         scenario = with_gradient(PAPER, gradient)
-        values = np.linalg.eigvals(full_matrices(scenario, spins, drift=True))
+        values = eigenvalues(scenario, spins, "numeric")
         np.testing.assert_array_equal(chart[row], np.sum(values.real > 1e-8, axis=1))
 
 
-@pytest.mark.slow
-def test_hopf_curves_pass_through_the_crossings_of_every_gradient(
-    curves: Mapping[Motion, tuple[HopfCurve, ...]],
-) -> None:
-    for motion in MOTIONS:
-        for gradient in (1.25, 3.0, 30.0, 300.0):
-            scenario = with_gradient(PAPER, gradient)
-            expected = critical_speeds(scenario, (0.0, 100.0), motion=motion).hopf
-            # Each curve passes a gradient once.
-            found = sorted(
-                np.interp(log(gradient), np.log(curve.gradients), curve.spins)
-                for curve in curves[motion]
-            )
-            np.testing.assert_allclose(found, [c.spin for c in expected], rtol=2e-3)
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_hopf_curves_hold_the_crossings_of_every_gradient(motion: Motion) -> None:
+    curves = hopf_curves(PAPER, (1.25, 3.0, 300.0), motion=motion)
+    for gradient in (1.25, 3.0, 300.0):
+        scenario = with_gradient(PAPER, gradient)
+        expected = critical_speeds(scenario, (0.0, 100.0), motion=motion).hopf
+        found = sorted(spin for each in curves for spin in each.spins[each.gradients == gradient])
+        np.testing.assert_allclose(found, [each.spin for each in expected], rtol=1e-9)
+    for spin, gradient, frequency in np.column_stack(curves).T.tolist():
+        values = np.linalg.eigvals(full_matrices(PAPER, spin, motion, gradient=gradient)[0])
+        assert np.min(np.abs(values - 1j * frequency)) < 1e-9 * max(1.0, np.abs(values).max())
+    assert [each.frequencies[-1] for each in curves] == sorted(e.frequencies[-1] for e in curves)
 
 
-def test_every_point_of_a_hopf_curve_has_its_imaginary_eigenvalue(
-    curves: Mapping[Motion, tuple[HopfCurve, ...]],
-) -> None:
-    for curve in (*curves["inverted"], *curves["noninverted"]):
-        for spin, gradient, frequency in zip(
-            curve.spins[1:], curve.gradients[1:], curve.frequencies[1:], strict=True
-        ):
-            matrix = full_matrices(PAPER, spin, curve.motion, gradient=gradient)[0]
-            values = np.linalg.eigvals(matrix)
-            assert np.min(np.abs(values - 1j * frequency)) < 1e-9 * max(1.0, np.abs(values).max())
-
-
-def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
-    curves: Mapping[Motion, tuple[HopfCurve, ...]],
-) -> None:
-    slow, _ = curves["inverted"]
-    assert slow.ends == ("double zero", "gradient")
-    assert slow.spins[-1] == pytest.approx(30.2722, abs=1e-4)
-    found = {each.kind: each for each in corners(PAPER, curves["inverted"])}
+def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable() -> None:
+    found = {each.kind: each for each in corners(PAPER, np.geomspace(0.3, 30.0, 21))}
     expected = {
         "double zero": (28.60972, 0.881178),
         "zero hopf": (36.83647, 1.347031),
@@ -91,46 +57,36 @@ def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable(
     assert {kind: (each.spin, each.gradient) for kind, each in found.items()} == {
         kind: pytest.approx(place, abs=5e-6) for kind, place in expected.items()
     }
-    start, double = found["double zero"], found["double hopf"]
-    assert static_gradient(PAPER, start.spin)[0] == pytest.approx(start.gradient, rel=1e-6)
+    double = found["double hopf"]
     np.testing.assert_allclose(double.frequencies, (5.23009, 25.80421), atol=1e-5)
-    matrices = full_matrices(PAPER, double.spin, gradient=double.gradient)
-    assert np.sum(np.abs(np.linalg.eigvals(matrices).real) < 1e-9) == 4
+    for each, critical in zip(found.values(), (2, 3, 4), strict=True):
+        matrix = full_matrices(PAPER, each.spin, gradient=each.gradient)[0]
+        assert np.sum(np.abs(np.linalg.eigvals(matrix).real) < 1e-6) == critical
     spins, gradients = np.linspace(10.0, 90.0, 161), np.geomspace(0.1, 100.0, 120)
     rows, columns = np.nonzero(stability_chart(PAPER, spins, gradients) == 0)
     assert 28.6 < spins[columns].min() < spins[columns].max() < 36.9
     assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
+    assert not corners(PAPER, (2.0, 30.0))
 
 
-def scaled(fields: Mapping[str, int], step: float) -> Scenario:
-    """With fields of the disk times powers of e to a step."""
-    changes = {name: getattr(STEEL_DISK, name) * np.exp(step * fields[name]) for name in fields}
-    return Scenario(disk=replace(STEEL_DISK, **changes))
+def crossings(steps: Mapping[str, float], level: Level) -> tuple[Crossing, ...]:
+    """Of the disk with its fields times powers of e."""
+    fields = {name: getattr(STEEL_DISK, name) * np.exp(step) for name, step in steps.items()}
+    scenario = Scenario(constraints=MODELS[level], disk=replace(STEEL_DISK, **fields))
+    return critical_speeds(scenario, (20.0, 80.0)).crossings
 
 
-def test_closed_form_sensitivities_are_derivatives_of_the_closed_form() -> None:
-    found = closed_form_sensitivities(PAPER)
-    powers = {name: {name: 1} for name in FIELDS}
-    for name, fields in {**powers, "size": dict(zip(FIELDS, SIZE, strict=True))}.items():
-        ahead, behind = (critical_speed(scaled(fields, step)).spin for step in (1e-5, -1e-5))
-        assert found[name] == pytest.approx(log(ahead / behind) / 2e-5, abs=1e-8)
-
-
-def test_dimensions_tie_size_and_friction_together() -> None:
-    """In units of the disk's size, size**(1/2) * mu / epsilon is the friction."""
-    for sensitivity in full_sensitivities(PAPER, (0.0, 100.0)):
-        values = sensitivity.values
-        expected = -0.5 + 0.5 * values["friction_gradient"]
-        assert values["size"] == pytest.approx(expected, abs=1e-7)
-
-
-@pytest.mark.parametrize("name", ["inertia_x", "eccentricity", "mass", "radius"])
-def test_full_sensitivities_are_derivatives_of_the_critical_speeds(name: str) -> None:
-    change, around = 1e-4, (20.0, 80.0)
-    ahead, behind = (
-        [each.spin for each in critical_speeds(scaled({name: 1}, step), around).crossings]
-        for step in (change, -change)
-    )
-    found = [each.values[name] for each in full_sensitivities(PAPER, around)]
-    expected = np.log(np.divide(ahead, behind)) / (2 * change)
-    assert found == pytest.approx(expected, rel=1e-4, abs=1e-7)
+@pytest.mark.parametrize("level", [1, 4])
+def test_sensitivities_are_derivatives_of_the_critical_speeds(level: Level) -> None:
+    scenario = Scenario(constraints=MODELS[level])
+    found = [sensitivities(scenario, each) for each in crossings({}, level)]
+    for name, powers in {**{name: {name: 1} for name in POWERS}, "size": POWERS}.items():
+        ahead, behind = (
+            [each.spin for each in crossings({n: step * powers[n] for n in powers}, level)]
+            for step in (1e-4, -1e-4)
+        )
+        expected = np.log(np.divide(ahead, behind)) / 2e-4
+        assert [each[name] for each in found] == pytest.approx(expected, rel=1e-4, abs=1e-7)
+    # In units of the disk's size, size**(1/2) * mu / epsilon is the friction.
+    for each in found:
+        assert each["size"] == pytest.approx(-0.5 + 0.5 * each["friction_gradient"], abs=1e-8)

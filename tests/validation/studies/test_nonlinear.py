@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.helpers import failing
+from tests.helpers import failing, planted
 from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.nonlinear import figures
@@ -32,8 +32,7 @@ def _families() -> list[Row]:
     rows += [{"case": SWINGING, **birth}, {"case": SWINGING, **end}]
     turn = {"case": ROTATING, **cycle, "tilt": 0.1, "largest_tilt": 0.5, "spin": 30.1}
     rows += [turn, turn | {"spin": 31.0, "stable": False}, turn | {"kind": "fold", "spin": 30.08}]
-    orders = {"surface": 1.0, "corrected": 2.0, "separation": 18.0}
-    rows += [cycle | {"case": SLOW}, {"case": SLOW, "kind": "slow", **orders}]
+    rows.append(cycle | {"case": SLOW})
     for name in HELD_NAMES:
         held = {"case": name, **cycle, "complex_multiplier": nan, "spin": 30.0}
         rows += [held | {"amplitude": 0.1}, held | {"amplitude": 0.2, "stable": False}]
@@ -83,19 +82,20 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(section, "figures", MagicMock())
-    monkeypatch.setattr(section, "drawings", MagicMock())
+    axes = MagicMock()
+    axes.get_xlim.return_value = (0.0, 1.0)
+    drawn = MagicMock()
+    drawn.diagram.return_value.axes = [axes]
+    monkeypatch.setattr(section, "figures", drawn)
 
 
+FITS = "fit over theory less 1"
 WRONG = [
     *(("engine-cycles", "engine", name, f"cycles: {name}, engine") for name in SAME_CYCLE),
     ("families", "end", "off", "cycles: end at the connection"),
-    (
-        "families",
-        "birth",
-        "fitted_curvature",
-        "cycles: spin over amplitude², fit over theory less 1",
-    ),
+    ("families", "birth", "fitted_curvature", f"cycles: spin over amplitude², {FITS}"),
+    ("families", "birth", "fitted_exponent", f"cycles: power of the amplitude, {FITS}"),
+    ("families", "end", "by_amplitude", f"cycles: period over ln(π − amplitude), {FITS}"),
     ("connections", "disk of Table 1", "bracket", "connections: bracket"),
     ("passages", f"{DISSIPATED}, engine", "lowest_spin", "passage: lowest_spin, engine"),
     ("passages", f"{DISSIPATED}, engine", "crossing", "passage: crossing, engine"),
@@ -110,8 +110,9 @@ def test_a_wrong_value_none_or_a_missing_row_fails_its_check(
     table = rows[study]
     at = table.index[table.isin([label]).any(axis=1)][0]
     for value in (0.3, nan, inf):
-        table.loc[at, column] = value
-        assert failing(present(rows).checks) == {check}
+        assert failing(present({**rows, study: planted(table, at, column, value)}).checks) == {
+            check
+        }
     if study != "families":
         assert failing(present({**rows, study: table.drop(at)}).checks)
 

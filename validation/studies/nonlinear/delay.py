@@ -62,10 +62,8 @@ def delay_law(rates: npt.ArrayLike, delays: npt.ArrayLike) -> DelayLaw:
     x, y = np.log(np.array(rates, float)), np.log(np.array(delays, float))
     if x.size < 3 or not np.all(np.isfinite([x, y])):
         raise ValueError("rates must be 3 or more, of disks that fall through the Hopf point")
-    slope, constant = np.polyfit(x, y, 1)
-    rest = y - slope * x - constant
-    error = np.sqrt(np.sum(rest**2) / (x.size - 2) / np.sum((x - np.mean(x)) ** 2))
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     pair = SlowPair.of(Scenario())
-    ends = pair.growth(pair.spin + np.array((-0.5, 0.5)))
-    growths = np.exp(2.0 * y - x) * (ends[0] - ends[1]) / 2.0
-    return DelayLaw(float(slope), float(error), float(np.mean(growths)))
+    below, above = pair.over(pair.spin + np.array((-0.5, 0.5)))[0]
+    growths = np.exp(2.0 * y - x) * (below - above) / 2.0
+    return DelayLaw(float(slope), float(np.sqrt(covariance[0, 0])), float(np.mean(growths)))

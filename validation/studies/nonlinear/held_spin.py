@@ -9,9 +9,9 @@ pi/2 in rad (its amplitude), and the state there: the rate of beta in rad/s and,
 free, the deviation of beta from pi/2 in rad and the velocity of the geometric centre in m/s.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,12 +32,9 @@ HELD: dict[str, ConstraintSet] = {
 }
 """Model 3 at held spin is Model 4."""
 
-FORMULATION = "floating"
-"""That of the engine."""
-
 _ACCURACY: dict[Source, dict[str, Any]] = {
     "in-house": {"local_tolerance": 1e-11},
-    "engine": {"tolerance": 1e-8, "formulation": FORMULATION},
+    "engine": {"tolerance": 1e-8, "formulation": "floating"},
 }
 
 _STEP = 1e-4
@@ -47,22 +44,17 @@ _SPACING = 2e-3
 """Of the samples in s from which the rates at the end are taken."""
 
 _ITERATIONS = 12
-_CONVERGED = 1e-6
-
-Ends = Callable[[Array], tuple[Array, Array]]
-"""From what tells a cycle to the state half a period later, and its rate."""
+_CONVERGED = 1e-7
+"""Last step of Newton's method, relative to the unknowns, those of the state to the amplitude."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HeldCycle:
+class HeldCycle(NamedTuple):
     """A periodic motion at constant spin.
 
     Parameters
     ----------
     unknowns : ndarray, shape (k + 3,)
         What tells it; see above.
-    residual : float
-        Last step of Newton's method, relative to the unknowns.
     spin, period, amplitude : float
         In rad/s, s and rad.
     multiplier : float
@@ -71,27 +63,22 @@ class HeldCycle:
         The largest real one over half a period, with the mirror image.
     complex_multiplier : float or None
         Size of the largest complex pair over half a period, if there is one.
+    stable : bool or None
+        Whether all multipliers lie inside the unit circle; None if too close to tell.
     """
 
     unknowns: Array
-    residual: float
     spin: float
     period: float
     amplitude: float
     multiplier: float
     half_multiplier: float
     complex_multiplier: float | None
-
-    @property
-    def stable(self) -> bool | None:
-        """Whether all multipliers lie inside the unit circle; None if too close to tell."""
-        return is_stable(self.multiplier)
+    stable: bool | None
 
     def told(self) -> dict[str, Any]:
         """What tables and files tell of it, as plain data by names."""
-        own = ("amplitude", "half_multiplier", "complex_multiplier")
-        names = (*own, "spin", "period", "multiplier", "stable")
-        return {name: getattr(self, name) for name in names}
+        return {name: value for name, value in self._asdict().items() if name != "unknowns"}
 
 
 class NoHeldCycleError(ArithmeticError):
@@ -114,9 +101,10 @@ def family(name: str, amplitudes: Sequence[float]) -> list[HeldCycle]:
         Rising, in rad.
     """
     scenario = Scenario(constraints=HELD[name])
-    born, direction = birth(scenario)
-    found: list[HeldCycle] = []
-    line = [born, born + direction]
+    hopf = critical_speeds(scenario, (29.0, 31.5)).crossings[-1]
+    born = np.zeros(1 + _size(scenario.constraints))
+    born[[SPIN, HALF_PERIOD]] = hopf.spin, np.pi / hopf.frequency
+    line, found = [born, born + np.eye(born.size)[AMPLITUDE]], list[HeldCycle]()
     for amplitude in amplitudes:
         step = (line[1] - line[0]) / (line[1] - line[0])[AMPLITUDE]
         guess = line[1] + (amplitude - line[1][AMPLITUDE]) * step
@@ -145,25 +133,32 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
     ArithmeticError
         If a run fails.
     """
-
-    def ends(unknowns: Array) -> tuple[Array, Array]:
-        return _end(scenario, unknowns, source)
-
     unknowns = np.array(guess, dtype=float)
     free = np.arange(unknowns.size) != fixed
+    # What time changes is known from the rates; and a spin that is given changes nothing.
+    known = {HALF_PERIOD, SPIN} if fixed == SPIN else {HALF_PERIOD}
     last = np.inf
     for _ in range(_ITERATIONS):
-        end, rates = ends(unknowns)
-        slopes = _slopes(ends, unknowns, rates, idle=SPIN if fixed == SPIN else None)
-        residual = end + np.append(0.0, unknowns[AMPLITUDE:])
+        end, rates = _end(scenario, unknowns, source)
+        slopes = np.zeros((end.size, unknowns.size))
+        slopes[:, HALF_PERIOD] = rates
+        for place in set(range(unknowns.size)) - known:
+            step = _STEP * np.eye(unknowns.size)[place]
+            ahead, behind = (
+                _end(scenario, each, source)[0] for each in (unknowns + step, unknowns - step)
+            )
+            slopes[:, place] = (ahead - behind) / (2.0 * _STEP)
+        # The end is the mirror image of the beginning.
+        closing, residual = slopes.copy(), end + np.append(0.0, unknowns[AMPLITUDE:])
+        closing[1:, AMPLITUDE:] += np.eye(end.size - 1)
         step = np.zeros_like(unknowns)
-        matrix = _mirrored(slopes)[:, free]
-        step[free] = np.linalg.lstsq(matrix, -residual, rcond=None)[0]
+        step[free] = np.linalg.lstsq(closing[:, free], -residual, rcond=None)[0]
         unknowns = unknowns + step
-        last = float(np.max(np.abs(step[:3] / unknowns[:3])))
+        steps = np.abs(step) / np.maximum(np.abs(unknowns), unknowns[AMPLITUDE])
+        last = float(np.max(steps))
         if last < _CONVERGED:
-            return _cycle(unknowns, slopes, rates, last)
-        if not last < 0.5:
+            return _cycle(unknowns, slopes)
+        if not np.max(steps[:3]) < 0.5:
             break
     raise NoHeldCycleError(
         f"no cycle of {scenario.name} found near an amplitude of {guess[AMPLITUDE]:.6g} rad at "
@@ -171,67 +166,31 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
     )
 
 
-def _cycle(unknowns: Array, slopes: Array, rates: Array, residual: float) -> HeldCycle:
+def _cycle(unknowns: Array, slopes: Array) -> HeldCycle:
     """The cycle with its multipliers over half a period, without that along the motion."""
     # The map between largest gammas: what displacing changes, less what time makes good.
-    poincare = slopes[1:, 2:] - np.outer(rates[1:], slopes[0, 2:]) / rates[0]
+    rates, moving = slopes[:, HALF_PERIOD], slopes[:, AMPLITUDE:]
+    poincare = moving[1:] - np.outer(rates[1:], moving[0]) / rates[0]
     values = np.linalg.eigvals(-poincare).astype(complex)
     real = values[np.abs(values.imag) <= 1e-6].real
     pairs = np.abs(values[np.abs(values.imag) > 1e-6])
-    spin, half, amplitude = unknowns[:3].tolist()
+    multiplier = float(np.max(np.abs(values))) ** 2
     return HeldCycle(
         unknowns=unknowns,
-        residual=residual,
-        spin=spin,
-        period=2.0 * half,
-        amplitude=amplitude,
-        multiplier=float(np.max(np.abs(values))) ** 2,
+        spin=float(unknowns[SPIN]),
+        period=2.0 * float(unknowns[HALF_PERIOD]),
+        amplitude=float(unknowns[AMPLITUDE]),
+        multiplier=multiplier,
         half_multiplier=float(real[np.argmax(np.abs(real))]),
         complex_multiplier=float(np.max(pairs)) if pairs.size else None,
+        stable=is_stable(multiplier),
     )
-
-
-def _slopes(ends: Ends, unknowns: Array, rates: Array, idle: int | None = None) -> Array:
-    """Derivatives of the end by the unknowns, not a number for one that nobody needs.
-
-    That by the duration is known from the rates.
-    """
-    known = {HALF_PERIOD: rates, idle: np.full_like(rates, np.nan)}
-    columns = []
-    for index, step in enumerate(_STEP * np.eye(unknowns.size)):
-        if index in known:
-            columns.append(known[index])
-        else:
-            apart = ends(unknowns + step)[0] - ends(unknowns - step)[0]
-            columns.append(apart / (2.0 * _STEP))
-    return np.column_stack(columns)
-
-
-def _mirrored(slopes: Array) -> Array:
-    """The same of the end plus the start, which vanish together where one mirrors the other."""
-    result = slopes.copy()
-    result[1:, AMPLITUDE:] += np.eye(len(slopes) - 1)
-    return result
-
-
-def birth(scenario: Scenario) -> tuple[Array, Array]:
-    """What tells a cycle of no amplitude where they are born, and its change with each rad."""
-    hopf = critical_speeds(scenario, (29.0, 31.5)).crossings[-1]
-    size = _size(scenario.constraints)
-    rest = np.array((hopf.spin, np.pi / hopf.frequency, *np.zeros(size - 1)))
-
-    def ends(unknowns: Array) -> tuple[Array, Array]:
-        return _end(scenario, unknowns, "in-house")
-
-    slopes = _mirrored(_slopes(ends, rest, np.zeros(size)))[:, AMPLITUDE:]
-    direction = np.linalg.svd(slopes)[2][-1]
-    return rest, np.array((0.0, 0.0, *direction / direction[0]))
 
 
 def _end(scenario: Scenario, unknowns: Array, source: Source) -> tuple[Array, Array]:
     """State after half a period, as `states` tells it, and its rate."""
     spin, duration = unknowns[:2].tolist()
-    begin = start_of(scenario.constraints, spin, unknowns[AMPLITUDE:])
+    begin = start_of(spin, unknowns[AMPLITUDE:])
     times = np.append(0.0, duration + _SPACING * np.arange(-2.0, 3.0))
     motion = run(replace(scenario, start=begin), times, source=source, **_ACCURACY[source])
     if motion.ending is not None:
@@ -241,25 +200,20 @@ def _end(scenario: Scenario, unknowns: Array, source: Source) -> tuple[Array, Ar
     return values[2], weights @ values
 
 
-def start_of(constraints: ConstraintSet, spin: float, values: Array) -> Start:
+def start_of(spin: float, values: Array) -> Start:
     """Start with the largest gamma, from its deviation and the state there."""
     deviation, beta_rate, *free = values.tolist()
-    given = dict(zip(("beta", "x_rate", "y_rate"), free, strict=False))
-    if _slips_along(constraints):
-        given |= {"beta": np.pi / 2 + given["beta"], "gamma_rate": 0.0}
-    if "fixed-cog" not in constraints:
-        given |= {"x": 0.0, "y": 0.0}
+    given: dict[str, float] = {}
+    if free:
+        given |= {"beta": np.pi / 2 + free[0], "gamma_rate": 0.0}
+    if free[1:]:
+        given |= {"x": 0.0, "y": 0.0, "x_rate": free[1], "y_rate": free[2]}
     return Start(gamma=np.pi / 2 + deviation, spin=spin, beta_rate=beta_rate, **given)
-
-
-def _slips_along(constraints: ConstraintSet) -> bool:
-    """Whether the rate of gamma is free; otherwise gamma is largest where the disk is upright."""
-    return "no-slip-along" not in constraints
 
 
 def _size(constraints: ConstraintSet) -> int:
     """How many numbers `states` tells a state by."""
-    if not _slips_along(constraints):
+    if "no-slip-along" in constraints:
         return 3
     return 4 if "fixed-cog" in constraints else 6
 
@@ -267,14 +221,14 @@ def _size(constraints: ConstraintSet) -> int:
 def states(motion: Trajectory) -> Array:
     """What is zero where gamma is largest, its deviation, and the rest, shape (n, k + 2).
 
-    First the rate of gamma or, where there is no slip along the edge, the deviation of beta;
-    behind the deviation of gamma what tells a state.
+    First the rate of gamma or, where there is no slip along the edge, the deviation of beta: then
+    gamma is largest where the disk is upright. Behind the deviation of gamma what tells a state.
     """
     x, y = motion.coordinate("x"), motion.coordinate("y")
     spin, beta = motion.rate("alpha"), motion.coordinate("beta") - np.pi / 2
-    constraints = motion.scenario.constraints
+    size = _size(motion.scenario.constraints)
     columns = (
-        motion.rate("gamma") if _slips_along(constraints) else beta,
+        beta if size == 3 else motion.rate("gamma"),
         motion.coordinate("gamma") - np.pi / 2,
         motion.rate("beta"),
         beta,
@@ -282,4 +236,4 @@ def states(motion: Trajectory) -> Array:
         motion.rate("x") - spin * y,
         motion.rate("y") + spin * x,
     )
-    return np.column_stack(columns[: _size(constraints)])
+    return np.column_stack(columns[:size])

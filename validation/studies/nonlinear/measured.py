@@ -16,7 +16,7 @@ from analysis.nonlinear.heteroclinic import (
     period_growth,
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.slow_manifold import distances, separation, slow_cycle
+from analysis.nonlinear.slow_manifold import slow_cycle
 from validation.nonlinear import passage
 from validation.nonlinear.tables import prediction, small_cycles
 from validation.studies.nonlinear.delay import slowed
@@ -29,9 +29,6 @@ HELD_NAMES = ("Model 1 at held spin", "Model 2 at held spin")
 
 SWINGING, ROTATING = "cycles of Model 4", "rotating motions of Model 4"
 SLOW = "cycles on the slow manifold"
-
-SMOOTHING = (0.1, 0.05, 0.025, 0.0125)
-"""Smoothing speeds in m/s at which motions come near to the slow manifold."""
 
 
 def told(found: Any, *names: str) -> Row:
@@ -87,14 +84,7 @@ def _rotating() -> list[Row]:
 def _slow() -> list[Row]:
     amplitudes = np.linspace(0.05, 3.1, 25).tolist()
     cycles = [slow_cycle(PAPER, amplitude) for amplitude in amplitudes]
-    rows: list[Row] = [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
-    laws = [SmoothCoulomb(smoothing=each) for each in SMOOTHING]
-    near = distances([Scenario(constraints=MODELS[4], friction=law) for law in laws], 30.5)
-    orders = dict(zip(("surface", "corrected"), near.tolist(), strict=True))
-    return [
-        *rows,
-        {"kind": "slow", "separation": separation(PAPER, hopf_type(PAPER).spin), **orders},
-    ]
+    return [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
 
 
 def _whole(found: Family) -> list[Row]:

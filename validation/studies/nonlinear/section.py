@@ -7,11 +7,12 @@ import numpy as np
 import pandas as pd
 
 from analysis.stability.printed import CriticalSpeed, critical_speed
+from validation.kit.figures import COLOURS, angle_axis, legend_above
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
-from validation.studies.nonlinear import delay, drawings, measured
+from validation.studies.nonlinear import delay, measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
     HELD_NAMES,
@@ -56,7 +57,6 @@ def present(rows: Rows) -> Content:
     fits = families[families.kind != "motion"].set_index("kind").T
     hopf, (connection, *_) = critical_speed(PAPER), _motions(connections, measured.OF_PAPER)
     apart = _apart(engine)
-    on_model_4 = [case for case in measured.repeated() if case.startswith("Model 4")]
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     law = delay.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
@@ -84,19 +84,13 @@ def present(rows: Rows) -> Content:
             "passages": passage.passage_table([(p.case, p) for p in passages.itertuples()]),
         },
         figures={
-            "bifurcations": drawings.bifurcation_diagram(
-                cycles,
+            "bifurcations": _bifurcations(
+                _family(cycles, hopf, connection, "amplitude"),
                 hopf,
-                connection=connection["spin"],
-                slow=_places(families[(families.case == SLOW) & (families.kind == "motion")]),
-                engine=_places(engine[(engine.source == "engine") & engine.case.isin(on_model_4)]),
+                slow=families[families.case == SLOW],
+                engine=engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")],
             ),
-            "periods": figures.diagram(
-                cycles,
-                ("period", "multiplier", "log_strong"),
-                first=_born(hopf),
-                marks={"heteroclinic": connection["spin"]},
-            ),
+            "periods": _family(cycles, hopf, connection, "period", "multiplier", "log_strong"),
             "passages": figures.passage_diagram(
                 [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
             ),
@@ -121,12 +115,31 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     return records
 
 
-def _born(hopf: CriticalSpeed) -> dict[str, float]:
-    return {"spin": hopf.spin, "period": 2.0 * np.pi / hopf.frequency, "multiplier": 1.0}
+def _family(cycles: list[Row], hopf: CriticalSpeed, connection: Row, *names: str) -> Any:
+    """What is told of cycles over their spins, from the Hopf point to the connection."""
+    born = {"spin": hopf.spin, "amplitude": 0.0, "period": 2.0 * np.pi / hopf.frequency}
+    first = {**born, "multiplier": 1.0}
+    return figures.diagram(cycles, names, first=first, marks={"heteroclinic": connection["spin"]})
 
 
-def _places(cycles: pd.DataFrame) -> list[tuple[float, float]]:
-    return list(zip(cycles.spin, cycles.amplitude, strict=True))
+def _bifurcations(
+    figure: Any, hopf: CriticalSpeed, *, slow: pd.DataFrame, engine: pd.DataFrame
+) -> Any:
+    """Amplitude over spin, with the stationary motions it leads between and cycles of others."""
+    (axes,) = figure.axes
+    low, high = axes.get_xlim()
+    for value, end in ((0.0, hopf.spin), (np.pi, high)):
+        axes.plot([low, end], [value, value], "--", color=COLOURS[figures.UNSTABLE])
+    axes.plot([hopf.spin, high], [0.0, 0.0], color=COLOURS[figures.STABLE])
+    axes.annotate("inverted spinning", (0.05 * high + 0.95 * low, 0.08))
+    axes.annotate("noninverted spinning", (high, np.pi - 0.22), ha="right")
+    axes.plot(hopf.spin, 0.0, "D", color="black", label="Hopf point", zorder=5)
+    axes.plot(slow.spin, slow.amplitude, ":", color=COLOURS[3], label="slow manifold")
+    axes.plot(engine.spin, engine.amplitude, label="engine", **figures.ENGINE)
+    axes.set(xlim=(low, high))
+    angle_axis(axes)
+    legend_above(axes, columns=3)
+    return figure
 
 
 def _apart(engine: pd.DataFrame) -> pd.DataFrame:

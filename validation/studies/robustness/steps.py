@@ -19,7 +19,7 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.checks import Array
-from analysis.stability.printed import full_matrices
+from analysis.stability.spectra import eigenvalues
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
 from validation.study import Row, Study, relative
@@ -64,7 +64,7 @@ def measure(place: Place) -> list[Row]:
     """
     axis, value = place
     ideal, scenario = _scenarios(axis, value)
-    values = np.linalg.eigvals(full_matrices(ideal, [SPIN], drift=True)[0])
+    values = eigenvalues(ideal, [SPIN])[0]
     # Those of which the decay is friction's; the slow ones need no small step.
     decays = [complex(each) for each in values[np.argsort(values.real)[:2]]]
     start, growth = _slipping(ideal) if axis == "smoothing" else _bouncing(scenario)

@@ -19,21 +19,16 @@ from analysis.stability.critical import critical_speeds
 from analysis.stability.printed import closed_form, static_gradient
 from validation.kit.figures import legend_above, new_figure
 from validation.studies.stability.eigenvalue_check import ComplexArray
-from validation.studies.stability.measured import PAPER_GRADIENT
+from validation.studies.stability.measured import IN_PAPER, PAPER_GRADIENT
 from validation.studies.stability.variants import PRINTED
 
 Engine = tuple[Array, ComplexArray]
 """Spins in rad/s, shape (n,), and eigenvalues of the engine there in 1/s, shape (n, k)."""
 
-Places = Mapping[float, float]
-"""Points to mark: from spins in rad/s to parts of an eigenvalue in 1/s."""
-
 FULL, REDUCED = Scenario(constraints=MODELS[1]), Scenario(constraints=MODELS[4])
 
 SPINS = np.linspace(0.0, 50.0, 501)
 """Spins of the lines in rad/s, those of the paper's figures."""
-
-PARTS = ("real", "imag")
 
 _COLOURS = ("#d55e00", "#009e73", "#0072b2")
 """Of each two branches: vermilion, green and blue, as in the paper."""
@@ -53,37 +48,49 @@ _CIRCLE: Mapping[str, Any] = {
 _SPIN = "spinning speed Ω in rad/s"
 
 
-def panel(
-    axes: Any, part: str, branches: spectra.Branches, engine: Engine, labels: Mapping[int, str]
-) -> None:
-    """Draw real or imaginary parts of pairs of branches, the second dashed, and the engine's.
+def spectrum(
+    branches: spectra.Branches,
+    engine: Engine,
+    labels: Mapping[int, str],
+    *limits: tuple[str, float, float],
+) -> tuple[Figure, Any]:
+    """Draw parts of branches of eigenvalues, the second one of a pair dashed, and the engine's.
 
     Parameters
     ----------
-    axes : Axes
-    part : {"real", "imag"}
     branches : Branches
+        Over `SPINS`.
     engine : tuple
     labels : mapping
         From the first column of each pair to its label.
+    *limits : tuples of str, float, float
+        One for each panel: "real" or "imag", and lowest and highest value.
     """
-    for first, label in labels.items():
-        look = {"color": _COLOURS[first // 2]}
-        values = getattr(branches.values, part)
-        axes.plot(branches.spins, values[:, first], label=label, **look)
-        axes.plot(branches.spins, values[:, first + 1], "--", **look)
     spins, found = engine
-    shown = np.where(found.real > _LOWEST, getattr(found, part), np.nan)
-    axes.plot(spins, shown, **_CIRCLE)[0].set_label("engine")
-    axes.set(xlim=(SPINS[0], SPINS[-1]), xlabel=_SPIN)
-    axes.set_ylabel("Re λ in 1/s" if part == "real" else "Im λ in 1/s")
-    if part == "real":
-        axes.axhspan(0.0, 60.0, color=_COLOURS[0], alpha=0.10, linewidth=0)
+    figure, axes = new_figure(len(limits), height=3.3 * len(limits), share=False)
+    for each, (part, low, high) in zip(axes, limits, strict=True):
+        for first, label in labels.items():
+            look = {"color": _COLOURS[first // 2]}
+            values = getattr(branches.values, part)
+            each.plot(SPINS, values[:, first], label=label, **look)
+            each.plot(SPINS, values[:, first + 1], "--", **look)
+        shown = np.where(found.real > _LOWEST, getattr(found, part), np.nan)
+        each.plot(spins, shown, **_CIRCLE)[0].set_label("engine")
+        each.set(xlim=SPINS[[0, -1]], ylim=(low, high))
+        each.set_ylabel("Re λ in 1/s" if part == "real" else "Im λ in 1/s")
+        if part == "real":
+            each.axhspan(0.0, 60.0, color=_COLOURS[0], alpha=0.10, linewidth=0)
+    axes[-1].set_xlabel(_SPIN)
+    return figure, axes
 
 
-def mark(axes: Any, found: Places, printed: Places, *, side: str = "left") -> None:
-    """Mark what is found and what the paper prints; numbers above, on a side, and below."""
-    sides = {"left": -3, "right": 3}
+def mark(
+    axes: Any, found: Mapping[float, float], printed: Mapping[float, float], side: str = "left"
+) -> None:
+    """Mark what is found and what the paper prints; numbers above, on a side, and below.
+
+    Both lead from spins in rad/s to parts of an eigenvalue in 1/s.
+    """
     other = "right" if side == "left" else "left"
     for places, marker, label, at, up, digits, colour in (
         (found, "D", "found here", side, 10, ".2f", "black"),
@@ -95,7 +102,7 @@ def mark(axes: Any, found: Places, printed: Places, *, side: str = "left") -> No
             axes.annotate(
                 format(value or spin, digits),
                 (spin, value),
-                xytext=(sides[at], up),
+                xytext=(3 if at == "right" else -3, up),
                 textcoords="offset points",
                 ha="left" if at == "right" else "right",
                 color=colour,
@@ -105,60 +112,42 @@ def mark(axes: Any, found: Places, printed: Places, *, side: str = "left") -> No
 
 def figure_6(engine: Engine) -> Figure:
     """Inverted spinning of the full system, with its crossings magnified."""
-    branches = spectra.branches(FULL, SPINS)
     labels = {0: "$λ_{1,2}$", 2: "$λ_{3,4}$", 4: "$λ_{5,6}$"}
-    figure, axes = new_figure(3, height=9.5, share=False)
-    for each, part in zip(axes, (*PARTS, "real"), strict=True):
-        panel(each, part, branches, engine, labels)
+    limits = ("real", -12.0, 17.0), ("imag", -55.0, 55.0), ("real", -0.25, 0.4)
+    figure, axes = spectrum(spectra.branches(FULL, SPINS), engine, labels, *limits)
     found = critical_speeds(FULL, (SPINS[0], SPINS[-1])).hopf
     mark(axes[2], {each.spin: 0.0 for each in found}, dict.fromkeys(PRINTED, 0.0))
-    axes[0].set(ylim=(-12.0, 17.0))
-    axes[1].set(ylim=(-55.0, 55.0))
-    axes[2].set(xlim=(25.0, 32.0), ylim=(-0.25, 0.4), ylabel="Re λ in 1/s, magnified")
+    axes[2].set(xlim=(25.0, 32.0), ylabel="Re λ in 1/s, magnified")
     legend_above(axes[0])
     axes[2].legend(*(each[-2:] for each in axes[2].get_legend_handles_labels()), loc="lower left")
     return figure
 
 
-def figure_10(engine: Engine, critical: float, frequency: float, born: float) -> Figure:
-    """Inverted spinning of the reduced system, with the closed form dotted.
-
-    Parameters
-    ----------
-    engine : tuple
-    critical, frequency, born : float
-        What the paper prints in rad/s: critical speed, frequency there, and where the pair of
-        eigenvalues becomes one.
-    """
-    branches = spectra.branches(REDUCED, SPINS)
+def figure_10(engine: Engine) -> Figure:
+    """Inverted spinning of the reduced system, with the closed form dotted."""
     here = critical_speeds(REDUCED, (SPINS[0], SPINS[-1]))
     crossing, birth = here.hopf[0], here.pair_changes[0]
+    critical, _, frequency, born, *_ = (float(each.split()[0]) for each in IN_PAPER.values())
     closed = closed_form(REDUCED, SPINS).eigenvalues[:, :2]
-    figure, axes = new_figure(2, height=7.0)
-    for each, part in zip(axes, PARTS, strict=True):
-        panel(each, part, branches, engine, {0: "$λ_{1,2}$"})
-        dotted = each.plot(SPINS, getattr(closed, part), ":", color="black", linewidth=0.9)
+    limits = ("real", -5.0, 8.0), ("imag", -3.0, 12.0)
+    branches = spectra.branches(REDUCED, SPINS)
+    figure, axes = spectrum(branches, engine, {0: "$λ_{1,2}$"}, *limits)
+    for each, values in zip(axes, (closed.real, closed.imag), strict=True):
+        dotted = each.plot(SPINS, values, ":", color="black", linewidth=0.9)
         dotted[0].set_label("closed form")
     mark(axes[0], {crossing.spin: 0.0}, {critical: 0.0}, side="right")
-    mark(
-        axes[1],
-        {birth.spin: 0.0, crossing.spin: crossing.frequency},
-        {born: 0.0, critical: frequency},
-    )
-    axes[0].set(ylim=(-5.0, 8.0), xlabel="")
-    axes[1].set(ylim=(-3.0, 12.0))
+    found = {birth.spin: 0.0, crossing.spin: crossing.frequency}
+    mark(axes[1], found, {born: 0.0, critical: frequency})
     legend_above(axes[0], columns=3)
     return figure
 
 
 def figure_11(engine: Engine) -> Figure:
     """Noninverted spinning of the full system."""
+    labels = {0: "real", 4: "pair", 2: "±iΩ"}
+    limits = ("real", -20.0, 22.0), ("imag", -55.0, 55.0)
     branches = spectra.branches(FULL, SPINS, motion="noninverted")
-    figure, axes = new_figure(2, height=6.5)
-    for each, part in zip(axes, PARTS, strict=True):
-        panel(each, part, branches, engine, {0: "real", 4: "pair", 2: "±iΩ"})
-    axes[0].set(ylim=(-20.0, 22.0), xlabel="")
-    axes[1].set(ylim=(-55.0, 55.0))
+    figure, axes = spectrum(branches, engine, labels, *limits)
     legend_above(axes[0])
     return figure
 

@@ -1,10 +1,10 @@
 """What is measured: eigenvalues, critical speeds and their variants, and the stable region."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 import mbs_models
 from analysis import (
@@ -14,14 +14,13 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     ConstraintSet,
-    Level,
     Scenario,
     SmoothCoulomb,
     ViscousFriction,
 )
 from analysis.data.body import Body
 from analysis.stability import spectra
-from analysis.stability.critical import critical_speeds
+from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.hopf_curves import corners, hopf_curves
 from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation
@@ -119,13 +118,6 @@ IN_PAPER = {
 
 CLOSED, COMPUTED, FREQUENCY, BORN, _, LOWER, UPPER = tuple(IN_PAPER)[:7]
 
-_PLACES: dict[str, tuple[Level, float, float, float]] = {
-    COMPUTED: (4, 30.0, 32.0, 7.1),
-    LOWER: (1, 26.0, 28.0, 22.7),
-    UPPER: (1, 29.0, 31.0, 5.75),
-}
-"""Where the engine's crossings are looked for: model, and two spins and frequency in rad/s."""
-
 
 def paper() -> dict[str, Scenario]:
     """The one case of a study of the paper's scenario."""
@@ -136,7 +128,7 @@ def printed_numbers(_: Any) -> list[Row]:
     """Every printed number of Sections 3 and 6 beside what is found."""
     disks = {"unrounded disk": STEEL_DISK, "Table 1": ROUNDED_STEEL_DISK}
     sides = {name: in_house_numbers(disk) for name, disk in disks.items()}
-    sides["engine"] = {name: engine_critical_spin(*place) for name, place in _PLACES.items()}
+    sides["engine"] = engine_speeds()
     rows = []
     for name, printed in IN_PAPER.items():
         found = {side: values.get(name) for side, values in sides.items()}
@@ -172,24 +164,17 @@ def in_house_numbers(disk: Body) -> dict[str, float]:
     return dict(zip(IN_PAPER, found, strict=True))
 
 
-def engine_critical_spin(level: Level, low: float, high: float, frequency: float) -> float:
-    """Spin between two bounds at which an engine eigenvalue crosses the imaginary axis in rad/s.
-
-    Parameters
-    ----------
-    level : {1, 2, 3, 4}
-    low, high : float
-        Bounds between which the real part changes its sign once.
-    frequency : float
-        Approximate imaginary part there in rad/s, which picks the eigenvalue.
-    """
-    scenario = Scenario(constraints=MODELS[level])
-
-    def real_part(spin: float) -> float:
-        values = mbs_models.eigenvalues(spinning(scenario, spin))
-        return float(values[np.argmin(np.abs(values.imag - frequency))].real)
-
-    return float(brentq(real_part, low, high, xtol=1e-9))
+def engine_speeds() -> dict[str, float]:
+    """Critical speeds of the engine, by the names of `IN_PAPER`."""
+    looked = (MODELS[4], np.linspace(30.0, 32.0, 5)), (MODELS[1], np.linspace(26.0, 31.0, 11))
+    found = (
+        each.spin
+        for held, spins in looked
+        for each in Spectra(
+            partial(engine_matrices, Scenario(constraints=held)), spins
+        ).crossings()
+    )
+    return dict(zip((COMPUTED, LOWER, UPPER), found, strict=True))
 
 
 NUMBERS = Study(name="critical-speeds", cases=paper, measure=printed_numbers, keys=("quantity",))
@@ -222,6 +207,9 @@ MEETING = {
 
 INSIDE = "inside"
 
+GRADIENTS = np.geomspace(0.3, 30.0, 121)
+"""Friction gradients in s/m at which Hopf points are looked for."""
+
 
 def stable_region(scenario: Scenario) -> list[Row]:
     """Boundaries and corners of the stable region, and points inside and outside of it.
@@ -229,13 +217,13 @@ def stable_region(scenario: Scenario) -> list[Row]:
     The inner point is the mean of the corners, in the spin and the logarithm of the gradient; the
     outer ones mirror it in the middles of the edges, and one has the paper's gradient.
     """
-    curves = hopf_curves(scenario)
+    curves = hopf_curves(scenario, GRADIENTS)
     rows: list[Row] = [
         {"kind": "curve", "place": str(number), "spins": each.spins, "gradients": each.gradients}
         for number, each in enumerate(curves)
     ]
     places = []
-    for corner in corners(scenario, curves):
+    for corner in corners(scenario, GRADIENTS[::4]):
         places.append((corner.spin, np.log(corner.gradient)))
         rows.append({"kind": "corner", "place": MEETING[corner.kind], **_place(*places[-1])})
     middle = np.mean(places, axis=0)

@@ -68,13 +68,7 @@ def present(rows: Rows) -> Content:
         },
         figures={
             "figure-6": figures.figure_6(_engine(values, "Model 1", "inverted")),
-            "figure-10": figures.figure_10(
-                _engine(values, "Model 4", "inverted"),
-                *(
-                    float(IN_PAPER[each].split()[0])
-                    for each in (CLOSED, measured.FREQUENCY, measured.BORN)
-                ),
-            ),
+            "figure-10": figures.figure_10(_engine(values, "Model 4", "inverted")),
             "figure-11": figures.figure_11(_engine(values, "Model 1", "noninverted")),
             "chart": figures.chart(region),
         },

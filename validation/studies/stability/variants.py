@@ -6,16 +6,13 @@ otherwise or slipped in by mistake. None of them gives both printed numbers.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
+from analysis.data.checks import Array
 from analysis.data.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.data.scenario import Scenario
-from analysis.data.table import Table
-from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Crossing, Spectra
 from analysis.stability.printed import first_order, paper_numbers, printed_matrices
 
@@ -23,37 +20,41 @@ PRINTED = (27.1, 30.2)
 """Omega_crit1 and Omega_crit2 of the full system as printed, in rad/s."""
 
 _SPINS = np.linspace(20.0, 36.0, 641)
-_PAPER = Scenario()
+_PAPER = paper_numbers(Scenario())
+_GRADIENT, _GRAVITY = 3.0, 9.81
 
-Change = Callable[[dict[str, Any]], dict[str, Any]]
+Change = Callable[[dict[str, Array]], dict[str, Array]]
 """From `printed_matrices` to what to use."""
 
 
-def hopf_speeds(scenario: Scenario = _PAPER, change: Change = dict) -> tuple[Crossing, ...]:
+def hopf_speeds(
+    numbers: Mapping[str, float] = _PAPER, change: Change = dict, gradient: float = _GRADIENT
+) -> tuple[Crossing, ...]:
     """Hopf crossings from 20 to 36 rad/s of the full system with changed matrices.
 
     Parameters
     ----------
-    scenario : Scenario
-        Of Model 1, on a horizontal table.
+    numbers : mapping
+        See `paper_numbers`.
     change : callable
         See `Change`; none by default.
+    gradient : float
+        Of friction in s/m.
     """
-    printed = printed_matrices(**paper_numbers(scenario))
-    changed = change({name: np.array(each) for name, each in printed.items()})
-    d = scenario.friction.gradient * scenario.weight
+    changed = change(printed_matrices(numbers))
+    d = gradient * numbers["mg"]
     found = Spectra(lambda spins: first_order(changed, spins, d), _SPINS).crossings()
     return tuple(crossing for crossing in found if crossing.kind == "hopf")
 
 
 def variants() -> dict[str, tuple[Crossing, ...]]:
     """Hopf crossings from 20 to 36 rad/s of every variant, by its name."""
-    scenarios = {name: replace(_PAPER, disk=disk) for name, disk in _disks().items()}
+    found = {name: hopf_speeds(_PAPER | numbers) for name, numbers in _disks().items()}
     for gradient in (2.0, 2.5, 2.83, 4.0, 30.0):
-        scenarios[f"friction gradient {gradient:g} s/m"] = with_gradient(_PAPER, gradient)
+        found[f"friction gradient {gradient:g} s/m"] = hopf_speeds(gradient=gradient)
     for gravity in (9.8, 9.80665, 10.0):
-        scenarios[f"gravity {gravity:g} m/s²"] = replace(_PAPER, table=Table(gravity=gravity))
-    found = {name: hopf_speeds(scenario) for name, scenario in scenarios.items()}
+        weight = _PAPER["mg"] * gravity / _GRAVITY
+        found[f"gravity {gravity:g} m/s²"] = hopf_speeds(_PAPER | {"mg": weight})
     return found | {name: hopf_speeds(change=change) for name, change in MATRIX_CHANGES.items()}
 
 
@@ -63,40 +64,27 @@ def reproduces(crossings: tuple[Crossing, ...]) -> bool:
     return found == [(PRINTED[0], "below"), (PRINTED[1], "above")]
 
 
-def _disks() -> dict[str, Disk]:
-    steel, heavy = STEEL_DISK, 8000.0 / 7700.0
-    shift = steel.mass * steel.eccentricity**2
-    across, about = steel.inertia_y, steel.inertia_z
-    changes: dict[str, dict[str, float]] = {
-        "density 8000 kg/m³": {
-            name: heavy * getattr(steel, name)
-            for name in ("mass", "inertia_x", "inertia_y", "inertia_z")
-        },
-        "density 8000 kg/m³ for the mass alone": {"mass": heavy * steel.mass},
-        "B about S": {"inertia_y": across - shift},
-        "C about S": {"inertia_z": about - shift},
-        "B and C about S": {"inertia_y": across - shift, "inertia_z": about - shift},
-        "B and C shifted the wrong way": {
-            "inertia_y": across + shift,
-            "inertia_z": about + shift,
-        },
-        "A and B exchanged": {"inertia_x": across, "inertia_y": steel.inertia_x},
-    }
+def _disks() -> dict[str, dict[str, float]]:
+    """Numbers of other disks, or those in which they differ from the paper's."""
+    along, across, about = (_PAPER[name] for name in "ABC")
+    shift, heavy = _PAPER["m"] * _PAPER["e"] ** 2, 8000.0 / 7700.0
+    heavier = {name: heavy * _PAPER[name] for name in ("m", "mg", "A", "B", "C")}
+    ring = Disk.ring(
+        radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=1e-6, density=7.7e7
+    )
+    rounded = {"m": 0.4355, "mg": 0.4355 * _GRAVITY, "e": 2.55e-3}
     return {
-        "equations as they are": steel,
-        "Table 1 as printed": ROUNDED_STEEL_DISK,
-        "Table 1, rounded the other way": Disk(
-            radius=0.045,
-            mass=0.4355,
-            eccentricity=2.55e-3,
-            inertia_x=0.2485e-3,
-            inertia_y=0.2265e-3,
-            inertia_z=0.4675e-3,
-        ),
-        "infinitely thin disk": Disk.ring(
-            radius=0.045, hole_radius=0.015, hole_distance=0.02, thickness=1e-6, density=7.7e7
-        ),
-        **{name: replace(steel, **change) for name, change in changes.items()},
+        "equations as they are": {},
+        "Table 1 as printed": paper_numbers(Scenario(disk=ROUNDED_STEEL_DISK)),
+        "Table 1, rounded the other way": rounded | {"A": 2.485e-4, "B": 2.265e-4, "C": 4.675e-4},
+        "infinitely thin disk": paper_numbers(Scenario(disk=ring)),
+        "density 8000 kg/m³": heavier,
+        "density 8000 kg/m³ for the mass alone": {name: heavier[name] for name in ("m", "mg")},
+        "B about S": {"B": across - shift},
+        "C about S": {"C": about - shift},
+        "B and C about S": {"B": across - shift, "C": about - shift},
+        "B and C shifted the wrong way": {"B": across + shift, "C": about + shift},
+        "A and B exchanged": {"A": across, "B": along},
     }
 
 
@@ -104,8 +92,7 @@ def _abbreviated(sign_x: float, sign_y: float, sign_z: float) -> Change:
     """With another sum of the moments of inertia for the abbreviation D = A - B - C of (50)."""
     disk = STEEL_DISK
     other = sign_x * disk.inertia_x + sign_y * disk.inertia_y + sign_z * disk.inertia_z
-    changed = printed_matrices(**paper_numbers(_PAPER), D=other)["G_h"]
-    return lambda printed: printed | {"G_h": changed}
+    return lambda printed: printed | {"G_h": printed_matrices(_PAPER, D=other)["G_h"]}
 
 
 def _negative(*names: str) -> Change:
