@@ -15,6 +15,7 @@ from scipy.optimize import bisect, minimize
 
 from analysis import STEEL_DISK, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
+from analysis.data.trajectory import SOURCES
 from analysis.mechanics import paper
 from mbs_models import Scene
 from validation.studies.claims.grades import Judged, grade
@@ -62,9 +63,8 @@ def losses(beta: float, gamma: float) -> list[float]:
 
     def solved(coefficient: float) -> list[bool]:
         law = SmoothCoulomb(coefficient=coefficient, smoothing=1e-9, load="contact")
-        scenario = Scenario(friction=law, start=start)
-        scene = Scene(scenario, "euler-tree")
-        return [each is not None for each in solutions(scene, scenario.initial_state)]
+        scene = Scene(Scenario(friction=law, start=start), "euler-tree")
+        return [each is not None for each in solutions(scene, scene.scenario.initial_state)]
 
     return [
         inf
@@ -79,7 +79,7 @@ def measure(_: Any) -> list[Row]:
     coefficient, beta, gamma = bound()
     engine, inhouse = losses(beta, gamma)
     row = {"bound": coefficient, "beta": beta, "gamma": gamma}
-    return [row | {"engine": engine, "in_house": inhouse}]
+    return [row | {"engine": engine, "in-house": inhouse}]
 
 
 CONTACT_MATRIX = Study(
@@ -89,15 +89,15 @@ CONTACT_MATRIX = Study(
 
 def judge(table: pd.DataFrame) -> Judged:
     """Section 4.1: A_0 is not guaranteed to be invertible."""
-    (row,) = table.to_dict("records")
-    lost = [row[side] < STRONGEST for side in ("engine", "in_house")]
+    row = table.iloc[0]
+    lost = [row[side] < STRONGEST for side in SOURCES]
     return {"row": row, "verdict": grade(yes=all(lost), partly=any(lost))}
 
 
 def checks(table: pd.DataFrame) -> list[Check]:
     """Whether both sides lose their solution where the formula says."""
-    (row,) = table.to_dict("records")
+    row = table.iloc[0]
     return [
         at_most(f"contact matrix: loss of the {side}", abs(row[side] - row["bound"]), APART)
-        for side in ("engine", "in_house")
+        for side in SOURCES
     ]
