@@ -1,8 +1,7 @@
 """The inversion from Table 3: Figures 7 to 9, engine against in-house equations."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import nan
-from operator import attrgetter, methodcaller
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.data.checks import Array
 from analysis.data.inversion import DEFINITION
 from analysis.data.motion_quantities import filled
 from analysis.data.trajectory import SOURCES, Source
@@ -18,7 +16,7 @@ from validation.kit.animation import picture
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.picture import Camera
 from validation.kit.animation.player import player
-from validation.kit.figures import COLOURS, LOOKS, MARKERS, angle_axis, legend_above, new_figure
+from validation.kit.figures import MARKERS, comparison, legend_above, new_figure
 from validation.kit.references import deviation
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
@@ -165,15 +163,6 @@ def agreement(runs: Runs) -> pd.DataFrame:
 
 # --- Figures ------------------------------------------------------------------------------------
 
-GREY: Any = {"color": "#888888", "linestyle": ":"}
-
-Read = Callable[[Trajectory], Array]
-
-ANGLE: dict[str, Read] = {
-    "β": methodcaller("coordinate", "beta"),
-    "γ": methodcaller("coordinate", "gamma"),
-}
-
 
 def draw_instants(trajectory: Trajectory, instants: Sequence[float]) -> Figure:
     """The disk at the samples nearest to some times in s."""
@@ -192,55 +181,34 @@ def draw_instants(trajectory: Trajectory, instants: Sequence[float]) -> Figure:
     return figure
 
 
-def _draw(axes: Any, runs: Runs, curves: Mapping[str, tuple[str, Read]]) -> None:
-    """Draw quantities by label: of the engine as lines, of the other side as sparse markers."""
-    for index, (label, (case, read)) in enumerate(curves.items()):
-        one, other = (runs[case, source] for source in SOURCES)
-        axes.plot(one.times, read(one), label=label, **LOOKS[index])
-        look: Any = {"linestyle": "", "markerfacecolor": "white", "markersize": 5}
-        look |= {"marker": MARKERS[index], "markeredgecolor": COLOURS[index]}
-        # Shifted, not to hide each other.
-        axes.plot(other.times, read(other), markevery=(8 * index, 33), **look)
+def draw(runs: Runs, names: Sequence[str]) -> tuple[Figure, Any]:
+    """Runs of the engine as lines, and those of the other side as sparse markers."""
+    figure, axes = new_figure(4, height=9.5)
+    comparison([(name, runs[name, "engine"]) for name in names], axes)
+    comparison([("", runs[name, "in-house"]) for name in names], axes)
+    for each in axes:
+        for index, line in enumerate(each.lines[len(names) :]):
+            look: Any = {"marker": MARKERS[index], "markerfacecolor": "white", "markersize": 5}
+            # Shifted, not to hide each other.
+            line.set(linestyle="", markevery=(8 * index, 33), **look)
+    legend_above(axes[0])
+    return figure, axes
 
 
 def draw_load(runs: Runs) -> Figure:
-    """Figure 7: angles and normal force of Model 1, and what the load of the friction changes."""
-    figure, axes = new_figure(3, height=7.5)
-    contact, weight = (runs[case, "engine"] for case in (CONTACT, NAMES[0]))
-    _draw(axes[0], runs, {name: (CONTACT, read) for name, read in ANGLE.items()})
-    angle_axis(axes[0])
-    axes[0].axvline(PRINTED_TIME, label=f"paper: γ at π/2 by {PRINTED_TIME} s", **GREY)
-    axes[0].set(ylabel="angle in rad")
-    _draw(axes[1], runs, {"$λ_N / (m g)$": (CONTACT, _share_of_weight)})
-    axes[1].set(ylabel="normal force\nover weight")
-    for (name, read), look in zip(ANGLE.items(), LOOKS, strict=False):
-        change = read(weight)[: contact.times.size] - read(contact)
-        axes[2].plot(contact.times, change, label=f"Δ{name}", **look)
-    for sign, label in ((1.0, "paper: some 10⁻² rad"), (-1.0, None)):
-        axes[2].axhline(sign * PRINTED_CHANGE, label=label, **GREY)
-    axes[2].set(xlabel="time in s", ylabel="load $m g$ less\nload $λ_N$, in rad")
-    for each in axes:
-        legend_above(each, columns=3)
+    """Figure 7: Model 1 under either load of the friction law."""
+    figure, axes = draw(runs, (CONTACT, NAMES[0]))
+    label = f"paper: γ at π/2 by {PRINTED_TIME} s"
+    printed = axes[1].axvline(PRINTED_TIME, color="#888888", linestyle=":", label=label)
+    axes[1].legend(handles=[printed], frameon=False, loc="lower right")
+    axes[3].set(xlim=(0.0, runs[CONTACT, "engine"].times[-1]))
     return figure
 
 
-def _share_of_weight(run: Trajectory) -> Array:
-    return run.normal_force / run.scenario.weight
-
-
 def draw_models(runs: Runs) -> Figure:
-    """Figures 8 and 9: beta, gamma and spinning velocity of all models."""
-    figure, axes = new_figure(3, height=8.5)
-    shown: dict[str, Read] = ANGLE | {"": attrgetter("spin")}
-    for each, (name, read) in zip(axes, shown.items(), strict=True):
-        _draw(each, runs, {case: (case, read) for case in NAMES})
-        each.set(ylabel=f"{name} in rad")
-    for each in axes[:2]:
-        each.axhline(np.pi / 2, color="#888888", linewidth=0.8, zorder=0)
-    angle_axis(axes[1])
-    legend_above(axes[0])
+    """Figures 8 and 9: all models."""
+    figure, axes = draw(runs, NAMES)
     label = f"paper, after the inversion: about {PRINTED_SPIN:g}"
-    printed = axes[2].axhline(PRINTED_SPIN, label=label, **GREY)
+    printed = axes[2].axhline(PRINTED_SPIN, color="#888888", linestyle=":", label=label)
     axes[2].legend(handles=[printed], frameon=False, loc="upper right")
-    axes[2].set(xlabel="time in s", ylabel="spinning velocity\n$\\dotα$ in rad/s")
     return figure
