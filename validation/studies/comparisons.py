@@ -132,7 +132,10 @@ def compare_scene(
         how = f"relative, at {number} of {states} random states: the others have no solution"
     for quantity, each in zip(("accelerations", "constraint forces"), differences, strict=True):
         yield Comparison(quantity, way, ACCELERATION_LIMIT, each, how, number)
-    if end is not None and goes_to_rest(scene):
+    contact = scene.scenario.contact
+    rounded = contact is not None and contact.is_rounded
+    if end is not None and rounded and way == Scene(scene.scenario).built_as:
+        # Through impacts and flat attitudes.
         quantity = "vertical and energies of the motion, relative"
         yield Comparison(quantity, way, REST_LIMIT, *_tried(partial(_rest, scene, end)))
     elif end is not None:
@@ -311,13 +314,6 @@ def _reason(motion: Trajectory | SpatialMotion) -> str | None:
 def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
     """In-house run, two digits better than what is compared with it."""
     return run(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE, time_limit=LIMIT)
-
-
-def goes_to_rest(scene: Scene) -> bool:
-    """Whether a motion is compared on its way to rest, through impacts and flat attitudes."""
-    scenario = scene.scenario
-    rounded = scenario.contact is not None and scenario.contact.is_rounded
-    return rounded and scene.built_as == Scene(scenario).built_as
 
 
 def _rest(scene: Scene, end: float) -> Found:

@@ -1,11 +1,11 @@
 """Engine against in-house equations: the paper's models, all sets of constraints, other bodies."""
 
+from collections import Counter
 from math import inf, pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 
-import mbs_models
 from analysis import (
     LEVELS,
     LOADS,
@@ -20,6 +20,7 @@ from analysis import (
     Start,
 )
 from analysis.data.trajectory import SOURCES, Source
+from mbs_models import formulations
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power, sig
@@ -72,16 +73,8 @@ TURNED = 1e-7
 """By how much in s the times may differ at which the tippe top has turned over."""
 
 
-class Case(NamedTuple):
-    """A scenario to compare, what for, and whether its motions are compared, too."""
-
-    scenario: Scenario
-    kind: str
-
-    @property
-    def end(self) -> float | None:
-        """Time in s over which motions are compared."""
-        return None if self.kind == SETS else END
+Case = tuple[str, Scenario]
+"""What a scenario is compared for, and the scenario."""
 
 
 def cases() -> dict[str, Case]:
@@ -100,7 +93,7 @@ def cases() -> dict[str, Case]:
         "ellipse": Scenario(disk=ELLIPSE, contact=PenaltyContact.damped(1e5, ELLIPSE)),
     }
     return {
-        label: Case(scenario, kind)
+        label: (kind, scenario)
         for kind, scenarios in ((MODELS_OF_PAPER, models), (SETS, sets), (OTHERS, bodies))
         for label, scenario in scenarios.items()
     }
@@ -108,19 +101,15 @@ def cases() -> dict[str, Case]:
 
 def measure(case: Case) -> list[Row]:
     """All comparisons of a case; other bodies than the paper's disk have no spectra."""
+    (kind, scenario), end = case, None if case[0] == SETS else END
     return [
-        {"kind": case.kind, **each._asdict()}
-        for each in compare_scenario(case.scenario, states=STATES[case.kind], end=case.end)
-        if case.kind != OTHERS or not each.quantity.startswith("eigenvalues")
+        {"kind": kind, **each._asdict()}
+        for each in compare_scenario(scenario, states=STATES[kind], end=end)
+        if kind != OTHERS or not each.quantity.startswith("eigenvalues")
     ]
 
 
-STUDY = Study(
-    name="crosscheck",
-    cases=cases,
-    measure=measure,
-    keys=("formulation", "quantity"),
-)
+STUDY = Study(name="crosscheck", cases=cases, measure=measure, keys=("formulation", "quantity"))
 
 
 def turn_over(source: Source) -> list[Row]:
@@ -175,8 +164,9 @@ def present(rows: Rows) -> Content:
         },
         tables={
             "agreement": worst.reset_index().set_axis(heads, axis=1),
-            "models": _by_scene(found[found["kind"] == MODELS_OF_PAPER], ["case", "formulation"]),
-            "sets": _by_scene(found[found["kind"] == SETS], ["case"]),
+            "scenes": found.set_index(["case", "formulation", "quantity"])["difference"]
+            .unstack(sort=False)
+            .reset_index(),
         },
         checks=checks,
         verdicts=[
@@ -198,10 +188,9 @@ def present(rows: Rows) -> Content:
 
 def _checks(worst: pd.DataFrame) -> list[Check]:
     """Whether all scenes and states were compared and agree."""
-    scenes = dict.fromkeys(STATES, 0)
-    for case in cases().values():
-        scenes[case.kind] += len(mbs_models.formulations(case.scenario))
-    found = []
+    scenes, found = Counter[str](), []
+    for kind, scenario in cases().values():
+        scenes[kind] += len(formulations(scenario))
     for row in worst.to_dict("records"):
         kind, name = row["kind"], f"crosscheck: {row['quantity']}, {row['kind']}"
         found.append(at_most(name, row["difference"], row["criterion"]))
@@ -209,9 +198,3 @@ def _checks(worst: pd.DataFrame) -> list[Check]:
         if row["quantity"] == "accelerations":
             found.append(equal(f"{name}, states with a solution", row["states"], STATES[kind]))
     return found
-
-
-def _by_scene(found: pd.DataFrame, scene: list[str]) -> pd.DataFrame:
-    """A row for each scene with its largest difference of every quantity."""
-    largest_ones = found.groupby([*scene, "quantity"], sort=False)["difference"].agg(largest)
-    return largest_ones.unstack(sort=False).reset_index()
