@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from analysis import Scenario, SmoothCoulomb, simulate
-from analysis.data.trajectory import SOURCES
 from tests.helpers import failing, planted, random_trajectory
 from validation.studies import inversion
 from validation.studies.claims import contact_matrix, motion, orders, pure_rolling, starts
@@ -88,18 +87,6 @@ def test_both_sides_lose_their_solution_where_the_matrix_is_singular_first() -> 
     assert min(map(contact_matrix.singular_from, angles)) >= bound
 
 
-def test_matrix_is_singular_if_both_sides_say_so() -> None:
-    for lost, verdict, holds in (
-        ((1.05, 1.05), "yes", True),
-        ((1.05, inf), "partly", False),
-        ((1.06, 1.05), "yes", False),
-        ((nan, nan), "no", False),
-    ):
-        table = pd.DataFrame([{"bound": 1.05, "engine": lost[0], "in-house": lost[1]}])
-        assert contact_matrix.judge(table)["verdict"] == verdict
-        assert all(check.holds for check in contact_matrix.checks(table)) is holds
-
-
 def test_closed_form_has_the_orders_of_the_paper() -> None:
     table = pd.DataFrame(orders.measure(None))
     assert orders.judge(table)["verdict"] == "yes"
@@ -117,24 +104,6 @@ def rolled(**last: Any) -> pd.DataFrame:
         row["rolls"] = False
     rows[-1] |= last
     return pd.DataFrame(rows)
-
-
-@pytest.mark.parametrize(
-    ("table", "verdict", "checks"),
-    [
-        (rolled(), "yes", [True, True]),
-        (rolled(**{"outcome, engine": "inverted"}), "partly", [True, False]),
-        (rolled().assign(**dict.fromkeys(pure_rolling.OUTCOME, "lost")), "no", [True, True]),
-        (rolled().iloc[:-1], "partly", [True, False]),
-        (rolled(**{"highest, engine": nan}), "yes", [False, True]),
-    ],
-    ids=["as told", "one inverts", "all lost", "one missing", "no number"],
-)
-def test_one_start_that_rolls_over_or_otherwise_would_do_against_pure_rolling(
-    table: pd.DataFrame, verdict: str, checks: list[bool]
-) -> None:
-    assert pure_rolling.judge(table)["verdict"] == verdict
-    assert [check.holds for check in pure_rolling.checks(table)] == checks
 
 
 def test_friction_tends_to_pure_rolling() -> None:
@@ -175,23 +144,6 @@ def blocks(inverted: int = 100, **flat: Any) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def test_attraction_is_judged_above_the_critical_speed() -> None:
-    for table, verdict in (
-        (blocks(95), "yes"),
-        (blocks(94), "no"),
-        (blocks(level=1, tilt="any tilt", spin=50.0), "partly"),
-        # What inverts below the critical speed, or does not, is no part of the statement.
-        (blocks(spin=25.0), "yes"),
-    ):
-        assert starts.judge_attraction(starts.shares(table))["verdict"] == verdict
-
-
-def test_shares_have_the_interval_of_clopper_and_pearson() -> None:
-    found = starts.shares(blocks(54)).iloc[0]
-    assert found["inverted in %"] == 54.0
-    assert [found["from"], found["to"]] == pytest.approx([43.741, 64.016], abs=1e-3)
-
-
 def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -> None:
     def outcome(scenario: Scenario, source: str, *_: object, **_how: object) -> str:
         spin = scenario.initial_state.rates[3]
@@ -208,16 +160,45 @@ def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -
         starts.search(4)
 
 
-def test_supercritical_means_above_both_critical_speeds() -> None:
-    for least, changed, verdict in (
-        ([31.1] * 4, {}, "yes"),
-        ([31.1, 31.1, 31.1, 30.5], {}, "partly"),
-        ([30.5] * 4, {}, "no"),
-        ([31.1] * 4, {starts.OWN: 31.5}, "partly"),
-        ([31.1] * 4, {"at 20 rad/s": "lost"}, "no"),
-    ):
-        table = load(LEAST_SPINS).assign(**{starts.ABOVE: least, **changed})
-        assert starts.judge_least_spins(table)["verdict"] == verdict
+# --- Verdicts -----------------------------------------------------------------------------------
+
+
+def lost(engine: float, inhouse: float) -> pd.DataFrame:
+    return pd.DataFrame([{"bound": 1.05, "engine": engine, "in-house": inhouse}])
+
+
+def least(*spins: float, **changed: Any) -> pd.DataFrame:
+    return load(LEAST_SPINS).assign(**{starts.ABOVE: spins, **changed})
+
+
+def attracted(inverted: int = 100, **flat: Any) -> pd.DataFrame:
+    return starts.shares(blocks(inverted, **flat))
+
+
+@pytest.mark.parametrize(
+    ("judge", "table", "verdict"),
+    [
+        (contact_matrix.judge, lost(1.05, 1.05), "yes"),
+        (contact_matrix.judge, lost(1.05, inf), "partly"),
+        (contact_matrix.judge, lost(nan, nan), "no"),
+        (pure_rolling.judge, rolled(), "yes"),
+        (pure_rolling.judge, rolled(**{"outcome, engine": "inverted"}), "partly"),
+        (pure_rolling.judge, rolled().iloc[:-1], "partly"),
+        (pure_rolling.judge, rolled().replace("not inverted", "lost"), "no"),
+        (starts.judge_attraction, attracted(95), "yes"),
+        (starts.judge_attraction, attracted(94), "no"),
+        (starts.judge_attraction, attracted(level=1, tilt="any tilt", spin=50.0), "partly"),
+        # What inverts below the critical speed, or does not, is no part of the statement.
+        (starts.judge_attraction, attracted(spin=25.0), "yes"),
+        (starts.judge_least_spins, least(31.1, 31.1, 31.1, 31.1), "yes"),
+        (starts.judge_least_spins, least(31.1, 31.1, 31.1, 30.5), "partly"),
+        (starts.judge_least_spins, least(30.5, 30.5, 30.5, 30.5), "no"),
+        (starts.judge_least_spins, least(31.1, 31.1, 31.1, 31.1, **{starts.OWN: 31.5}), "partly"),
+        (starts.judge_least_spins, least(32, 32, 32, 32, **{"at 20 rad/s": "lost"}), "no"),
+    ],
+)
+def test_a_statement_holds_by_its_criterion(judge: Any, table: Any, verdict: str) -> None:
+    assert judge(table)["verdict"] == verdict
 
 
 # --- The whole section --------------------------------------------------------------------------
@@ -232,7 +213,7 @@ def rows(inversions: pd.DataFrame) -> Rows:
     return {
         "inversion": inversions,
         "long-runs": motion.measured(inversion.motions(inversions)).iloc[1:],
-        "contact-matrix": pd.DataFrame([dict.fromkeys(("bound", "beta", "gamma", *SOURCES), 1.0)]),
+        "contact-matrix": lost(1.05, 1.05).assign(beta=1.0, gamma=1.0),
         "pure-rolling": rolled(),
         "closed-form-orders": pd.DataFrame(orders.measure(None)),
         "least-spins": load(LEAST_SPINS),
@@ -257,12 +238,17 @@ def test_all_statements_are_judged_and_the_front_says_how_many_hold(rows: Rows) 
 
 
 def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> None:
-    least, again = rows["least-spins"], rows["random-starts-engine"]
+    stored, again = rows["least-spins"], rows["random-starts-engine"]
     for wrong in (
-        {"least-spins": least.assign(engine="flat")},
-        {"least-spins": least.assign(**{"engine above": "flat"})},
-        {"least-spins": least.iloc[:-1]},
+        {"least-spins": stored.assign(engine="flat")},
+        {"least-spins": stored.assign(**{"engine above": "flat"})},
+        {"least-spins": stored.iloc[:-1]},
         {"random-starts-engine": planted(again, again.index[0], "outcomes", ["flat"] * 3)},
         {"random-starts": rows["random-starts"].iloc[:-1]},
+        {"contact-matrix": lost(1.05, inf)},
+        {"contact-matrix": lost(1.06, 1.05)},
+        {"pure-rolling": rolled(**{"outcome, engine": "inverted"})},
+        {"pure-rolling": rolled(**{"highest, engine": nan})},
+        {"pure-rolling": rolled().iloc[:-1]},
     ):
         assert failing(claims.present(rows | wrong).checks), wrong
