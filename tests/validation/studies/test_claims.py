@@ -11,7 +11,7 @@ import pytest
 from analysis import Scenario, SmoothCoulomb, simulate
 from tests.helpers import failing, planted, random_trajectory
 from validation.studies import inversion
-from validation.studies.claims import contact_matrix, motion, orders, pure_rolling, starts
+from validation.studies.claims import equations, motion, pure_rolling, starts
 from validation.studies.claims import section as claims
 from validation.studies.claims.grades import within
 from validation.studies.claims.starts import LEAST_SPINS, RANDOM_STARTS, Starts
@@ -77,21 +77,14 @@ def test_velocity_of_the_centre_of_gravity_is_the_rate_of_its_place(
 
 
 def test_both_sides_lose_their_solution_where_the_matrix_is_singular_first() -> None:
-    bound, beta, gamma = contact_matrix.bound()
-    assert bound == pytest.approx(1.0585, abs=1e-4)
-    assert contact_matrix.losses(beta, gamma) == pytest.approx([bound] * 2, abs=1e-6)
-    engine, inhouse = contact_matrix.losses(beta, gamma + 0.5)
+    found = equations.loss()
+    assert found["bound"] == pytest.approx(1.0585, abs=1e-4)
+    assert not failing(equations.checks(found))
+    engine, inhouse = equations.losses(found["beta"], found["gamma"] + 0.5)
     assert engine == pytest.approx(inhouse, abs=1e-6)
-    assert engine > bound + 0.01
+    assert engine > found["bound"] + 0.01
     angles = np.random.default_rng(0).uniform((0.05, -np.pi), (np.pi - 0.05, np.pi), (5, 2))
-    assert min(map(contact_matrix.singular_from, angles)) >= bound
-
-
-def test_closed_form_has_the_orders_of_the_paper() -> None:
-    table = pd.DataFrame(orders.measure(None))
-    assert orders.judge(table)["verdict"] == "yes"
-    for wrong in (table["fitted"] + 0.1, nan):
-        assert orders.judge(table.assign(fitted=wrong))["verdict"] == "no"
+    assert min(map(equations.singular_from, angles)) >= found["bound"]
 
 
 def rolled(**last: Any) -> pd.DataFrame:
@@ -163,8 +156,8 @@ def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -
 # --- Verdicts -----------------------------------------------------------------------------------
 
 
-def lost(engine: float, inhouse: float) -> pd.DataFrame:
-    return pd.DataFrame([{"bound": 1.05, "engine": engine, "in-house": inhouse}])
+def lost(engine: float, inhouse: float) -> dict[str, Any]:
+    return {"bound": 1.05, "engine": engine, "in-house": inhouse}
 
 
 def least(*spins: float, **changed: Any) -> pd.DataFrame:
@@ -178,9 +171,12 @@ def attracted(inverted: int = 100, **flat: Any) -> pd.DataFrame:
 @pytest.mark.parametrize(
     ("judge", "table", "verdict"),
     [
-        (contact_matrix.judge, lost(1.05, 1.05), "yes"),
-        (contact_matrix.judge, lost(1.05, inf), "partly"),
-        (contact_matrix.judge, lost(nan, nan), "no"),
+        (equations.judge_loss, lost(1.05, 1.05), "yes"),
+        (equations.judge_loss, lost(1.05, inf), "partly"),
+        (equations.judge_loss, lost(nan, nan), "no"),
+        (equations.judge_orders, equations.exponents(), "yes"),
+        (equations.judge_orders, equations.exponents() + 0.1, "no"),
+        (equations.judge_orders, equations.ORDERS * nan, "no"),
         (pure_rolling.judge, rolled(), "yes"),
         (pure_rolling.judge, rolled(**{"outcome, engine": "inverted"}), "partly"),
         (pure_rolling.judge, rolled().iloc[:-1], "partly"),
@@ -213,9 +209,7 @@ def rows(inversions: pd.DataFrame) -> Rows:
     return {
         "inversion": inversions,
         "long-runs": motion.measured(inversion.motions(inversions)).iloc[1:],
-        "contact-matrix": lost(1.05, 1.05).assign(beta=1.0, gamma=1.0),
         "pure-rolling": rolled(),
-        "closed-form-orders": pd.DataFrame(orders.measure(None)),
         "least-spins": load(LEAST_SPINS),
         "random-starts": stored,
         "random-starts-engine": again,
@@ -245,10 +239,9 @@ def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> Non
         {"least-spins": stored.iloc[:-1]},
         {"random-starts-engine": planted(again, again.index[0], "outcomes", ["flat"] * 3)},
         {"random-starts": rows["random-starts"].iloc[:-1]},
-        {"contact-matrix": lost(1.05, inf)},
-        {"contact-matrix": lost(1.06, 1.05)},
         {"pure-rolling": rolled(**{"outcome, engine": "inverted"})},
         {"pure-rolling": rolled(**{"highest, engine": nan})},
         {"pure-rolling": rolled().iloc[:-1]},
     ):
         assert failing(claims.present(rows | wrong).checks), wrong
+    assert len(failing(equations.checks(lost(1.06, inf)))) == 2

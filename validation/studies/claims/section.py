@@ -4,16 +4,14 @@ from collections import Counter
 
 from validation.page.content import Content, Rows, Verdict
 from validation.studies import inversion
-from validation.studies.claims import contact_matrix, motion, orders, pure_rolling, starts
+from validation.studies.claims import equations, motion, pure_rolling, starts
 from validation.studies.claims.grades import ANSWERS
 
 TITLE = "What the paper says"
 STUDIES = (
     inversion.STUDY,
     motion.LONG_RUNS,
-    contact_matrix.CONTACT_MATRIX,
     pure_rolling.PURE_ROLLING,
-    orders.CLOSED_FORM,
     starts.LEAST_SPINS,
     starts.RANDOM_STARTS,
     starts.IN_ENGINE,
@@ -26,12 +24,13 @@ def present(rows: Rows) -> Content:
     measured, change = motion.measured(runs), motion.change(runs)
     shares, rolled = starts.shares(rows["random-starts"]), rows["pure-rolling"]
     least, engine = rows["least-spins"], rows["random-starts-engine"]
+    loss = equations.loss()
     attraction, critical = starts.judge_attraction(shares), starts.critical_speed()
     judged = motion.judge(measured, change, longs) | {
         "attraction": attraction,
-        "singular": contact_matrix.judge(rows["contact-matrix"]),
+        "singular": equations.judge_loss(loss),
         "rolling": pure_rolling.judge(rolled),
-        "orders": orders.judge(rows["closed-form-orders"]),
+        "orders": equations.judge_orders(equations.exponents()),
         "supercritical": starts.judge_least_spins(least),
     }
     counted = Counter(each["verdict"] for each in judged.values())
@@ -60,7 +59,7 @@ def present(rows: Rows) -> Content:
         },
         figures={"attraction": starts.draw(shares)},
         checks=[
-            *contact_matrix.checks(rows["contact-matrix"]),
+            *equations.checks(loss),
             *pure_rolling.checks(rolled),
             *starts.checks(least, engine, rows["random-starts"]),
         ],

@@ -1,4 +1,4 @@
-"""From which friction coefficient on Eq. (79) may be singular (Sect. 4.1).
+"""What the paper says of its equations: Eq. (79) may be singular, and the orders of a closed form.
 
 The matrix A_0 of Eq. (79) is singular where w_N^T M^-1 (w_N - mu W_T n) = 0, with the slip
 n = gamma_T / (|gamma_T| + epsilon), shorter than 1. With a slip in the worst direction that is at
@@ -6,27 +6,41 @@ mu = w_N^T M^-1 w_N / (|W_T^T M^-1 w_N| |n|); below the same ratio with |n| = 1 
 """
 
 from collections.abc import Sequence
-from math import inf
-from typing import Any
+from math import inf, pi
 
 import numpy as np
-import pandas as pd
-from scipy.optimize import bisect, minimize
+from scipy.optimize import bisect, brute
 
-from analysis import STEEL_DISK, Scenario, SmoothCoulomb, Start
+from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
 from analysis.data.trajectory import SOURCES
 from analysis.mechanics import paper
+from analysis.stability.printed import closed_form, reduced_matrices
 from mbs_models import Scene
-from validation.studies.claims.grades import Judged, grade
+from validation.studies.claims.grades import Judged, grade, within
 from validation.studies.comparisons import solutions
-from validation.study import Check, Row, Study, at_most
+from validation.study import Check, Row, at_most
 
 STRONGEST = 10.0
 """Largest friction coefficient that is tried."""
 
 APART = 1e-6
 """By which the coefficients at which a side loses its solution may differ from the formula."""
+
+SMOOTHINGS = np.geomspace(1e-3, 1e-2, 7)
+"""Smoothing speeds in m/s; below, rounding shows in the error of b."""
+
+SPIN = 40.0
+"""In rad/s, at which exponents are fitted."""
+
+ORDERS = np.array((-1, 1, 0, 1))
+"""Of the smoothing in a = λ₃, b and c of (118), and in a less its limit (119) and (122)."""
+
+CLOSE = 0.05
+"""By which a fitted exponent may differ from the paper's."""
+
+
+# --- Where the contact matrix is singular -------------------------------------------------------
 
 
 def _responses(z: Array) -> tuple[float, Array]:
@@ -40,16 +54,6 @@ def singular_from(angles: Sequence[float] | Array) -> float:
     """Smallest coefficient at which A_0 is singular with beta and gamma in rad, for any slip."""
     normal, tangential = _responses(np.array((0.0, 0.0, 0.0, 0.0, *angles)))
     return float(normal / np.linalg.norm(tangential))
-
-
-def bound() -> tuple[float, float, float]:
-    """Smallest coefficient at which A_0 is singular in any attitude, and beta, gamma there."""
-    starts = [
-        (b, g) for b in np.linspace(0.1, np.pi - 0.1, 12) for g in np.linspace(-3.0, 3.0, 13)
-    ]
-    start = min(starts, key=singular_from)
-    best = minimize(singular_from, start, method="Nelder-Mead", tol=1e-10)
-    return float(best.fun), float(best.x[0]), float(best.x[1])
 
 
 def losses(beta: float, gamma: float) -> list[float]:
@@ -74,30 +78,46 @@ def losses(beta: float, gamma: float) -> list[float]:
     ]
 
 
-def measure(_: Any) -> list[Row]:
-    """The bound, and where either side loses its solution."""
-    coefficient, beta, gamma = bound()
+def loss() -> Row:
+    """The worst attitude, the smallest coefficient there, and where either side is lost."""
+    (beta, gamma), bound, *_ = brute(
+        singular_from, ((0.1, pi - 0.1), (-3.0, 3.0)), Ns=13, full_output=True
+    )
     engine, inhouse = losses(beta, gamma)
-    row = {"bound": coefficient, "beta": beta, "gamma": gamma}
-    return [row | {"engine": engine, "in-house": inhouse}]
+    return {"bound": bound, "beta": beta, "gamma": gamma, "engine": engine, "in-house": inhouse}
 
 
-CONTACT_MATRIX = Study(
-    name="contact-matrix", cases=lambda: {"worst attitude": None}, measure=measure
-)
-
-
-def judge(table: pd.DataFrame) -> Judged:
+def judge_loss(found: Row) -> Judged:
     """Section 4.1: A_0 is not guaranteed to be invertible."""
-    row = table.iloc[0]
-    lost = [row[side] < STRONGEST for side in SOURCES]
-    return {"row": row, "verdict": grade(yes=all(lost), partly=any(lost))}
+    lost = [found[side] < STRONGEST for side in SOURCES]
+    return found | {"verdict": grade(yes=all(lost), partly=any(lost))}
 
 
-def checks(table: pd.DataFrame) -> list[Check]:
+def checks(found: Row) -> list[Check]:
     """Whether both sides lose their solution where the formula says."""
-    row = table.iloc[0]
     return [
-        at_most(f"contact matrix: loss of the {side}", abs(row[side] - row["bound"]), APART)
+        at_most(f"contact matrix: loss of the {side}", abs(found[side] - found["bound"]), APART)
         for side in SOURCES
     ]
+
+
+# --- Orders in the smoothing --------------------------------------------------------------------
+
+
+def exponents() -> Array:
+    """Exponents of the smoothing fitted to what is in `ORDERS`, shape (4,)."""
+    sizes = []
+    for smoothing in SMOOTHINGS:
+        scenario = Scenario(constraints=MODELS[4], friction=SmoothCoulomb(smoothing=smoothing))
+        found = np.linalg.eigvals(reduced_matrices(scenario, [SPIN])[0])
+        third, lower, upper = np.sort_complex(found)
+        a, b, c = third.real, -(lower + upper).real, (lower * upper).real
+        sizes.append(np.abs((a, b, c, a - closed_form(scenario, [SPIN]).a)))
+    fitted: Array = np.polyfit(np.log(SMOOTHINGS), np.log(sizes), 1)[0]
+    return fitted
+
+
+def judge_orders(fitted: Array) -> Judged:
+    """Section 6: a = O(1/ε), b = O(ε), c = O(1), λ₃ = A_33 + O(ε)."""
+    right = np.abs(fitted - ORDERS) <= CLOSE
+    return within(np.sum(~right), 0, len(ORDERS) - 1) | {"fitted": fitted}
