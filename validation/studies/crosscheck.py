@@ -20,7 +20,7 @@ from analysis import (
     Start,
 )
 from analysis.data.trajectory import SOURCES, Source
-from mbs_models import formulations
+from mbs_models import Scene, formulations
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power, sig
@@ -30,7 +30,7 @@ from validation.studies.comparisons import (
     ANGLE_LIMIT,
     END,
     SPINS,
-    compare_scenario,
+    compare_scene,
 )
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 from validation.study import Check, Row, Study, at_most, equal
@@ -104,7 +104,8 @@ def measure(case: Case) -> list[Row]:
     (kind, scenario), end = case, None if case[0] == SETS else END
     return [
         {"kind": kind, **each._asdict()}
-        for each in compare_scenario(scenario, states=STATES[kind], end=end)
+        for formulation in formulations(scenario)
+        for each in compare_scene(Scene(scenario, formulation), states=STATES[kind], end=end)
         if kind != OTHERS or not each.quantity.startswith("eigenvalues")
     ]
 

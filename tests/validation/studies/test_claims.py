@@ -242,6 +242,9 @@ def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> Non
         {"pure-rolling": rolled(**{"outcome, engine": "inverted"})},
         {"pure-rolling": rolled(**{"highest, engine": nan})},
         {"pure-rolling": rolled().iloc[:-1]},
+        {"random-starts-engine": again.iloc[:-1]},
+        {"random-starts-engine": again.assign(spin=nan)},
+        {"long-runs": planted(rows["long-runs"], 1, "away_early", nan)},
     ):
         assert failing(claims.present(rows | wrong).checks), wrong
     assert len(failing(equations.checks(lost(1.06, inf)))) == 2

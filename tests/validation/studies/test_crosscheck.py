@@ -77,7 +77,8 @@ def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
         return [accelerations.agrees, motion.agrees]
 
     def other(side: Any, scenario: Scenario, *given: Any, **how: Any) -> Any:
-        smooth = replace(scenario.friction, coefficient=0.299)
+        law: Any = scenario.friction
+        smooth = replace(law, coefficient=0.299)
         return side(replace(scenario, friction=smooth), *given, **how)
 
     assert told() == [True, True]

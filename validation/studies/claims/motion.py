@@ -12,7 +12,7 @@ from analysis.data.checks import Array
 from validation.run import run as run_scenario
 from validation.studies import inversion
 from validation.studies.claims.grades import Judged, grade, within
-from validation.study import Row, Study
+from validation.study import Check, Row, Study, equal
 
 UPRIGHT = np.pi / 2
 
@@ -141,6 +141,12 @@ def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, 
         "constant": within(np.isfinite(longs["constant_until"][:3]).sum(), 0, 2),
         "potential": within(1.0 - share, 0.1, 0.75),
     }
+
+
+def checks(longs: pd.DataFrame) -> list[Check]:
+    """Whether every measure of the long runs is a number, that of a time not reached excepted."""
+    missing = longs.drop(columns=["inverted", "reached"]).isna().sum().sum()
+    return [equal("long runs: numbers that are missing", int(missing), 0)]
 
 
 def falls(values: Sequence[float]) -> bool:

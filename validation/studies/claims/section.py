@@ -60,6 +60,7 @@ def present(rows: Rows) -> Content:
         figures={"attraction": starts.draw(shares)},
         checks=[
             *equations.checks(loss),
+            *motion.checks(longs),
             *pure_rolling.checks(rolled),
             *starts.checks(least, engine, rows["random-starts"]),
         ],

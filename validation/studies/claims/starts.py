@@ -263,9 +263,11 @@ def checks(least: pd.DataFrame, engine: pd.DataFrame, stored: pd.DataFrame) -> l
     for place, there in ENDS.items():
         same = int((least[place] == least[there]).sum())
         found.append(equal(f"least spins: engine, {place}", same, len(least), "stored"))
-    known = stored.set_index("case")["outcomes"]
-    for row in engine.to_dict("records"):
+    same = ["case", "level", "tilt", "spin"]
+    again = engine.merge(stored, on=same, suffixes=(" again", "")).to_dict("records")
+    found.append(equal("random starts: repeated in the engine", len(again), len(REPEATED)))
+    for row in again:
         name = f"random starts: engine, {row['case']}"
-        found.append(equal(name, row["outcomes"], known[row["case"]][:AGAIN]))
+        found.append(equal(name, row["outcomes again"], row["outcomes"][:AGAIN]))
     missing = len(cases().keys() ^ set(stored["case"]))
     return [*found, equal("random starts: blocks that are missing", missing, 0, "stored")]
