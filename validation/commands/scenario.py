@@ -20,13 +20,13 @@ def check(options: argparse.Namespace) -> Result:
     """Say how the engine and the in-house equations agree; 1 if they do not."""
     chosen, end = chosen_scenario(options), chosen_end(options)
     whole("states", options.states)
-    from validation.studies import crosscheck
+    from validation.studies import comparisons
 
-    checks = crosscheck.check_scenario(chosen, states=options.states, end=end)
-    failed = sum(each.verdict is False for each in checks)
-    held = sum(each.verdict is True for each in checks)
+    checks = comparisons.compare_scenario(chosen, states=options.states, end=end)
+    failed = sum(each.agrees is False for each in checks)
+    held = sum(each.agrees is True for each in checks)
     return Result(
-        tables=[crosscheck.table(checks)],
+        tables=[comparisons.table(checks)],
         notes=[f"{failed} checks FAIL." if failed else f"All {held} checks hold."],
         draw=lambda: _picture(checks),
         code=1 if failed else 0,

@@ -1,16 +1,25 @@
-"""How accelerations, motions and eigenvalues of engine and in-house equations are compared."""
+"""How accelerations, motions and eigenvalues of engine and in-house equations are compared.
 
-from collections.abc import Callable
+Both sides are given the same scenario and share nothing of the mechanics. Three things are
+compared: accelerations and constraint forces at random states that the constraints admit, the
+motion from the scenario's own start, and the eigenvalues of both stationary spinning motions.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import mbs_models
 from analysis import (
+    MOTIONS,
     FlatError,
     Motion,
     Scenario,
+    SpatialMotion,
     Start,
     State,
     TimeLimitError,
@@ -18,15 +27,19 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.checks import Array
-from analysis.data.endings import FLAT, TIME_LIMIT, Ending
-from analysis.data.trajectory import Source
+from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
-from mbs_models import Scene
-from validation.kit.limits import largest
+from mbs_models import EngineError, Formulation, Scene
+from validation.kit.limits import holds, largest
+from validation.kit.progress import counted
 from validation.kit.references import deviation
+from validation.kit.tables import Table
 from validation.run import run, run_effort, run_to_rest
-from validation.studies.stability.eigenvalue_check import distance
+from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT, distance, spinning
+
+ACCELERATION_LIMIT = 1e-8
+"""Largest relative difference of accelerations and constraint forces that passes."""
 
 ANGLE_LIMIT = 1e-7
 """Tolerance of the engine's runs in rad, and the largest difference that passes."""
@@ -46,9 +59,106 @@ LIMIT = 3.0 * PATIENCE
 SPINS = (15.0, 40.0)
 """Spins in rad/s at which eigenvalues are compared, below and above the critical ones."""
 
+END = 1.0
+"""End in s of the motions that are compared, past the inversion, if the scenario allows it."""
+
+MOTION = "β and γ of the motion in rad"
+
 Found = tuple[float | None, str]
 """Largest difference and how it was found; infinite if the sides differ in more than numbers,
 None, with the reason, if there is nothing to compare."""
+
+
+class Comparison(NamedTuple):
+    """One comparison of the engine with the in-house equations.
+
+    Parameters
+    ----------
+    quantity : str
+        What is compared, with its unit.
+    formulation : str
+        How the engine has built the scenario.
+    criterion : float
+        Largest difference that passes.
+    difference : float, optional
+        Largest difference found; None if there is nothing to compare.
+    detail : str
+        How it was compared; or why there is nothing to compare.
+    counted : int, optional
+        Number of random states at which both sides have something to compare.
+    """
+
+    quantity: str
+    formulation: Formulation
+    criterion: float
+    difference: float | None
+    detail: str
+    counted: int | None = None
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether the two agree; None if that is not defined."""
+        return None if self.difference is None else holds(self.difference, self.criterion)
+
+
+def compare_scenario(
+    scenario: Scenario, *, states: int = 100, end: float | None = END
+) -> list[Comparison]:
+    """Compare every formulation that can build a scenario with the in-house equations.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    states : int
+        Number of random states.
+    end : float, optional
+        Longest time in s over which motions are compared; None if they are not.
+    """
+    return [
+        each
+        for formulation in counted(mbs_models.formulations(scenario), "formulations")
+        for each in compare_scene(Scene(scenario, formulation), states=states, end=end)
+    ]
+
+
+def compare_scene(
+    scene: Scene, *, states: int = 100, end: float | None = END
+) -> Iterator[Comparison]:
+    """Compare one formulation; the arguments are those of `compare_scenario`."""
+    way = scene.built_as
+    *differences, number = acceleration_differences(scene, states)
+    how = f"relative, at {states} random states"
+    if number < states:
+        how = f"relative, at {number} of {states} random states: the others have no solution"
+    for quantity, each in zip(("accelerations", "constraint forces"), differences, strict=True):
+        yield Comparison(quantity, way, ACCELERATION_LIMIT, each, how, number)
+    contact = scene.scenario.contact
+    rounded = contact is not None and contact.is_rounded
+    if end is not None and rounded and way == Scene(scene.scenario).built_as:
+        # Through impacts and flat attitudes.
+        quantity = "vertical and energies of the motion, relative"
+        yield Comparison(quantity, way, REST_LIMIT, *_tried(partial(_rest, scene, end)))
+    elif end is not None:
+        yield Comparison(MOTION, way, ANGLE_LIMIT, *motion_difference(scene, end))
+    for motion in MOTIONS:
+        found = eigenvalue_difference(scene, motion)
+        yield Comparison(f"eigenvalues, {motion}", way, EIGENVALUE_LIMIT, *found)
+
+
+def table(comparisons: Sequence[Comparison]) -> Table:
+    """Every comparison of a scenario with its criterion, and whether both sides agree."""
+    heads = ("formulation", "compared", "how", "largest difference", "at most", "agrees")
+    rows = [
+        [
+            *(each.formulation, each.quantity, each.detail, each.difference, each.criterion),
+            "not defined" if each.agrees is None else each.agrees,
+        ]
+        for each in comparisons
+    ]
+    return Table(title="Engine against in-house equations", columns=heads, rows=rows)
+
+
+# --- Accelerations ------------------------------------------------------------------------------
 
 
 def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
@@ -81,28 +191,14 @@ def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
     return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
 
-def acceleration_differences(scene: Scene, states: int, seed: int = 1) -> tuple[float, float, int]:
-    """Largest relative differences of accelerations and of constraint forces.
+def acceleration_differences(scene: Scene, states: int) -> tuple[float, float, int]:
+    """Largest relative differences of accelerations and of constraint forces at random states.
 
-    States at which neither side has a solution, as friction on the contact force may leave none,
-    do not count.
-
-    Parameters
-    ----------
-    scene : Scene
-    states : int
-        Number of random states that meet the constraints.
-    seed : int
-        Of these.
-
-    Returns
-    -------
-    accelerations, forces : float
-        Infinite where one side has no number and the other has, or no state counts.
-    counted : int
-        Number of states that count.
+    Infinite where one side has no number and the other has, or no state counts; those do not at
+    which neither side has a solution, as friction on the contact force may leave none. Their
+    number comes last.
     """
-    scenario, rng = scene.scenario, np.random.default_rng(seed)
+    scenario, rng = scene.scenario, np.random.default_rng(1)
     found = [_differences(scene, random_state(scenario, rng)) for _ in range(states)]
     counted = [each for each in found if each is not None]
     accelerations, forces = (largest(pair[side] for pair in counted) for side in (0, 1))
@@ -128,7 +224,7 @@ def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
     """Relative differences of accelerations and multipliers; None where both are singular."""
     engine, inhouse = solutions(scene, state)
     if engine is None or inhouse is None:
-        return None if engine is inhouse else (np.inf, np.inf)
+        return None if engine is inhouse else (inf, inf)
     # A random normal force may vanish, so multipliers are measured by the weight as well.
     least = (0.0, scene.scenario.weight)
     one, other = (
@@ -136,6 +232,19 @@ def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
         for a, b, smallest in zip(engine, inhouse, least, strict=True)
     )
     return one, other
+
+
+# --- Motions ------------------------------------------------------------------------------------
+
+
+def _tried(compared: Callable[[], Found]) -> Found:
+    """What a comparison finds, or why there is nothing to compare."""
+    try:
+        return compared()
+    except (EngineError, FlatError) as error:
+        return inf, f"a run fails: {error}"
+    except (ToleranceError, TimeLimitError, ValueError) as error:
+        return None, " ".join(str(error).split())
 
 
 def motion_difference(scene: Scene, end: float) -> Found:
@@ -151,58 +260,37 @@ def motion_difference(scene: Scene, end: float) -> Found:
     end : float
         Longest time in s.
     """
-    why = ""
-    for part in (1.0, 0.1, 0.01):
-        try:
-            return _motion_difference(scene, part * end)
-        except (ToleranceError, TimeLimitError, ValueError) as error:
-            why = why or " ".join(str(error).split())
-    return None, why
+    whole = found = _tried(partial(_motion, scene, end))
+    for part in (0.1, 0.01):
+        if found[0] is None:
+            found = _tried(partial(_motion, scene, part * end))
+    return whole if found[0] is None else found
 
 
-def _motion_difference(scene: Scene, end: float) -> Found:
-    times, inhouse = _comparable(scene, end)
-    try:
-        engine = run(
-            scene.scenario,
-            times,
-            formulation=scene.built_as,
-            tolerance=ANGLE_LIMIT,
-            # Stepped by the engine as well, so that the sides share no solver.
-            integrator=own_integrator(scene),
-            time_limit=LIMIT,
-        )
-    except (mbs_models.EngineError, FlatError) as error:
-        return np.inf, f"the engine fails: {error}"
+def _motion(scene: Scene, end: float) -> Found:
+    # Stepped by the engine as well, so that the sides share no solver.
+    own, *_ = mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)
+    stepped: dict[str, Any] = {"formulation": scene.built_as, "integrator": own}
+    stepped["tolerance"] = ANGLE_LIMIT
+    times, inhouse = _comparable(scene.scenario, end, stepped)
+    engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
     for each in (engine, inhouse):
-        if _reason(each.ending) == TIME_LIMIT:
+        if _reason(each) == TIME_LIMIT:
             raise TimeLimitError(f"{each.source} {each.ending}")
-    reason = _reason(engine.ending)
-    if reason != _reason(inhouse.ending) or engine.times.size != inhouse.times.size:
+    reason = _reason(engine)
+    if reason != _reason(inhouse) or engine.times.size != inhouse.times.size:
         told = (str(each.ending or "runs through") for each in (engine, inhouse))
-        return np.inf, "engine {}; in-house {}".format(*told)
-    where = "" if reason is None else f", where {reason}"
+        return inf, "engine {}; in-house {}".format(*told)
+    where = f", where {reason}" if reason else ""
     return deviation(engine, inhouse), f"over {engine.times[-1]:.4g} s{where}"
 
 
-def own_integrator(scene: Scene) -> mbs_models.IntegratorName:
-    """The engine's own integrator that is the default of a scene with a step."""
-    return mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)[0]
-
-
-def _comparable(scene: Scene, end: float) -> tuple[tuple[float, ...], Trajectory]:
+def _comparable(
+    scenario: Scenario, end: float, stepped: Mapping[str, Any]
+) -> tuple[tuple[float, ...], Trajectory]:
     """Times in s as far as `end` if disk and patience allow, and the in-house motion there."""
-    scenario, times = scene.scenario, _times(end)
-    efforts = (
-        run_effort(
-            scenario,
-            times,
-            formulation=scene.built_as,
-            tolerance=ANGLE_LIMIT,
-            integrator=own_integrator(scene),
-        ),
-        run_effort(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE),
-    )
+    tight = {"source": "in-house", "tolerance": REFERENCE_TOLERANCE}
+    efforts = (run_effort(scenario, _times(end), **how) for how in (stepped, tight))
     longest = max(efforts, key=lambda effort: effort.seconds)
     if longest.seconds > 100.0 * PATIENCE:
         raise ValueError(f"a motion takes {longest}")
@@ -218,8 +306,8 @@ def _times(end: float) -> tuple[float, ...]:
     return tuple(np.linspace(0.0, end, 101).tolist())
 
 
-def _reason(ending: Ending | None) -> str | None:
-    return None if ending is None else ending.reason
+def _reason(motion: Trajectory | SpatialMotion) -> str | None:
+    return None if motion.ending is None else motion.ending.reason
 
 
 @cache
@@ -228,43 +316,31 @@ def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
     return run(scenario, times, source="in-house", tolerance=REFERENCE_TOLERANCE, time_limit=LIMIT)
 
 
-def goes_to_rest(scene: Scene) -> bool:
-    """Whether a motion is compared on its way to rest, through impacts and flat attitudes."""
-    scenario = scene.scenario
-    rounded = scenario.contact is not None and scenario.contact.is_rounded
-    return rounded and scene.built_as == Scene(scenario).built_as
-
-
-_REST_TOLERANCES: dict[Source, float] = {"engine": REST_LIMIT, "in-house": 0.1 * REST_LIMIT}
-
-
-def rest_difference(scene: Scene, end: float) -> Found:
-    """Largest `SpatialMotion.deviation` on the way to rest; else as `motion_difference`."""
-    try:
-        engine, inhouse = (
-            run_to_rest(
-                scene.scenario,
-                end,
-                source=source,
-                spacing=0.01 * end,
-                tolerance=tolerance,
-                time_limit=LIMIT,
-            )
-            for source, tolerance in _REST_TOLERANCES.items()
+def _rest(scene: Scene, end: float) -> Found:
+    """Largest `SpatialMotion.deviation` on the way to rest."""
+    engine, inhouse = (
+        run_to_rest(
+            scene.scenario,
+            end,
+            source=source,
+            spacing=0.01 * end,
+            tolerance=tolerance,
+            time_limit=LIMIT,
         )
-    except (ToleranceError, TimeLimitError, ValueError) as error:
-        return None, " ".join(str(error).split())
-    except mbs_models.EngineError as error:
-        return np.inf, f"the engine fails: {error}"
-    late = TIME_LIMIT in (_reason(engine.ending), _reason(inhouse.ending))
+        for source, tolerance in (("engine", REST_LIMIT), ("in-house", 0.1 * REST_LIMIT))
+    )
+    late = TIME_LIMIT in (_reason(engine), _reason(inhouse))
     if not late and (engine.rest_time is None) != (inhouse.rest_time is None):
-        return np.inf, f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
+        return inf, f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
     return engine.deviation(inhouse), f"over {min(engine.times[-1], inhouse.times[-1]):.4g} s"
+
+
+# --- Eigenvalues --------------------------------------------------------------------------------
 
 
 def eigenvalue_difference(scene: Scene, motion: Motion) -> Found:
     """Largest difference at `SPINS`, relative to the larger of the eigenvalue's size and 1."""
-    scenario = scene.scenario
+    scenario, way = scene.scenario, scene.built_as
     if scenario.contact is not None:
         return None, "no linearisation of a compliant contact"
     try:
@@ -272,14 +348,11 @@ def eigenvalue_difference(scene: Scene, motion: Motion) -> Found:
     except ValueError as error:
         return None, str(error)
     except ArithmeticError as error:
-        return np.inf, str(error)
-    differences = []
-    for spin, values in zip(SPINS, expected, strict=True):
-        start = Start.stationary(spin, motion)
-        try:
-            found = mbs_models.eigenvalues(replace(scene, scenario=replace(scenario, start=start)))
-        except (ValueError, ArithmeticError) as error:
-            return np.inf, f"the engine fails: {error}"
-        differences.append(distance(found, values))
+        return inf, str(error)
+    scenes = (spinning(scenario, spin, formulation=way, motion=motion) for spin in SPINS)
+    try:
+        worst = largest(map(distance, map(mbs_models.eigenvalues, scenes), expected))
+    except (ValueError, ArithmeticError) as error:
+        return inf, f"the engine fails: {error}"
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
-    return largest(differences), f"relative to max(|λ|, 1), at {spins} rad/s"
+    return worst, f"relative to max(|λ|, 1), at {spins} rad/s"

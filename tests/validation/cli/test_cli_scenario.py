@@ -30,7 +30,7 @@ from tests.calls import Capture, printed, refusal, run
 from tests.helpers import not_none
 from tests.scenario_texts import with_key
 from tests.validation.cli.test_refusals import RING
-from validation.studies import crosscheck
+from validation.studies import comparisons
 
 PAPER = Scenario()
 STATE = State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6)
@@ -149,15 +149,15 @@ def test_scene_lists_a_scenario_of_ones_own(capsys: Capture) -> None:
 def test_check_answers_by_its_exit_code(
     difference: float, code: int, verdict: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    def answer(scenario: Scenario, **how: float) -> list[crosscheck.Check]:
+    def answer(scenario: Scenario, **how: float) -> list[comparisons.Comparison]:
         assert how == {"states": 10, "end": 2.0}
         assert scenario == replace(PAPER, friction=SmoothCoulomb(coefficient=0.2))
         about: Any = {"quantity": "accelerations", "formulation": "floating", "detail": "relative"}
         return [
-            crosscheck.Check(criterion=1e-8, difference=each, **about)
+            comparisons.Comparison(criterion=1e-8, difference=each, **about)
             for each in (1e-9, difference)
         ]
 
-    monkeypatch.setattr(crosscheck, "check_scenario", answer)
+    monkeypatch.setattr(comparisons, "compare_scenario", answer)
     assert run("check --mu 0.2 --states 10") == code
     assert capsys.readouterr().out.endswith(f"{verdict}\n")

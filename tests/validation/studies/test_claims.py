@@ -1,7 +1,6 @@
 """What is measured for each statement of the paper, and how it is judged."""
 
 from dataclasses import replace
-from functools import cache
 from math import inf, nan
 from typing import Any
 
@@ -9,35 +8,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import LEVELS, Load, Scenario, SmoothCoulomb, Trajectory, simulate
-from analysis.data.trajectory import SOURCES
+from analysis import Scenario, SmoothCoulomb, simulate
 from tests.helpers import failing, planted, random_trajectory
 from validation.studies import inversion
-from validation.studies.claims import contact_matrix, motion, orders, pure_rolling, starts
+from validation.studies.claims import equations, motion, pure_rolling, starts
 from validation.studies.claims import section as claims
 from validation.studies.claims.grades import within
 from validation.studies.claims.starts import LEAST_SPINS, RANDOM_STARTS, Starts
 from validation.study import load
 
-
-@cache
-def model_1(load: Load = "weight") -> Trajectory:
-    """From Table 3 over 2 s."""
-    scenario = Scenario(friction=SmoothCoulomb(load=load))
-    return simulate(scenario, np.linspace(0.0, 2.0, 401), local_tolerance=1e-8)
-
-
-def upright(gamma: Any, times: Any) -> Trajectory:
-    """Samples with this gamma; the rest of them is no motion."""
-    coordinates = np.tile([0.0, 0.0, 1.0, 1.0, np.pi / 2, 0.0], (times.size, 1))
-    coordinates[:, 5] = gamma
-    return replace(
-        random_trajectory(1),
-        times=times,
-        coordinates=coordinates,
-        rates=np.zeros((times.size, 6)),
-        multipliers=np.ones((times.size, 1)),
-    )
+Rows = dict[str, pd.DataFrame]
 
 
 def test_a_size_is_judged_by_two_limits() -> None:
@@ -48,111 +28,75 @@ def test_a_size_is_judged_by_two_limits() -> None:
 # --- The motion from Table 3 --------------------------------------------------------------------
 
 
-def test_gamma_does_not_converge_within_half_a_second() -> None:
-    found = motion.figure_7(model_1("contact"), model_1())
-    assert [each["verdict"] for each in found.values()] == ["no", "partly", "yes", "partly"]
-    assert found["converges"]["short"] == pytest.approx([0.282, 0.288], abs=1e-3)
-    assert found["converges"]["overshoot"] == pytest.approx([0.663, 0.686], abs=1e-3)
-    assert max(found["loads"]["change"]) == pytest.approx(0.0243, abs=1e-4)
+def measured(gamma: Any, times: Any, spin: Any = 0.0) -> dict[str, Any]:
+    """Measures of samples with these values; the rest of them is no motion."""
+    coordinates = np.tile([0.0, 0.0, 1.0, 1.0, np.pi / 2, 0.0], (times.size, 1))
+    coordinates[:, 5], rates = gamma, np.outer(np.ones(times.size), np.zeros(6))
+    rates[:, 3] = spin
+    arrays = {"times": times, "coordinates": coordinates, "rates": rates}
+    multipliers = np.ones((times.size, 1))
+    return motion.measures(replace(random_trajectory(1), multipliers=multipliers, **arrays))
 
 
-def test_convergence_holds_from_half_a_second_on_or_is_no_convergence() -> None:
-    times = np.linspace(0.0, 2.0, 201)
-    for since, away, told in ((0.4, 0.0, "yes"), (0.4, 0.1, "partly"), (0.6, 0.0, "no")):
-        inverted = (times >= since) & (np.abs(times - 1.0) >= away)
-        run = upright(np.where(inverted, 1.6, -1.0), times)
-        assert motion.figure_7(run, run)["converges"]["verdict"] == told
-
-
-def test_measures_of_a_motion() -> None:
+def test_measures_of_a_motion(inversions: pd.DataFrame) -> None:
     times = np.linspace(0.0, 1.0, 11)
     gamma = np.pi / 2 + np.where(times < 0.55, 0.2, 0.05)
-    run = upright(gamma, times)
-    assert motion.settling_time(run) == pytest.approx(0.6)
-    assert motion.settling_time(upright(gamma[::-1], times)) == inf
-    assert motion.first_time(upright(times, times), "gamma", 0.55) == pytest.approx(0.55)
-    assert np.isnan(motion.first_time(upright(times, times), "gamma", 1.1))
-    later = upright(5.0 * times, 5.0 * times)
-    slowing = np.outer(35.0 - np.maximum(0.0, later.times - 2.0), np.arange(6) == 3)
-    assert motion.leaves(replace(later, rates=slowing)) == pytest.approx(3.5)
-    assert motion.leaves(later) == inf
-    assert motion.potential_share(model_1()) == pytest.approx(0.473, abs=0.001)
+    assert measured(gamma, times)["settled"] == pytest.approx(0.6)
+    assert measured(gamma[::-1], times)["settled"] == inf
+    assert measured(1.7 * times, times)["reached"] == pytest.approx(np.pi / 3.4)
+    assert np.isnan(measured(times, times)["reached"])
+    later = 5.0 * times
+    slowing = 35.0 - np.maximum(0.0, later - 2.0)
+    assert measured(later, later, slowing)["constant_until"] == pytest.approx(3.5)
+    assert measured(later, later)["constant_until"] == inf
+    found = motion.measured(inversion.motions(inversions)).iloc[1]
+    assert found["risen"] / found["lost"] == pytest.approx(0.473, abs=0.001)
 
 
-def test_velocity_of_the_centre_of_gravity_is_the_rate_of_its_place() -> None:
-    run = model_1()
-    position, velocity = motion.cog_path(run)
-    rate = np.gradient(position, run.times, axis=0, edge_order=2)
+def test_convergence_holds_from_half_a_second_on_or_is_no_convergence(
+    inversions: pd.DataFrame,
+) -> None:
+    times, levels = np.linspace(0.0, 2.0, 201), motion.measured(inversion.motions(inversions))[1:]
+    for since, away, told in ((0.4, 0.0, "yes"), (0.4, 0.1, "partly"), (0.6, 0.0, "no")):
+        inverted = (times >= since) & (np.abs(times - 1.0) >= away)
+        contact = pd.DataFrame([measured(np.where(inverted, 1.6, -1.0), times)])
+        judged = motion.judge(pd.concat([contact, levels]), np.zeros(2), levels)
+        assert judged["converges"]["verdict"] == told
+
+
+def test_velocity_of_the_centre_of_gravity_is_the_rate_of_its_place(
+    inversions: pd.DataFrame,
+) -> None:
+    run = inversion.motions(inversions)["Model 1", "engine"]
+    place, velocity, _ = motion.paths(run)
+    rate = np.gradient(place, run.times, axis=0, edge_order=2)
     np.testing.assert_allclose(velocity[1:-1], rate[1:-1], atol=2e-3)
 
 
 # --- Contact matrix, orders, rolling -------------------------------------------------------------
 
 
-def test_both_sides_lose_their_solution_where_the_matrix_is_singular() -> None:
-    bound, beta, gamma = contact_matrix.bound()
-    assert bound == pytest.approx(1.0585, abs=1e-4)
-    assert contact_matrix.losses(beta, gamma) == pytest.approx([bound] * 2, abs=1e-6)
-    elsewhere = contact_matrix.losses(beta, gamma + 0.5)
-    assert elsewhere[0] == pytest.approx(elsewhere[1], abs=1e-6)
-    assert elsewhere[0] > bound + 0.01
-
-
-def test_no_attitude_needs_less_friction_to_be_singular() -> None:
+def test_both_sides_lose_their_solution_where_the_matrix_is_singular_first() -> None:
+    found = equations.loss()
+    assert found["bound"] == pytest.approx(1.0585, abs=1e-4)
+    assert not failing(equations.checks(found))
+    engine, inhouse = equations.losses(found["beta"], found["gamma"] + 0.5)
+    assert engine == pytest.approx(inhouse, abs=1e-6)
+    assert engine > found["bound"] + 0.01
     angles = np.random.default_rng(0).uniform((0.05, -np.pi), (np.pi - 0.05, np.pi), (5, 2))
-    assert min(map(contact_matrix.singular_from, angles)) >= contact_matrix.bound()[0]
-
-
-def test_matrix_is_singular_if_both_sides_say_so() -> None:
-    for engine, in_house, verdict, holds in (
-        (1.05, 1.05, "yes", True),
-        (1.05, inf, "partly", False),
-        (1.06, 1.05, "yes", False),
-        (nan, nan, "no", False),
-    ):
-        table = pd.DataFrame([{"bound": 1.05, "engine": engine, "in_house": in_house}])
-        assert contact_matrix.judge(table)["verdict"] == verdict
-        assert all(check.holds for check in contact_matrix.checks(table)) is holds
-
-
-def test_closed_form_has_the_orders_of_the_paper() -> None:
-    table = pd.DataFrame(orders.measure(40.0))
-    assert orders.judge(table)["verdict"] == "yes"
-    rest = table[table["order"].isna()]["fitted"]
-    assert rest.tolist() == pytest.approx([3.0, 2.0, 2.0], abs=0.01)
-    for wrong in (table["fitted"] + 0.1, nan):
-        assert orders.judge(table.assign(fitted=wrong))["verdict"] == "no"
+    assert min(map(equations.singular_from, angles)) >= found["bound"]
 
 
 def rolled(**last: Any) -> pd.DataFrame:
-    """What pure rolling finds, the last case in the engine with these values."""
-    found = {"gradient": 1.0, "highest": 0.9, "longest_up": 0.1, "outcome": "not inverted"}
-    rows = [
-        {"case": label, "source": source, "spin": case.spin, **found}
-        | ({"gradient": None} if case.coefficient == inf else {})
-        for label, case in pure_rolling.cases().items()
-        for source in SOURCES
-    ]
+    """What pure rolling finds, the last case with these values."""
+    columns = ((pure_rolling.HIGHEST, 0.9), (pure_rolling.OUTCOME, "not inverted"))
+    found = {"rolls": True, **{name: value for names, value in columns for name in names}}
+    found |= dict.fromkeys(pure_rolling.LONGEST, 0.1)
+    rows = [{"case": label, **found} for label in pure_rolling.cases()]
+    for row in rows[: len(pure_rolling.COEFFICIENTS)]:
+        row["rolls"] = False
     rows[-1] |= last
     return pd.DataFrame(rows)
-
-
-@pytest.mark.parametrize(
-    ("table", "verdict", "checks"),
-    [
-        (rolled(), "yes", [True, True]),
-        (rolled(outcome="inverted"), "partly", [True, False]),
-        (rolled().assign(outcome="lost"), "no", [True, True]),
-        (rolled().iloc[:-2], "partly", [False, False]),
-        (rolled(highest=nan), "yes", [False, True]),
-    ],
-    ids=["as told", "one inverts", "all lost", "one missing", "no number"],
-)
-def test_one_start_that_rolls_over_or_otherwise_would_do_against_pure_rolling(
-    table: pd.DataFrame, verdict: str, checks: list[bool]
-) -> None:
-    assert pure_rolling.judge(table)["verdict"] == verdict
-    assert [check.holds for check in pure_rolling.checks(table)] == checks
 
 
 def test_friction_tends_to_pure_rolling() -> None:
@@ -179,9 +123,6 @@ def test_random_starts_are_the_same_every_time_and_differ_by_number() -> None:
     ]
     assert angles[0] == angles[1]
     assert np.max(np.abs(np.array(angles) - np.pi / 2)) <= 0.2
-
-
-def test_a_start_that_falls_flat_is_told_so() -> None:
     (row,) = starts.measure(Starts(4, "near upright", 25.0, number=1))
     assert row["outcomes"] == ["flat"]
 
@@ -196,24 +137,6 @@ def blocks(inverted: int = 100, **flat: Any) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def test_attraction_is_judged_above_the_critical_speed() -> None:
-    for table, verdict in (
-        (blocks(95), "yes"),
-        (blocks(94), "no"),
-        (blocks(level=1, tilt="any tilt", spin=50.0), "partly"),
-        # What inverts below the critical speed, or does not, is no part of the statement.
-        (blocks(spin=25.0), "yes"),
-    ):
-        assert starts.judge_attraction(starts.shares(table))["verdict"] == verdict
-
-
-def test_shares_have_the_interval_of_clopper_and_pearson() -> None:
-    found = starts.shares(blocks(54)).iloc[0]
-    assert found["inverted in %"] == 54.0
-    assert [found["from"], found["to"]] == pytest.approx([43.741, 64.016], abs=1e-3)
-    assert starts.shares(blocks(100)).iloc[0]["from"] == pytest.approx(100 * 0.025**0.01)
-
-
 def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -> None:
     def outcome(scenario: Scenario, source: str, *_: object, **_how: object) -> str:
         spin = scenario.initial_state.rates[3]
@@ -221,80 +144,107 @@ def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -
 
     monkeypatch.setattr(starts, "outcome", outcome)
     (row,) = starts.search(4)
-    assert row[starts.BELOW] < 30.3 <= row[starts.ABOVE] <= row[starts.BELOW] + starts.WIDTH
-    assert (row["outcome there"], row["outcome"]) == ("not inverted", "lost")
-    assert (row["engine"], row["engine above"]) == ("not inverted", "not inverted")
+    assert row[starts.BELOW] < 30.3 <= row[starts.ABOVE] == row[starts.BELOW] + starts.WIDTH
+    assert [row[place] for place in starts.ENDS] == ["not inverted", "lost"]
+    assert [row[there] for there in starts.ENDS.values()] == ["not inverted"] * 2
     assert row[starts.OWN] == pytest.approx(30.917, abs=1e-3)
     monkeypatch.setattr(starts, "outcome", lambda *_, **_how: "lost")
     with pytest.raises(ArithmeticError, match="no change between 29 and 33 rad/s"):
         starts.search(4)
 
 
-def test_supercritical_means_above_both_critical_speeds() -> None:
-    for least, changed, verdict in (
-        ([31.1] * 4, {}, "yes"),
-        ([31.1, 31.1, 31.1, 30.5], {}, "partly"),
-        ([30.5] * 4, {}, "no"),
-        ([31.1] * 4, {starts.OWN: 31.5}, "partly"),
-        ([31.1] * 4, {"at 20 rad/s": "lost"}, "no"),
-    ):
-        table = load(LEAST_SPINS).assign(**{starts.ABOVE: least, **changed})
-        assert starts.judge_least_spins(table)["verdict"] == verdict
+# --- Verdicts -----------------------------------------------------------------------------------
+
+
+def lost(engine: float, inhouse: float) -> dict[str, Any]:
+    return {"bound": 1.05, "engine": engine, "in-house": inhouse}
+
+
+def least(*spins: float, **changed: Any) -> pd.DataFrame:
+    return load(LEAST_SPINS).assign(**{starts.ABOVE: spins, **changed})
+
+
+def attracted(inverted: int = 100, **flat: Any) -> pd.DataFrame:
+    return starts.shares(blocks(inverted, **flat))
+
+
+@pytest.mark.parametrize(
+    ("judge", "table", "verdict"),
+    [
+        (equations.judge_loss, lost(1.05, 1.05), "yes"),
+        (equations.judge_loss, lost(1.05, inf), "partly"),
+        (equations.judge_loss, lost(nan, nan), "no"),
+        (equations.judge_orders, equations.exponents(), "yes"),
+        (equations.judge_orders, equations.exponents() + 0.1, "no"),
+        (equations.judge_orders, equations.ORDERS * nan, "no"),
+        (pure_rolling.judge, rolled(), "yes"),
+        (pure_rolling.judge, rolled(**{"outcome, engine": "inverted"}), "partly"),
+        (pure_rolling.judge, rolled().iloc[:-1], "partly"),
+        (pure_rolling.judge, rolled().replace("not inverted", "lost"), "no"),
+        (starts.judge_attraction, attracted(95), "yes"),
+        (starts.judge_attraction, attracted(94), "no"),
+        (starts.judge_attraction, attracted(level=1, tilt="any tilt", spin=50.0), "partly"),
+        # What inverts below the critical speed, or does not, is no part of the statement.
+        (starts.judge_attraction, attracted(spin=25.0), "yes"),
+        (starts.judge_least_spins, least(31.1, 31.1, 31.1, 31.1), "yes"),
+        (starts.judge_least_spins, least(31.1, 31.1, 31.1, 30.5), "partly"),
+        (starts.judge_least_spins, least(30.5, 30.5, 30.5, 30.5), "no"),
+        (starts.judge_least_spins, least(31.1, 31.1, 31.1, 31.1, **{starts.OWN: 31.5}), "partly"),
+        (starts.judge_least_spins, least(32, 32, 32, 32, **{"at 20 rad/s": "lost"}), "no"),
+    ],
+)
+def test_a_statement_holds_by_its_criterion(judge: Any, table: Any, verdict: str) -> None:
+    assert judge(table)["verdict"] == verdict
 
 
 # --- The whole section --------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, pd.DataFrame]:
+def rows(inversions: pd.DataFrame) -> Rows:
     """Rows of all studies, those of long runs and of the engine stood in for."""
-    told = {"level": 1, "formulation": "a", "error_estimate": 0.0}
-    curves = ("times", "coordinates", "rates", "multipliers")
-    figures = [
-        {"case": case, "source": source, "load": load, **told}
-        | {name: getattr(model_1(load), name).tolist() for name in curves}
-        for case, (_, load, _) in inversion.cases().items()
-        for source in SOURCES
-    ]
-    (long,) = motion.long_run(1)
     stored = load(RANDOM_STARTS)
     first = stored["outcomes"].map(lambda outcomes: outcomes[: starts.AGAIN])
     again = stored.assign(outcomes=first)[stored["case"].isin(starts.IN_ENGINE.cases())]
-    names = "bound engine in_house beta gamma"
     return {
-        "inversion": pd.DataFrame(figures),
-        "long-runs": pd.DataFrame([{"case": f"Model {level}", **long} for level in LEVELS]),
-        "contact-matrix": pd.DataFrame([dict.fromkeys(names.split(), 1.0)]),
+        "inversion": inversions,
+        "long-runs": motion.measured(inversion.motions(inversions)).iloc[1:],
         "pure-rolling": rolled(),
-        "closed-form-orders": pd.DataFrame(orders.measure(40.0)).assign(case="a"),
         "least-spins": load(LEAST_SPINS),
         "random-starts": stored,
         "random-starts-engine": again,
     }
 
 
-def test_all_statements_are_judged_and_the_front_says_how_many_hold(
-    rows: dict[str, pd.DataFrame],
-) -> None:
+def test_all_statements_are_judged_and_the_front_says_how_many_hold(rows: Rows) -> None:
     content = claims.present(rows)
     assert not failing(content.checks)
-    counted = content.numbers["counted"]
-    assert sum(counted.values()) == len(content.numbers["c"]) == 19
+    counted, judged, contact = (content.numbers[name] for name in ("counted", "c", "contact"))
+    assert sum(counted.values()) == len(judged) == 19
+    figure_7 = [judged[name]["verdict"] for name in ("converges", "tilt", "force", "loads")]
+    assert figure_7 == ["no", "partly", "yes", "partly"]
+    assert [contact["short"], contact["beyond"]] == pytest.approx([0.282, 0.663], abs=1e-3)
+    assert max(content.numbers["change"]) == pytest.approx(0.0243, abs=1e-4)
     first, nearly = content.verdicts
     assert f"{counted['yes']} hold, {counted['partly']} hold in part" in first.numbers
     assert nearly.answer == "partly"
     assert "37 % at 31 rad/s (28 to 47)" in nearly.numbers
 
 
-def test_engine_that_does_otherwise_and_what_is_missing_fails(
-    rows: dict[str, pd.DataFrame],
-) -> None:
-    least, again = rows["least-spins"], rows["random-starts-engine"]
+def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> None:
+    stored, again = rows["least-spins"], rows["random-starts-engine"]
     for wrong in (
-        {"least-spins": least.assign(engine="flat")},
-        {"least-spins": least.assign(**{"engine above": "flat"})},
-        {"least-spins": least.iloc[:-1]},
+        {"least-spins": stored.assign(engine="flat")},
+        {"least-spins": stored.assign(**{"engine above": "flat"})},
+        {"least-spins": stored.iloc[:-1]},
         {"random-starts-engine": planted(again, again.index[0], "outcomes", ["flat"] * 3)},
         {"random-starts": rows["random-starts"].iloc[:-1]},
+        {"pure-rolling": rolled(**{"outcome, engine": "inverted"})},
+        {"pure-rolling": rolled(**{"highest, engine": nan})},
+        {"pure-rolling": rolled().iloc[:-1]},
+        {"random-starts-engine": again.iloc[:-1]},
+        {"random-starts-engine": again.assign(spin=nan)},
+        {"long-runs": planted(rows["long-runs"], 1, "away_early", nan)},
     ):
         assert failing(claims.present(rows | wrong).checks), wrong
+    assert len(failing(equations.checks(lost(1.06, inf)))) == 2

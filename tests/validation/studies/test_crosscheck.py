@@ -1,6 +1,5 @@
 """Engine against in-house equations, for any scenario."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
@@ -11,13 +10,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import analysis
 import mbs_models
 from analysis import (
-    MODELS,
     MOTIONS,
     POSSIBLE_SETS,
     STEEL_DISK,
-    ConstraintSet,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -26,19 +24,18 @@ from analysis import (
     Trajectory,
 )
 from analysis.data.checks import Array
-from analysis.mechanics import penalty, recorded
 from mbs_models import Scene
-from tests.helpers import failing, not_none
+from tests.helpers import failing, model, not_none, planted
 from validation.kit.limits import holds
 from validation.page.content import Content
 from validation.run import run
 from validation.studies import comparisons, crosscheck
-from validation.studies.crosscheck import Check
+from validation.studies.comparisons import Comparison, compare_scenario, compare_scene
 from validation.studies.stability.eigenvalue_check import distance
 
 SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
-SCENARIO = Scenario()
-FAST = Start(spin=100.0, beta=1.0)
+YIELDING = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK), table=SLOPE)
+PULLING = Scene(Scenario(start=Start(spin=100.0, beta=1.0)))
 """Ends where the contact would pull."""
 
 
@@ -47,131 +44,92 @@ def forget() -> None:
     comparisons.reference.cache_clear()
 
 
-def failed(checks: list[Check]) -> list[Check]:
-    return [check for check in checks if check.verdict is not True]
-
-
-@pytest.mark.parametrize("constraints", [MODELS[1], MODELS[4], POSSIBLE_SETS[-1]], ids=" + ".join)
-def test_every_formulation_of_a_set_agrees(constraints: ConstraintSet) -> None:
-    scenario = Scenario(constraints=constraints)
-    best, *others = mbs_models.formulations(scenario)
-    checks = crosscheck.check_formulation(scenario, best, states=10, end=0.1)
-    for formulation in others:
-        checks += crosscheck.check_formulation(scenario, formulation, states=10, end=None)
-    assert failed(checks) == []
-
-
-SCENARIOS = {
-    "slope, load contact": Scenario(table=SLOPE, friction=SmoothCoulomb(load="contact")),
-    "slope, penalty": Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK), table=SLOPE),
-}
-
-
-@pytest.mark.parametrize("name", SCENARIOS)
-def test_other_tables_and_contacts_agree(name: str) -> None:
-    scenario = SCENARIOS[name]
-    for check in crosscheck.check_scenario(scenario, states=5, end=0.05):
-        # A leaning table and a compliant contact have no spectra of spinning.
-        if check.quantity.startswith("eigenvalues"):
-            assert str(check.verdict).startswith("not defined: ")
-        else:
-            assert check.verdict is True, check
-
-
-def test_drop_is_compared_through_its_impacts(monkeypatch: pytest.MonkeyPatch) -> None:
-    scenario = Scenario.rest(start=Start(height=5e-3))
-    checks = crosscheck.check_formulation(scenario, "floating-lie", states=2, end=0.2)
-    assert [check.verdict for check in checks[:3]] == [True] * 3
-    assert checks[2].detail == "over 0.2 s"
-    monkeypatch.setattr(penalty.YieldingTable, "touch", pushing(penalty.YieldingTable.touch))
-    difference, _ = comparisons.rest_difference(Scene(scenario), 0.2)
-    assert not_none(difference) > comparisons.REST_LIMIT
+@pytest.mark.parametrize(
+    ("scenario", "has_spectra"),
+    [
+        (model(1), True),
+        (model(4), True),
+        (Scenario(constraints=POSSIBLE_SETS[-1]), True),
+        (Scenario(table=SLOPE, friction=SmoothCoulomb(load="contact")), False),
+        (YIELDING, False),
+    ],
+    ids=["model 1", "model 4", "slips held", "slope, load contact", "slope, penalty"],
+)
+def test_every_formulation_agrees(scenario: Scenario, *, has_spectra: bool) -> None:
+    found = compare_scenario(scenario, states=5, end=0.05)
+    assert {each.formulation for each in found} == set(mbs_models.formulations(scenario))
+    for each in found:
+        is_defined = has_spectra or "eigenvalues" not in each.quantity
+        assert each.agrees is (True if is_defined else None), each
 
 
 @pytest.mark.parametrize(
-    ("scenario", "over"),
-    [
-        (Scenario(start=FAST), "over 0.01587 s, where contact would pull"),
-        # Shortly before it lies flat.
-        (Scenario(constraints=MODELS[4], start=Start(spin=5.0, beta=0.5)), "over 0.06118 s"),
-    ],
+    ("scenario", "end"),
+    [(Scenario(), 0.05), (YIELDING, 0.05), (Scenario.rest(start=Start(height=5e-3)), 0.2)],
+    ids=["ideal", "penalty", "drop"],
 )
-def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over: str) -> None:
-    for formulation in mbs_models.formulations(scenario)[:2]:
-        found, detail = comparisons.motion_difference(Scene(scenario, formulation), 2.0)
-        assert holds(found, comparisons.ANGLE_LIMIT)
-        assert detail == over
-
-
-def driving(friction: Any) -> Any:
-    return lambda *given: tuple(-part for part in friction(*given))
-
-
-def pushing(touch: Any) -> Any:
-    def backwards(self: penalty.YieldingTable, moving: Any) -> penalty.Touch:
-        found: penalty.Touch = touch(self, moving)
-        return found._replace(slip=tuple(-part for part in found.slip))
-
-    return backwards
-
-
-WRONG: dict[str, tuple[Any, str, Callable[[Any], Any], Scenario]] = {
-    "friction": (recorded, "_friction", driving, SCENARIO),
-    "penalty": (penalty.YieldingTable, "touch", pushing, SCENARIOS["slope, penalty"]),
-}
-"""Where the in-house equations get a wrong sign, and how; in which scenario it is seen."""
-
-
-@pytest.mark.parametrize("name", WRONG)
-def test_wrong_sign_on_one_side_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    owner, function, change, scenario = WRONG[name]
-    recorded.formula.cache_clear()
-    monkeypatch.setattr(owner, function, change(getattr(owner, function)))
-    formulation = mbs_models.formulations(scenario)[0]
-    checks = crosscheck.check_formulation(scenario, formulation, states=5, end=0.05)
-    recorded.formula.cache_clear()
-    wrong = [each for each in checks if re.search("accelerations|motion in", each.quantity)]
-    assert [check.verdict for check in wrong] == [False, False]
-
-
-def altered(monkeypatch: pytest.MonkeyPatch, change: Callable[..., Trajectory]) -> None:
-    """Let the engine's motions be compared as something else; the in-house ones stay."""
-
-    def other(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
-        made = partial(run, scenario, times, **how)
-        return made() if how.get("source") == "in-house" else change(made)
-
-    monkeypatch.setattr(comparisons, "run", other)
-
-
-def test_motions_that_end_otherwise_do_not_agree(monkeypatch: pytest.MonkeyPatch) -> None:
-    altered(monkeypatch, lambda made: made(allow_pulling=True))
-    difference, detail = comparisons.motion_difference(Scene(Scenario(start=FAST)), 0.02)
-    assert difference == inf
-    assert detail.startswith("engine runs through; in-house ended at t = 0.0158")
-
-
-@pytest.mark.parametrize(("seconds", "agree"), [(0.0, True), (1e-6, False)])
-def test_motion_that_ends_later_in_the_same_state_does_not_agree(
-    seconds: float, agree: bool, monkeypatch: pytest.MonkeyPatch
+def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
+    scenario: Scenario, end: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def late(made: Callable[[], Trajectory]) -> Trajectory:
+    def told() -> list[bool | None]:
+        accelerations, _, motion, *_ = compare_scene(Scene(scenario), states=20, end=end)
+        assert motion.detail == f"over {end:g} s"
+        return [accelerations.agrees, motion.agrees]
+
+    def other(side: Any, scenario: Scenario, *given: Any, **how: Any) -> Any:
+        law: Any = scenario.friction
+        smooth = replace(law, coefficient=0.299)
+        return side(replace(scenario, friction=smooth), *given, **how)
+
+    assert told() == [True, True]
+    comparisons.reference.cache_clear()
+    for owner, name in (
+        (comparisons, "accelerations"),
+        (analysis, "simulate"),
+        (analysis, "simulate_to_rest"),
+    ):
+        monkeypatch.setattr(owner, name, partial(other, getattr(owner, name)))
+    assert told() == [False, False]
+
+
+def late(seconds: float) -> Callable[[Callable[[], Trajectory]], Trajectory]:
+    """A motion that ends later in the same state."""
+
+    def change(made: Callable[[], Trajectory]) -> Trajectory:
         found = made()
         ending = replace(not_none(found.ending), time=not_none(found.ending).time + seconds)
         return replace(found, times=found.times + seconds, ending=ending)
 
-    altered(monkeypatch, late)
-    difference, _ = comparisons.motion_difference(Scene(Scenario(start=FAST)), 0.1)
-    assert holds(difference, comparisons.ANGLE_LIMIT) is agree
+    return change
 
 
-def test_a_motion_that_runs_out_of_time_is_no_disagreement(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("change", "agrees", "told"),
+    [
+        (late(0.0), True, "over 0.01587 s, where contact would pull"),
+        (late(1e-6), False, "where contact would pull"),
+        (
+            lambda made: replace(made(), ending=None),
+            False,
+            "engine runs through; in-house ended at",
+        ),
+        (lambda made: made(time_limit=1e-9), None, "time limit"),
+    ],
+    ids=["as it is", "late", "otherwise", "no time"],
+)
+def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
+    change: Any, agrees: bool | None, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    altered(monkeypatch, lambda made: made(time_limit=1e-9))
-    difference, detail = comparisons.motion_difference(Scene(), 0.02)
-    assert difference is None
-    assert "time limit" in detail
+    def other(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
+        made = partial(run, scenario, times, **how)
+        found: Trajectory = made() if how.get("source") == "in-house" else change(made)
+        return found
+
+    monkeypatch.setattr(comparisons, "run", other)
+    difference, detail = comparisons.motion_difference(PULLING, 0.1)
+    within = holds(difference, comparisons.ANGLE_LIMIT)
+    assert (None if difference is None else within) is agrees
+    assert told in detail
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
@@ -179,46 +137,50 @@ def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
     for constraints in POSSIBLE_SETS:
         scenario = Scenario(constraints=constraints)
         states = [comparisons.random_state(scenario, rng) for _ in range(30)]
-        for state in states:
-            assert replace(scenario, start=state).initial_state == state
-        values = np.array([state.vector for state in states])
-        # Coordinates and rates vary in as many directions as the constraints leave.
-        held = 2 * ("fixed-cog" in constraints)
+        assert all(replace(scenario, start=each).initial_state == each for each in states)
+        varied = np.ptp([state.vector for state in states], axis=0)
+        assert np.all(varied[[3, 4, 5, 9]] > 1.0)
         slips = ("no-slip-along" in constraints) + ("no-slip-across" in constraints)
-        assert np.all(np.ptp(values[:, [3, 4, 5, 9]], axis=0) > 1.0)
-        free = np.sum(np.ptp(values[:, [6, 7, 10, 11]], axis=0) > 0.1)
-        assert free >= 4 - held - slips
+        lost = 2 * ("fixed-cog" in constraints) + slips
+        assert np.sum(varied[[6, 7, 10, 11]] > 0.1) >= 4 - lost
 
 
-def singular(_: Array) -> Array:
-    raise ArithmeticError("singular")
+def accelerations(states: int, **fields: Any) -> Comparison:
+    return next(compare_scene(Scene(Scenario(**fields), "euler-tree"), states=states, end=None))
 
 
-def accelerations(states: int, scenario: Scenario = SCENARIO) -> Check:
-    return crosscheck.check_formulation(scenario, "euler-tree", states=states, end=None)[0]
-
-
-@pytest.mark.parametrize("how", [lambda a: nan * a, singular], ids=["nan", "singular"])
+@pytest.mark.parametrize("has_solution", [True, False])
 def test_one_state_without_a_number_on_one_side_is_no_agreement(
-    how: Callable[[Array], Array], monkeypatch: pytest.MonkeyPatch
+    *, has_solution: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     right, calls = mbs_models.acceleration, iter(range(1000))
 
     def acceleration(*arguments: Any) -> tuple[Array, Array]:
         found, forces = right(*arguments)
-        return (how(found), forces) if next(calls) == 2 else (found, forces)
+        if next(calls) != 2:
+            return found, forces
+        if has_solution:
+            return nan * found, forces
+        raise ArithmeticError("singular")
 
-    assert accelerations(3).verdict is True
+    assert accelerations(3).agrees
     monkeypatch.setattr(mbs_models, "acceleration", acceleration)
-    assert accelerations(3).verdict is False
+    assert accelerations(3).agrees is False
+
+
+def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
+    falling = Scene(model(4, start=Start(spin=5.0, beta=0.5)))
+    difference, detail = comparisons.motion_difference(falling, 2.0)
+    assert holds(difference, comparisons.ANGLE_LIMIT)
+    assert detail == "over 0.06118 s"
 
 
 def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
-    found = accelerations(20, Scenario(friction=SmoothCoulomb(coefficient=1e3, load="contact")))
+    found = accelerations(20, friction=SmoothCoulomb(coefficient=1e3, load="contact"))
     assert 0 < not_none(found.counted) < 20
     assert f"at {found.counted} of 20 random states" in found.detail
     assert accelerations(20).detail == "relative, at 20 random states"
-    assert accelerations(0).verdict is False
+    assert accelerations(0).agrees is False
 
 
 VALUES = np.array([1.0 + 2.0j, 1.0 - 2.0j, -3.0])
@@ -240,17 +202,17 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
 @cache
 def compared() -> pd.DataFrame:
     """Rows of the study, with a difference that a measurement of two states has found."""
-    checks = crosscheck.check_formulation(Scenario(), "floating", states=2, end=0.01)
+    found = list(compare_scene(Scene(Scenario(), "floating"), states=2, end=0.01))
     rows = [
-        {"case": label, "kind": case.kind, **check._asdict(), "formulation": formulation}
-        | ({"counted": crosscheck.STATES[case.kind]} if check.counted else {})
-        for label, case in crosscheck.cases().items()
-        for formulation in mbs_models.formulations(case.scenario)
-        for check in checks
-        if case.end is not None or "motion" not in check.quantity
-        if case.kind != crosscheck.OTHERS or "eigenvalues" not in check.quantity
+        {"case": label, "kind": kind, **each._asdict(), "formulation": formulation}
+        for label, (kind, scenario) in crosscheck.cases().items()
+        for formulation in mbs_models.formulations(scenario)
+        for each in found
+        if kind != crosscheck.SETS or "motion" not in each.quantity
+        if kind != crosscheck.OTHERS or "eigenvalues" not in each.quantity
     ]
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    return table.assign(counted=table["kind"].map(crosscheck.STATES))
 
 
 def present(rows: pd.DataFrame, apart: float | None = 1e-8) -> Content:
@@ -258,37 +220,29 @@ def present(rows: pd.DataFrame, apart: float | None = 1e-8) -> Content:
     return crosscheck.present({"crosscheck": rows, "tippe-top": turned})
 
 
-def fails(rows: pd.DataFrame, apart: float | None = 1e-8) -> set[str]:
-    return failing(present(rows, apart).checks)
-
-
 def test_study_compares_every_model_load_formulation_and_set() -> None:
     content = present(compared())
-    assert not fails(compared())
-    models, sets = (pd.DataFrame(content.tables[name]) for name in ("models", "sets"))
-    assert len(models) == 25
-    assert list(sets["case"]) == [" + ".join(each) for each in POSSIBLE_SETS]
+    assert not failing(content.checks)
+    assert content.numbers["scenes"] == 25
+    cases = pd.DataFrame(content.tables["scenes"])["case"]
+    assert {" + ".join(each) for each in POSSIBLE_SETS} < set(cases)
     assert content.verdicts[0].answer == "yes"
 
 
-@pytest.mark.parametrize(("row", "wrong"), [(0, 1e-4), (30, nan), (-1, None)])
-def test_one_difference_that_is_too_large_or_none_fails(row: int, wrong: float | None) -> None:
-    rows = compared().reset_index(drop=True)
-    rows.loc[rows.index[row], "difference"] = wrong
-    assert len(fails(rows)) == 1
-    assert present(rows).verdicts[0].answer == "no"
-
-
-def test_comparison_that_was_not_made_fails() -> None:
+def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> None:
     rows = compared()
-    assert fails(rows.iloc[1:]) == {"crosscheck: accelerations, the paper's models, scenes"}
-    fewer = rows.assign(counted=rows["counted"] - 1)
-    assert len(fails(fewer)) == 3
-
-
-@pytest.mark.parametrize("apart", [2e-7, nan, None])
-def test_a_tippe_top_that_turns_over_later_or_not_at_all_fails(apart: float | None) -> None:
-    assert fails(compared(), apart) == {"tippe top: turned over, in s"}
+    for apart in (2e-7, nan, None):
+        assert failing(present(rows, apart).checks) == {"tippe top: turned over, in s"}
+    for row, wrong in ((0, 1e-4), (30, nan), (len(rows) - 1, None)):
+        content = present(
+            rows.assign(difference=rows["difference"].where(rows.index != row, wrong))
+        )
+        assert len(failing(content.checks)) == 1
+        assert content.verdicts[0].answer == "no"
+    missing = failing(present(rows.iloc[1:]).checks)
+    assert missing == {"crosscheck: accelerations, the paper's models, scenes"}
+    fewer = failing(present(planted(rows, 0, "counted", 249)).checks)
+    assert fewer == {"crosscheck: accelerations, the paper's models, states with a solution"}
 
 
 def test_a_tippe_top_turns_over_in_house() -> None:

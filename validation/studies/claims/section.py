@@ -1,90 +1,86 @@
 """What the paper says of the motion: statements with criteria, measured numbers and verdicts."""
 
 from collections import Counter
-from collections.abc import Iterator
 
 from validation.page.content import Content, Rows, Verdict
 from validation.studies import inversion
-from validation.studies.claims import contact_matrix, motion, orders, pure_rolling, starts
-from validation.studies.claims.grades import ANSWERS, Judged
+from validation.studies.claims import equations, motion, pure_rolling, starts
+from validation.studies.claims.grades import ANSWERS
 
 TITLE = "What the paper says"
 STUDIES = (
     inversion.STUDY,
     motion.LONG_RUNS,
-    contact_matrix.CONTACT_MATRIX,
     pure_rolling.PURE_ROLLING,
-    orders.ORDERS,
     starts.LEAST_SPINS,
     starts.RANDOM_STARTS,
     starts.IN_ENGINE,
 )
 
 
-def judge(rows: Rows) -> dict[str, Judged]:
-    """All statements, by the names that the text has for them."""
-    runs = inversion.motions(rows["inversion"])
-    short = inversion.motions(rows["inversion"], inversion.SHORT)
-    return motion.judge(runs, short, rows["long-runs"]) | {
-        "attraction": starts.judge_attraction(starts.shares(rows["random-starts"])),
-        "singular": contact_matrix.judge(rows["contact-matrix"]),
-        "rolling": pure_rolling.judge(rows["pure-rolling"]),
-        "orders": orders.judge(rows["closed-form-orders"]),
-        "supercritical": starts.judge_least_spins(rows["least-spins"]),
-    }
-
-
 def present(rows: Rows) -> Content:
     """All statements with their verdicts, and what stands behind those on other starts."""
-    judged = judge(rows)
-    counted = Counter(each["verdict"] for each in judged.values())
+    runs, longs = inversion.motions(rows["inversion"]), rows["long-runs"]
+    measured, change = motion.measured(runs), motion.change(runs)
     shares, rolled = starts.shares(rows["random-starts"]), rows["pure-rolling"]
     least, engine = rows["least-spins"], rows["random-starts-engine"]
+    loss = equations.loss()
+    attraction, critical = starts.judge_attraction(shares), starts.critical_speed()
+    judged = motion.judge(measured, change, longs) | {
+        "attraction": attraction,
+        "singular": equations.judge_loss(loss),
+        "rolling": pure_rolling.judge(rolled),
+        "orders": equations.judge_orders(equations.exponents()),
+        "supercritical": starts.judge_least_spins(least),
+    }
+    counted = Counter(each["verdict"] for each in judged.values())
+    upright = ", ".join(
+        f"{row['inverted in %']:.0f} % at {row['spin']:g} rad/s ({row['from']:.0f} to "
+        f"{row['to']:.0f})"
+        for row in attraction["upright"].to_dict("records")
+    )
     return Content(
         numbers={
             "c": judged,
+            "contact": measured.iloc[0],
+            "levels": measured.iloc[1:],
+            "change": change,
+            "longs": longs,
+            "long": longs.iloc[0],
             "counted": {answer: counted[answer] for answer in ANSWERS},
-            "critical": starts.critical_speed(),
+            "critical": critical,
             "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
         tables={
-            "least_spins": least.drop(columns=["engine", "engine above"]),
-            "pure_rolling": pure_rolling.both_sides(rolled),
-            "orders": rows["closed-form-orders"].drop(columns="case"),
+            "least_spins": least.drop(columns=list(starts.ENDS.values())),
+            "pure_rolling": rolled.drop(columns="rolls"),
             "random_starts": shares,
             "random_starts_engine": engine,
         },
         figures={"attraction": starts.draw(shares)},
         checks=[
-            *contact_matrix.checks(rows["contact-matrix"]),
+            *equations.checks(loss),
+            *motion.checks(longs),
             *pure_rolling.checks(rolled),
             *starts.checks(least, engine, rows["random-starts"]),
         ],
-        verdicts=list(verdicts(judged, counted)),
-    )
-
-
-def verdicts(judged: dict[str, Judged], counted: Counter[str]) -> Iterator[Verdict]:
-    """What is read first: how many statements hold, and the one on other starts."""
-    yield Verdict(
-        statement="What the paper says of the motion holds.",
-        answer="yes" if counted["yes"] == len(judged) else "partly",
-        numbers=f"Of {len(judged)} statements {counted['yes']} hold, {counted['partly']} hold in "
-        f"part and {counted['no']} do not.",
-        criterion="one for each statement, printed beside it with the numbers.",
-    )
-    found, critical = judged["attraction"], starts.critical_speed()
-    told = ", ".join(
-        f"{row['inverted in %']:.0f} % at {row['spin']:g} rad/s ({row['from']:.0f} to "
-        f"{row['to']:.0f})"
-        for row in found["upright"]
-    )
-    yield Verdict(
-        statement="Inverted spinning of a fast disk attracts nearly all trajectories.",
-        answer=found["verdict"],
-        numbers=f"Of {starts.NUMBER} random starts of Model 1 near upright invert, with 95 % "
-        f"intervals, {told}; of those of any tilt at most {found['tilted']:.0f} %.",
-        criterion=f"at least {found['enough']:g} %, of any tilt, at every spin tried above "
-        f"{critical:.2f} rad/s; partly: near upright, at some of these spins.",
-        good=found["verdict"] == "yes",
+        verdicts=[
+            Verdict(
+                statement="What the paper says of the motion holds.",
+                answer="yes" if counted["yes"] == len(judged) else "partly",
+                numbers=f"Of {len(judged)} statements {counted['yes']} hold, {counted['partly']} "
+                f"hold in part and {counted['no']} do not.",
+                criterion="one for each statement, printed beside it with the numbers.",
+            ),
+            Verdict(
+                statement="Inverted spinning of a fast disk attracts nearly all trajectories.",
+                answer=attraction["verdict"],
+                numbers=f"Of {starts.NUMBER} random starts of Model 1 near upright invert, with "
+                f"95 % intervals, {upright}; of those of any tilt at most "
+                f"{attraction['tilted']['inverted in %'].max():.0f} %.",
+                criterion=f"at least {100 * starts.NEARLY_ALL:g} %, of any tilt, at every spin "
+                f"tried above {critical:.2f} rad/s; partly: near upright, at some of these spins.",
+                good=attraction["verdict"] == "yes",
+            ),
+        ],
     )

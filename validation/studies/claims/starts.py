@@ -3,7 +3,9 @@
 Of Sections 1, 3.2 and 7; the critical speeds are those of Sections 3 and 6.
 """
 
+from bisect import bisect_left
 from collections import Counter
+from functools import cache
 from math import acos, nan, pi
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -163,14 +165,11 @@ def judge_attraction(found: pd.DataFrame) -> Judged:
     fast = found[found["spin"] > critical_speed()]
     upright, tilted = (fast[(fast["starts"] == t) & (fast["model"] == "Model 1")] for t in TILTS)
     enough = 100 * NEARLY_ALL
-    ups = [group["inverted in %"] >= enough for group in (tilted, upright)]
-    return {
-        "fast": fast,
-        "upright": upright.to_dict("records"),
-        "tilted": tilted["inverted in %"].max(),
-        "enough": enough,
-        "verdict": grade(yes=bool(ups[0].all()), partly=bool(ups[1].any())),
-    }
+    verdict = grade(
+        yes=bool((tilted["inverted in %"] >= enough).all()),
+        partly=bool((upright["inverted in %"] >= enough).any()),
+    )
+    return {"fast": fast, "upright": upright, "tilted": tilted, "verdict": verdict}
 
 
 def draw(found: pd.DataFrame) -> Figure:
@@ -190,15 +189,18 @@ def draw(found: pd.DataFrame) -> Figure:
 
 # --- Least spins --------------------------------------------------------------------------------
 
-BRACKET, WIDTH = (29.0, 33.0), 0.04
+BRACKET, WIDTH = (29.0, 33.0), 1.0 / 32.0
 """Spins in rad/s between which a bisection looks, and the width of what is left."""
 
-SCANNED = (20.0, 40.0, 100.0)
+SCANNED = {f"at {spin:g} rad/s": spin for spin in (20.0, 40.0, 100.0)}
 """Further spins in rad/s: none below the bracket may invert, and all above have to."""
 
-
 OWN, BELOW, ABOVE = "critical speed in rad/s", "no inversion at rad/s", "inversion at rad/s"
-"""Columns with numbers."""
+LOST = "another pair unstable above"
+"""Columns with numbers,"""
+
+ENDS = {"outcome there": "engine", "outcome": "engine above"}
+"""and those with outcomes in-house and in the engine, below and above."""
 
 
 def search(level: Level) -> list[Row]:
@@ -210,36 +212,28 @@ def search(level: Level) -> list[Row]:
         If the ends of the bracket do not differ.
     """
 
+    @cache
     def found(spin: float, source: Source = "in-house") -> str:
         scenario = Scenario(constraints=MODELS[level], start=Start(spin=spin))
         return outcome(scenario, source, END + STAYING, step=2e-3)
 
-    low, high = BRACKET
-    results = {spin: found(spin) for spin in BRACKET}
-    if inverts(results[low]) or not inverts(results[high]):
-        raise ArithmeticError(f"Model {level}: no change between {low:g} and {high:g} rad/s")
-    while high - low > WIDTH:
-        middle = 0.5 * (low + high)
-        results[middle] = found(middle)
-        low, high = (low, middle) if inverts(results[middle]) else (middle, high)
-    scenario = Scenario(constraints=MODELS[level])
-    hopf = critical_speeds(scenario, (20.0, 40.0), system="numeric").hopf
+    spins = np.arange(BRACKET[0], BRACKET[1] + WIDTH, WIDTH).tolist()
+    if inverts(found(spins[0])) or not inverts(found(spins[-1])):
+        raise ArithmeticError(
+            "Model {}: no change between {:g} and {:g} rad/s".format(level, *BRACKET)
+        )
+    least = bisect_left(spins[:-1], True, key=lambda spin: inverts(found(spin)))
+    low, high = spins[least - 1 : least + 1]
+    hopf = critical_speeds(
+        Scenario(constraints=MODELS[level]), (20.0, 40.0), system="numeric"
+    ).hopf
     gained, lost = (
         [each.spin for each in hopf if each.stable_side == side] for side in ("above", "below")
     )
-    return [
-        {
-            OWN: max(gained, default=nan),
-            "another pair unstable above": min(lost, default=None),
-            BELOW: low,
-            "outcome there": results[low],
-            "engine": found(low, "engine"),
-            ABOVE: high,
-            "outcome": results[high],
-            "engine above": found(high, "engine"),
-        }
-        | {f"at {spin:g} rad/s": found(spin) for spin in SCANNED}
-    ]
+    row: Row = {OWN: max(gained, default=nan), LOST: min(lost, default=None)}
+    for column, spin, (here, there) in zip((BELOW, ABOVE), (low, high), ENDS.items(), strict=True):
+        row |= {column: spin, here: found(spin), there: found(spin, "engine")}
+    return [row | {name: found(spin) for name, spin in SCANNED.items()}]
 
 
 LEAST_SPINS = Study(
@@ -247,38 +241,33 @@ LEAST_SPINS = Study(
     cases=lambda: {f"Model {level}": level for level in LEVELS},
     measure=search,
     sample=("Model 1", "Model 4"),
-    confirm={OWN: 1e-6, "another pair unstable above": 1e-6, BELOW: 1e-9, ABOVE: 1e-9}
-    | dict.fromkeys(("outcome there", "engine", "outcome", "engine above"))
-    | dict.fromkeys(f"at {spin:g} rad/s" for spin in SCANNED),
+    confirm={OWN: 1e-6, LOST: 1e-6, BELOW: 1e-9, ABOVE: 1e-9}
+    | dict.fromkeys((*ENDS, *ENDS.values(), *SCANNED)),
 )
 
 
 def judge_least_spins(table: pd.DataFrame) -> Judged:
     """Section 7: inversion only from supercritical spins."""
-    over = table[ABOVE] > critical_speed()
+    over, own = table[ABOVE] > critical_speed(), table[ABOVE] > table[OWN]
     ordered = all(
-        inverts(row[f"at {spin:g} rad/s"]) == (spin > row[ABOVE])
-        for row in table.to_dict("records")
-        for spin in SCANNED
+        (table[name].map(inverts) == (spin > table[ABOVE])).all() for name, spin in SCANNED.items()
     )
-    own = bool((table[ABOVE] > table[OWN]).all())
-    return {
-        "end": END,
-        "least": table[ABOVE].tolist(),
-        "own": table[OWN].tolist(),
-        "verdict": grade(yes=bool(over.all()) and own and ordered, partly=over.any() and ordered),
-    }
+    yes = bool(over.all() and own.all() and ordered)
+    verdict = grade(yes=yes, partly=bool(over.any() and ordered))
+    return {"least": table[ABOVE], "own": table[OWN], "verdict": verdict}
 
 
 def checks(least: pd.DataFrame, engine: pd.DataFrame, stored: pd.DataFrame) -> list[Check]:
     """Whether the engine finds what is stored, and nothing is missing."""
     found = [equal("least spins: models", len(least), len(LEVELS), "stored")]
-    for place, there in (("outcome there", "engine"), ("outcome", "engine above")):
+    for place, there in ENDS.items():
         same = int((least[place] == least[there]).sum())
         found.append(equal(f"least spins: engine, {place}", same, len(least), "stored"))
-    known = stored.set_index("case")["outcomes"]
-    for row in engine.to_dict("records"):
+    same = ["case", "level", "tilt", "spin"]
+    again = engine.merge(stored, on=same, suffixes=(" again", "")).to_dict("records")
+    found.append(equal("random starts: repeated in the engine", len(again), len(REPEATED)))
+    for row in again:
         name = f"random starts: engine, {row['case']}"
-        found.append(equal(name, row["outcomes"], known[row["case"]][:AGAIN]))
+        found.append(equal(name, row["outcomes again"], row["outcomes"][:AGAIN]))
     missing = len(cases().keys() ^ set(stored["case"]))
     return [*found, equal("random starts: blocks that are missing", missing, 0, "stored")]
