@@ -7,6 +7,7 @@ from math import pi, sqrt
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 
 import mbs_models
 from analysis import (
@@ -22,7 +23,9 @@ from analysis.data.checks import Array
 from analysis.stability.printed import full_matrices
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
-from validation.study import Row, Study, relative
+from validation.kit.limits import largest
+from validation.page.content import Content
+from validation.study import Row, Study, at_most, relative
 
 Axis = Literal["smoothing", "stiffness"]
 Place = tuple[Axis, float]
@@ -40,6 +43,12 @@ SPIN = 40.0
 """Spinning speed in rad/s of the inverted spinning about which stability is tested."""
 
 DAMPING_RATIO = 0.5
+
+NEAR = 0.03
+"""Largest relative difference of a stable step from the predicted one."""
+
+APART = "step over predicted less 1"
+"""Column."""
 
 _STEPS = 480
 """Steps over which a motion must not grow."""
@@ -168,7 +177,7 @@ def _cases() -> Mapping[str, Place]:
     return smoothings | {f"stiffness {e:g} N/m": ("stiffness", e) for e in STIFFNESSES}
 
 
-STEPS = Study(
+STUDY = Study(
     name="robustness-steps",
     cases=_cases,
     measure=measure,
@@ -177,3 +186,27 @@ STEPS = Study(
     confirm={"step": relative("step", 0.01), "predicted": relative("predicted", 1e-4)},
     columns={"step": "largest in s", "predicted": "in s"},
 )
+
+
+def present(table: pd.DataFrame) -> Content:
+    """Stable steps beside predicted ones, where there are some."""
+    limits = table.assign(**{APART: table["step"] / table["predicted"] - 1.0})
+    told = limits.dropna(subset="predicted")
+    checks = []
+    for integrator in EXPLICIT:
+        found = limits[limits["integrator"] == integrator].set_index("case").reindex([*_cases()])
+        hidden = found["predicted"].isna()
+        # The widest smoothing: there the spinning itself is unstable about as fast.
+        name, worst = f"steps: {integrator}", largest(found[APART][~hidden].abs())
+        checks += [
+            at_most(f"{name}, places without a stable step", int(hidden.sum()), 1),
+            at_most(f"{name}, stable over predicted", worst, NEAR),
+        ]
+    return Content(
+        numbers={
+            "apart": float(told[APART].abs().max()),
+            "places": told.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
+        },
+        tables={"steps": told.drop(columns="case")},
+        checks=checks,
+    )
