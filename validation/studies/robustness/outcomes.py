@@ -279,11 +279,6 @@ _FALLS, _NO_CONVERGENCE = (
     "falls flat, where Euler angles end", "Newton's iteration does not converge"
 )  # fmt: skip
 _CAUSES = {
-    "not finished in the limit": "too many steps",
-    "reference in doubt": "no reference is good enough",
-    "inaccurate": "runs where the reference cannot start",
-    "crashed": "crashed",
-    "time limit": "time limit",
     "a contact that pulls": "starts where the contact would pull",
     "lies flat": _FALLS,
     "lies nearly flat": _FALLS,
@@ -297,7 +292,7 @@ _CAUSES = {
     "cannot be followed": "turns lost between samples",
     "before the first sample": "ends before its first sample",
 }
-"""Words of a verdict or message, and the cause they stand for; the first that fits counts."""
+"""Words of a message, and the cause they stand for; the first that fits counts."""
 
 UNFINISHED = ("too many steps", _NO_CONVERGENCE)
 """Causes for which another way may do better."""
@@ -310,8 +305,14 @@ def cause(row: Row) -> str:
     if row["verdict"] == "inaccurate" and pd.notna(row.get("error")):
         right = _has_right_angles(row)
         return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
-    said, reason = f"{row['verdict']}: {row['reason']}", str(row["reason"])
-    return next((told for words, told in _CAUSES.items() if words in said), reason)
+    if row["verdict"] in {"diverged", "refused"}:
+        reason = str(row["reason"])
+        return next((told for words, told in _CAUSES.items() if words in reason), reason)
+    return {
+        "inaccurate": "runs where the reference cannot start",
+        "not finished in the limit": UNFINISHED[0],
+        "reference in doubt": "no reference is good enough",
+    }.get(row["verdict"], str(row["verdict"]))
 
 
 # --- The studies --------------------------------------------------------------------------------
