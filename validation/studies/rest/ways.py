@@ -83,6 +83,16 @@ DIFFERENCES: dict[str, Callable[[Row, Row], float]] = {
 }
 
 
+def differences(runs: Mapping[str, Row]) -> pd.DataFrame:
+    """How far each run is from what it is compared with, as far as that is limited."""
+    found = {
+        name: {"compared with": other}
+        | {what: DIFFERENCES[what](runs[name], runs[other]) for what in limits}
+        for name, (other, limits) in COMPARED.items()
+    }
+    return pd.DataFrame.from_dict(found, orient="index")
+
+
 # --- What is shown ------------------------------------------------------------------------------
 
 
@@ -90,26 +100,21 @@ def present(rows: Rows) -> Content:
     """Phases, what they depend on, where the energy went, and the whole story."""
     table = pd.concat([rows[study.name] for study in STUDIES]).set_index("case")
     runs: dict[str, Row] = table.to_dict("index")
-    base = runs[INHOUSE[SHOWN]]
+    base, apart_by = runs[INHOUSE[SHOWN]], differences(runs)
     arrays: dict[str, Any] = {n: np.array(base[n]) for n in filled(SpatialMotion)}
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
+    caption = f"In-house: sliding, {SHOWN}."
     return Content(
-        numbers=numbers(runs),
-        tables={
-            "phases": phases(table, runs),
-            "budget": budget(table),
-        },
+        numbers=numbers(runs, apart_by),
+        tables={"phases": phases(table, apart_by), "budget": budget(table)},
         figures={
             "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),
         },
         animations={
             "animation": player(
-                shown,
-                name="rest-animation",
-                title="The whole way to rest",
-                caption=f"In-house: sliding, {SHOWN}.",
+                shown, name="rest-animation", title="The whole way to rest", caption=caption
             )
         },
         checks=checks(runs),
@@ -119,15 +124,13 @@ def present(rows: Rows) -> Content:
 
 def checks(runs: Mapping[str, Row]) -> list[Check]:
     """Each run against another, and what none may do."""
-    fresh = made.fresh_cases()
+    fresh, apart_by = made.fresh_cases(), differences(runs)
     found = []
     for name, (other, limits) in COMPARED.items():
         where: Any = "fresh" if {name, other} & fresh.keys() else "stored"
-        found += [
-            at_most(f"rest, {name}: {what} apart from {other}",
-                    DIFFERENCES[what](runs[name], runs[other]), limit, where)
-            for what, limit in limits.items()
-        ]  # fmt: skip
+        for what, limit in limits.items():
+            label = f"rest, {name}: {what} apart from {other}"
+            found.append(at_most(label, apart_by.at[name, what], limit, where))
     for name, row in runs.items():
         if name != made.IDEAL:
             where = "fresh" if name in fresh else "stored"
@@ -142,29 +145,30 @@ def checks(runs: Mapping[str, Row]) -> list[Check]:
     return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
 
 
+def changes(runs: Mapping[str, Row]) -> list[Array]:
+    """What each change of the spin does to the tilt in rad, shape (n,)."""
+    base = runs[INHOUSE[SHOWN]]
+    return [apart(runs[f"spin {more:g} rad/s faster"], base) for more in made.FASTER]
+
+
 def growth(runs: Mapping[str, Row]) -> float:
     """How many times more the larger change of the spin does to the tilt than the smaller one."""
-    base = runs[INHOUSE[SHOWN]]
-    large, small = (
-        np.max(apart(runs[f"spin {more:g} rad/s faster"], base)) for more in made.FASTER
-    )
+    large, small = map(np.max, changes(runs))
     return float(large / small)
 
 
-def numbers(runs: Mapping[str, Row]) -> Row:
+def numbers(runs: Mapping[str, Row], apart_by: pd.DataFrame) -> Row:
     """Those of the text."""
-    base, engine = runs[INHOUSE[SHOWN]], runs[ENGINE[SHOWN]]
-    change = apart(runs[f"spin {made.FASTER[0]:g} rad/s faster"], base)
+    base, change = runs[INHOUSE[SHOWN]], changes(runs)[0]
     times = made.EVERY * made.SPACING * np.arange(change.size)
     return {
-        "runs": made,
         "base": base,
         "criterion": RestCriterion(),
-        "apart": largest(apart(engine, base).tolist()),
+        "apart": apart_by.at[ENGINE[SHOWN], "tilt in rad"],
         "change_before": np.max(change[times < base["inversion_lost"]]),
         "change": np.max(change),
         "growth": growth(runs),
-        "shifts": [shift(runs[name], base) for name in (*VARIANTS, ENGINE[SHOWN])],
+        "shifts": apart_by.loc[[*VARIANTS, ENGINE[SHOWN]], "phases in s"].tolist(),
         "contact_of": made.Case(SHOWN).scenario.penalty_contact,
         "ideal": runs[made.IDEAL],
         "sliding": runs[INHOUSE[SLIDING]],
@@ -192,20 +196,14 @@ def verdict(runs: Mapping[str, Row]) -> Verdict:
     )
 
 
-def phases(table: pd.DataFrame, runs: Mapping[str, Row]) -> pd.DataFrame:
+def phases(table: pd.DataFrame, apart_by: pd.DataFrame) -> pd.DataFrame:
     """When each phase began, and how far runs are apart from what they are compared with."""
     order = [each for losses in made.CASES for each in (INHOUSE[losses], ENGINE[losses])]
-    found = table.loc[[*order, made.IDEAL, *VARIANTS, made.COARSE], [*PHASES, "face"]].copy()
-    found["compared with"] = [COMPARED.get(name, (None,))[0] for name in found.index]
     headings = {"tilt in rad": "tilt apart in rad", "phases in s": "phases apart in s"}
-    for what, heading in headings.items():
-        found[heading] = [
-            DIFFERENCES[what](runs[name], runs[COMPARED[name][0]])
-            if what in COMPARED.get(name, ("", {}))[1]
-            else None
-            for name in found.index
-        ]
-    found = found.rename(columns={"face": "face up at the end"}).reset_index(names="run")
+    found = table.loc[[*order, made.IDEAL, *VARIANTS, made.COARSE], [*PHASES, "face"]]
+    found = found.rename(columns={"face": "face up at the end"})
+    beside = apart_by[["compared with", *headings]].rename(columns=headings)
+    found = found.join(beside).reset_index(names="run")
     return found.rename(columns=lambda name: name.replace("_", " "))
 
 
