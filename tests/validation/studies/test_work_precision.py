@@ -13,7 +13,7 @@ from validation import study as kit
 from validation.studies.work_precision import measuring, tables
 from validation.studies.work_precision import section as wp
 from validation.studies.work_precision.measuring import Curve, ladder_end
-from validation.studies.work_precision.problems import SPACING, errors, reference
+from validation.studies.work_precision.problems import errors, reference
 
 FLOOR = 1e-11
 
@@ -74,7 +74,8 @@ def test_the_engines_rules_show_their_orders(
 ) -> None:
     references = rows["work-precision-references"].assign(problem=lambda table: table["case"])
     told = tables.orders(runs, tables.floors(references))
-    assert told["model-1", formulation, scheme] == pytest.approx(order, abs=0.15)
+    (found,) = told.loc[told["method"] == f"{formulation}, {scheme}", "Model 1"]
+    assert found == pytest.approx(order, abs=0.15)
 
 
 def test_every_curve_is_stored_and_everything_stored_holds(rows: dict[str, pd.DataFrame]) -> None:
@@ -100,15 +101,12 @@ def test_a_run_that_breaks_its_tolerance_or_a_reference_in_doubt_fails(
 
 def test_an_extrapolated_run_is_better_and_counts_all_its_parts() -> None:
     curve = Curve("model-1", "contact-tree", "RK44")
-    chain, found, steps = measuring.Extrapolation(curve), [], [SPACING / k for k in (2, 4, 8)]
-    for step in steps:
-        run, seconds = curve.run(step)
-        better = chain.add(run, {"setting": step, "work": 1})
-        found.append(errors(run, reference("model-1"))["error"])
-        assert seconds > 0.0
-    assert better is not None
-    assert errors(better, reference("model-1"))["error"] < 0.2 * min(found)
-    assert [row["setting"] for row in chain.rows] == steps
+    whole = measuring.measure(curve)
+    last = {kind: [row for row in whole if row["kind"] == kind][-1]
+            for kind in ("step", "extrapolated")}  # fmt: skip
+    assert last["extrapolated"]["error"] < 0.2 * last["step"]["error"]
+    rungs = sum(row["work"] for row in whole if row["kind"] == "step")
+    assert last["extrapolated"]["work"] == rungs > last["step"]["work"]
 
 
 def test_errors_forgive_whole_turns_and_see_everything_else() -> None:

@@ -12,23 +12,17 @@ import pandas as pd
 
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power, span
-from validation.studies.work_precision import figures, tables
+from validation.studies.work_precision import figures, problems, tables
 from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, curves, measure
-from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, measure_reference
-from validation.studies.work_precision.tables import NAMES
 from validation.study import Check, Row, Study, at_most, load, relative
 
 TITLE = "Error against run time"
 
 
-def _problems() -> dict[str, str]:
-    return {name: name for name in PROBLEMS}
-
-
 REFERENCES = Study(
     name="work-precision-references",
-    cases=_problems,
-    measure=measure_reference,
+    cases=lambda: {name: name for name in problems.PROBLEMS},
+    measure=problems.measure_reference,
     keys=("other",),
     confirm={"difference": 1e-11},
     sample=("model-1", "model-3"),
@@ -82,7 +76,6 @@ def present(rows: Rows) -> Content:
     """Tables, diagrams and the lesson."""
     references = rows[REFERENCES.name].assign(problem=lambda table: table["case"])
     runs, floors = tables.prepared(rows[CURVES.name]), tables.floors(references)
-    told = tables.orders(runs, floors)
     asked = tables.asked(runs)
     numbers, fastest = _lesson(runs, asked), tables.ways(runs)
     return Content(
@@ -94,7 +87,7 @@ def present(rows: Rows) -> Content:
             "references": references[["problem", "other", "setting", "difference"]]
             .assign(floor=references["problem"].map(floors))
             .rename(columns=REFERENCES.columns),
-            "orders": tables.order_table(told),
+            "orders": tables.orders(runs, floors),
             "runs": rows[CURVES.name],
         },
         figures={"fronts": figures.fronts(runs, floors)},
@@ -124,10 +117,6 @@ def _lesson(runs: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
     own = tables.cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
     ladders = held[held["kind"] == "step"]
     return {
-        "spacing": SPACING,
-        "end": float(TIMES[-1]),
-        "goals": GOALS,
-        "names": NAMES,
         "topology": (best["seconds"] / free).dropna(),
         "won": {g: tables.ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
         "failing": {

@@ -133,11 +133,15 @@ def tolerances(runs: pd.DataFrame) -> pd.DataFrame:
     return table.reset_index()
 
 
-def orders(runs: pd.DataFrame, floor: dict[str, float]) -> dict[tuple[str, str, str], float | str]:
-    """Observed order of each curve, or why it has none."""
+def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
+    """Observed order of each method, or why it has none, with a column for each problem."""
     shown = runs[runs["kind"].isin(["step", "local tolerance"])]
     groups: Any = shown.groupby(CURVE, sort=False)
-    return {key: observed_order(group, floor[key[0]]) for key, group in groups}
+    found = pd.Series({key: observed_order(group, floor[key[0]]) for key, group in groups})
+    methods = list(dict.fromkeys((form, scheme) for _, form, scheme in found.index))
+    table = found.unstack(0).reindex(index=methods, columns=list(TITLES)).fillna("")
+    table.index = pd.Index([", ".join(method) for method in methods], name="method")
+    return table.rename(columns=TITLES).reset_index()
 
 
 def observed_order(runs: pd.DataFrame, floor: float) -> float | str:
@@ -169,16 +173,6 @@ def observed_order(runs: pd.DataFrame, floor: float) -> float | str:
     if max(last) - min(last) > _SETTLED:
         return f"– unsettled, {min(last):.1f} to {max(last):.1f}"
     return round(median(last), 2)
-
-
-def order_table(found: dict[tuple[str, str, str], float | str]) -> pd.DataFrame:
-    """Observed orders, a row for each method and a column for each problem."""
-    rows: dict[str, dict[str, Any]] = {}
-    for (problem, formulation, scheme), order in found.items():
-        row = rows.setdefault(f"{formulation}, {scheme}", {})
-        row[TITLES[problem]] = order
-    table = pd.DataFrame.from_dict(rows, orient="index", columns=list(TITLES.values()))
-    return table.fillna("").rename_axis("method").reset_index()
 
 
 def ranked(names: "pd.Series[str]") -> dict[str, int]:
