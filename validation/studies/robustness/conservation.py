@@ -8,7 +8,6 @@ import pandas as pd
 import analysis
 from analysis import MODELS, Level, Scenario, SmoothCoulomb, Trajectory
 from analysis.data.checks import Array
-from analysis.data.frames import poses, twists
 from validation.kit.limits import largest
 from validation.kit.ways import Way
 from validation.page.content import Content
@@ -120,13 +119,11 @@ def measure(long: LongRun) -> list[Row]:
 
 def _momenta(run: Trajectory) -> tuple[Array, Array]:
     """Momentum, shape (n, 3), and vertical angular momentum about the COG, shape (n,)."""
-    _, rotation = poses(run.coordinates)
-    velocity, angular = twists(run.coordinates, run.rates)
-    arm = rotation[:, :, 0] * run.scenario.disk.eccentricity
-    momentum = run.scenario.disk.mass * (velocity + np.cross(angular, arm))
-    local = np.einsum("nji,nj->ni", rotation, angular)
-    moments = np.array(run.scenario.disk.inertia_about_cog)
-    spin: Array = np.einsum("ni,ni->n", rotation[:, 2, :], moments * local)
+    disk, (_, rotation, velocity, angular) = run.scenario.disk, run.poses
+    arm = rotation[:, :, 0] * disk.eccentricity
+    momentum = disk.mass * (velocity + np.cross(angular, arm))
+    moments = np.array(disk.inertia_about_cog)
+    spin: Array = np.einsum("nj,j,nij,ni->n", rotation[:, 2, :], moments, rotation, angular)
     return momentum, spin
 
 

@@ -10,7 +10,7 @@ from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
 from validation.studies.robustness import conservation, outcomes, penalty, steps
 from validation.studies.robustness.outcomes import CASES, CHOSEN, GOOD, VERDICTS, cases, is_broken
-from validation.studies.robustness.problems import ENDED, TOLERANCE
+from validation.studies.robustness.problems import ENDED, TOLERANCE  # noqa: F401
 from validation.study import Check, Study, at_most
 
 TITLE = "Hard cases"
@@ -35,7 +35,6 @@ def present(rows: Rows) -> Content:
             "chosen": chosen,
             "left": left,
             "chosen_broken": broken(chosen),
-            "sampled_chosen": len(CHOSEN.sample),
         },
         tables={
             "outcomes": by_axis(table).rename_axis("what is extreme").reset_index(),
@@ -109,7 +108,6 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     told = table.dropna(subset=["error", "estimate"])
     return {
         "problems": table["case"].nunique(),
-        "sampled": len(CASES.sample),
         "total": len(table),
         "counts": counts,
         "ends": sum(counts[each] for each in GOOD[1:]),
@@ -117,9 +115,7 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
         "broken": broken(table),
         "causes": table["cause"].value_counts().to_dict(),
         "late": int(late.sum()),
-        "very_stiff": VERY_STIFF,
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),
-        "asked": TOLERANCE,
         "tolerances": table["tolerance"],
         "ended": int((table["axis"] == ENDED).sum()),
         "told": len(told),
