@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from validation import study as kit
-from validation.studies.work_precision import measuring, tables
+from validation.studies.work_precision import measuring
 from validation.studies.work_precision import section as wp
 from validation.studies.work_precision.measuring import Curve, ladder_end
 from validation.studies.work_precision.problems import errors, reference
@@ -20,14 +20,14 @@ FLOOR = 1e-11
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, pd.DataFrame]:
-    """The stored tables."""
+    """The stored wp."""
     return {study.name: kit.load(study) for study in wp.STUDIES}
 
 
 @pytest.fixture(scope="module")
 def runs(rows: dict[str, pd.DataFrame]) -> pd.DataFrame:
     """All runs as the tables take them."""
-    return tables.prepared(rows["work-precision"])
+    return wp.prepared(rows["work-precision"])
 
 
 @pytest.mark.parametrize(
@@ -56,10 +56,10 @@ def rungs(exponent: Callable[[int], float], number: int = 7) -> pd.DataFrame:
 
 
 def test_the_order_of_a_clean_ladder_is_found_and_that_of_another_is_not_told() -> None:
-    assert tables.observed_order(rungs(lambda _: 4.0), FLOOR) == pytest.approx(4.0)
-    assert tables.observed_order(rungs(lambda k: 2.0 + k % 2), FLOOR) == "– unsettled, 2.0 to 3.0"
-    assert tables.observed_order(rungs(lambda _: 4.0, 3), FLOOR) == "– few rungs"
-    assert tables.observed_order(rungs(lambda _: 4.0), 1e-4) == "– few rungs"
+    assert wp.observed_order(rungs(lambda _: 4.0), FLOOR) == pytest.approx(4.0)
+    assert wp.observed_order(rungs(lambda k: 2.0 + k % 2), FLOOR) == "– unsettled, 2.0 to 3.0"
+    assert wp.observed_order(rungs(lambda _: 4.0, 3), FLOOR) == "– few rungs"
+    assert wp.observed_order(rungs(lambda _: 4.0), 1e-4) == "– few rungs"
 
 
 @pytest.mark.parametrize(
@@ -72,8 +72,7 @@ def test_the_order_of_a_clean_ladder_is_found_and_that_of_another_is_not_told() 
 def test_the_engines_rules_show_their_orders(
     formulation: str, scheme: str, order: float, runs: pd.DataFrame, rows: Any
 ) -> None:
-    references = rows["work-precision-references"].assign(problem=lambda table: table["case"])
-    told = tables.orders(runs, tables.floors(references))
+    told = wp.orders(runs, wp.floors(rows["work-precision-references"]))
     (found,) = told.loc[told["method"] == f"{formulation}, {scheme}", "Model 1"]
     assert found == pytest.approx(order, abs=0.15)
 
