@@ -128,6 +128,8 @@ COMPILED: tuple[tuple[Scenario, Form, int], ...] = (
 LOCAL = 1e-9
 """Local tolerance of compiled runs."""
 
+COMPILED_RUN: How = {"method": "taylor", "local_tolerance": LOCAL}
+
 
 @cache
 def _truth(scenario: Scenario) -> Trajectory:
@@ -207,8 +209,8 @@ def compiled_runs(repeats: int) -> Iterator[Measured]:
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
     """
     for scenario, form, _ in COMPILED if is_installed() else ():
-        label, how = f"{scenario.name}, {form}", {"form": form, "method": "taylor"}
-        ours = partial(analysis.simulate, scenario, TIMES, local_tolerance=LOCAL, **how)
+        label, how = f"{scenario.name}, {form}", {**COMPILED_RUN, "form": form}
+        ours = partial(analysis.simulate, scenario, TIMES, **how)
         error = deviation(ours(), _truth(scenario))
         yield Measured(f"{label}, compiled: error", error, "rad", 1e-9)
         hand = by_hand.single(scenario, form, LOCAL, TIMES)
@@ -235,18 +237,17 @@ def ensembles(repeats: int) -> Iterator[Measured]:
             return found
 
         members = list(made())
-        once: How = {"method": "taylor", "local_tolerance": LOCAL}
         few = partial(many, members[:4], method="DOP853", tolerance=1e-6)
         calls: tuple[tuple[str, Timed, int], ...] = (
             ("pure to 1e-6 rad", few, 4),
             ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
-            ("one run each, from a list", partial(many, members, **once), size),
+            ("one run each, from a list", partial(many, members, **COMPILED_RUN), size),
         )
         for label, call, count in calls:
             (taken,) = milliseconds(call, repeats=repeats)
             yield Measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
         hand = by_hand.batches(members, form, LOCAL, TIMES)
-        both = from_all_places(partial(many, **once), hand, repeats=repeats)
+        both = from_all_places(partial(many, **COMPILED_RUN), hand, repeats=repeats)
         for label, taken in zip(("one run each", "one run each, by hand"), both, strict=True):
             yield Measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
 

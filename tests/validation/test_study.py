@@ -107,4 +107,4 @@ def test_a_table_is_not_made_of_crashes_of_rows_alike_or_of_what_no_file_can_hol
     with pytest.raises(ValueError, match="do not tell rows apart"):
         kit.whole_table(replace(STUDY, keys=()), found)
     with pytest.raises(TypeError, match="rows must hold numbers"):
-        kit.rows_of(lambda _: [{"value": {}}], CASES)
+        kit.rows_of(lambda _: [{"value": 1j}], CASES)
