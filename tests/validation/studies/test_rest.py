@@ -99,7 +99,6 @@ def test_fit_finds_the_law_and_its_deviation() -> None:
     ("part", "case", "column", "change"),
     [
         (creep, "ε = 0.3 m/s", "tilts", lambda x: [*x[:-1], 1.01 * x[-1]]),
-        (creep, creep.BEGIN, "tilts", lambda x: [each + 1e-4 for each in x]),
         (starts, "random, seed 3", "force", lambda _: -1.0),
     ],
 )
