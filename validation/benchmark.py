@@ -16,7 +16,7 @@ from math import inf
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +46,7 @@ from validation.kit.tables import show
 from validation.kit.timing import in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
+from validation.study import Check
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.case import run_chunk
 from validation.sweeps.plan import Plan
@@ -60,24 +61,10 @@ How = dict[str, Any]
 Timed = Callable[[], object]
 
 
-class Measured(NamedTuple):
-    """A number with its unit, and what it may be at most."""
-
-    name: str
-    value: float
-    unit: str
-    limit: float = inf
-
-    @property
-    def reached(self) -> bool:
-        """Whether it is as it should be; one without a limit is."""
-        return self.limit == inf or holds(self.value, self.limit)
-
-    def text(self) -> str:
-        """It in a line."""
-        told = f"{self.name:62}{show(self.value, 3):>9} {self.unit:5}"
-        bound = f"  at most {self.limit:g}: {show(self.reached)}" if self.limit < inf else ""
-        return told + bound
+def measured(name: str, value: float, unit: str, limit: float = inf) -> Check:
+    """A number with its unit, and what it may be at most; one without a limit holds."""
+    reached = limit == inf or holds(value, limit)
+    return Check(f"{name} in {unit}" if unit else name, value, limit, "fresh", reached)
 
 
 def milliseconds(*calls: Timed, repeats: int) -> list[float]:
@@ -136,18 +123,18 @@ def _truth(scenario: Scenario) -> Trajectory:
     return analysis.simulate(scenario, TIMES, local_tolerance=3e-14)
 
 
-def single_runs(repeats: int) -> Iterator[Measured]:
+def single_runs(repeats: int) -> Iterator[Check]:
     """Error and time of runs, and what of it is the solver's."""
     for label, scenario, how, error, limit in RUNS:
         call = partial(run, scenario, TIMES, **how)
-        yield Measured(f"{label}: error", deviation(call(), _truth(scenario)), "rad", error)
-        yield Measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
+        yield measured(f"{label}: error", deviation(call(), _truth(scenario)), "rad", error)
+        yield measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
         if "step" in how:
             taken = 1e3 * median(call().solver_seconds or inf for _ in range(repeats))
-            yield Measured(f"{label}: of it the solver's", taken, "ms")
+            yield measured(f"{label}: of it the solver's", taken, "ms")
 
 
-def stability(repeats: int) -> Iterator[Measured]:
+def stability(repeats: int) -> Iterator[Check]:
     """Times of the eigenvalue work."""
     many, some = np.linspace(0.0, 60.0, 10_000), np.linspace(0.0, 80.0, 200)
     full = partial(spectra.branches, MODEL_1, many, system="full")
@@ -155,12 +142,12 @@ def stability(repeats: int) -> Iterator[Measured]:
     engine = partial(engine_matrices, MODEL_1, np.linspace(0.0, 60.0, 100))
     calls: tuple[Timed, ...] = (full, chart, engine)
     full_time, chart_time, engine_time = milliseconds(*calls, repeats=min(repeats, 3))
-    yield Measured("10,000 spins of the full system, tracked branches", full_time, "ms", 1500.0)
-    yield Measured("stability chart, 200 x 200", chart_time, "ms", 10_000.0)
-    yield Measured("engine, Model 1, 100 spins", engine_time, "ms", 5000.0)
+    yield measured("10,000 spins of the full system, tracked branches", full_time, "ms", 1500.0)
+    yield measured("stability chart, 200 x 200", chart_time, "ms", 10_000.0)
+    yield measured("engine, Model 1, 100 spins", engine_time, "ms", 5000.0)
 
 
-def sweeps(repeats: int) -> Iterator[Measured]:
+def sweeps(repeats: int) -> Iterator[Check]:
     """What a sweep takes beside its runs: cases as a worker runs them, and stored.
 
     Without the commits, of which there is one a second.
@@ -169,29 +156,18 @@ def sweeps(repeats: int) -> Iterator[Measured]:
         axis = Axis(field="spin", first=30.0, last=50.0, count=CASES)
         plan = Plan(end=2.0, spacing=1e-2, **how)
         sweep = Sweep(scenario=scenario, design=Design(axes=(axis,)), plan=plan)
-        swept, runs = sweep_times(sweep, repeats)
-        yield Measured(f"{label}: over single runs", swept / runs, "", 1.2)
-        yield Measured(f"{label}: beside each run", (swept - runs) / CASES, "ms")
+        alone = [partial(plan.motion, sweep.scenario_of(n), time_limit=None) for n in range(CASES)]
+        with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
+
+            def swept(sweep: Sweep = sweep, store: Store = store) -> None:
+                store.add(run_chunk(sweep, range(CASES), 60.0, 200.0))
+
+            taken, *runs = milliseconds(swept, *alone, repeats=repeats)
+        yield measured(f"{label}: over single runs", taken / sum(runs), "", 1.2)
+        yield measured(f"{label}: beside each run", (taken - sum(runs)) / CASES, "ms")
 
 
-def sweep_times(sweep: Sweep, repeats: int) -> tuple[float, float]:
-    """Time in ms of a sweep in this process, and of its runs made one by one."""
-    numbers = range(sweep.design.size)
-    scenarios = [sweep.scenario_of(number) for number in numbers]
-    with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
-
-        def swept() -> None:
-            store.add(run_chunk(sweep, numbers, 60.0, 200.0))
-
-        def single() -> None:
-            for scenario in scenarios:
-                sweep.plan.motion(scenario, time_limit=None)
-
-        taken, alone = milliseconds(swept, single, repeats=repeats)
-    return taken, alone
-
-
-def to_rest(_: int) -> Iterator[Measured]:
+def to_rest(_: int) -> Iterator[Check]:
     """The engine's long run to rest: a minute of motion may take half a minute."""
     scene = Scene(Scenario.rest(dissipation=Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)))
     begin = time.process_time()
@@ -200,10 +176,10 @@ def to_rest(_: int) -> Iterator[Measured]:
     if motion.rest_time is None:
         raise ArithmeticError("the disk did not come to rest")
     label = f"engine from Table 3 to rest after {motion.rest_time:.1f} s"
-    yield Measured(label, taken, "s", 0.5 * motion.rest_time)
+    yield measured(label, taken, "s", 0.5 * motion.rest_time)
 
 
-def compiled_runs(repeats: int) -> Iterator[Measured]:
+def compiled_runs(repeats: int) -> Iterator[Check]:
     """Single runs with an error of 1e-9 rad: compiled, and heyoka driven by hand.
 
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
@@ -212,14 +188,14 @@ def compiled_runs(repeats: int) -> Iterator[Measured]:
         label, how = f"{scenario.name}, {form}", {**COMPILED_RUN, "form": form}
         ours = partial(analysis.simulate, scenario, TIMES, **how)
         error = deviation(ours(), _truth(scenario))
-        yield Measured(f"{label}, compiled: error", error, "rad", 1e-9)
+        yield measured(f"{label}, compiled: error", error, "rad", 1e-9)
         hand = by_hand.single(scenario, form, LOCAL, TIMES)
         both = from_all_places(ours, hand, repeats=repeats, calls=10)
         for name, taken in zip(("compiled", "by hand"), both, strict=True):
-            yield Measured(f"{label}: {name}", taken, "ms")
+            yield measured(f"{label}: {name}", taken, "ms")
 
 
-def ensembles(repeats: int) -> Iterator[Measured]:
+def ensembles(repeats: int) -> Iterator[Check]:
     """Runs per second: pure, compiled in batches, and batches by hand.
 
     Compiled: an `Ensemble`, made and checked anew each time, and the arrays that come out; from a
@@ -245,11 +221,11 @@ def ensembles(repeats: int) -> Iterator[Measured]:
         )
         for label, call, count in calls:
             (taken,) = milliseconds(call, repeats=repeats)
-            yield Measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
+            yield measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
         hand = by_hand.batches(members, form, LOCAL, TIMES)
         both = from_all_places(partial(many, **COMPILED_RUN), hand, repeats=repeats)
         for label, taken in zip(("one run each", "one run each, by hand"), both, strict=True):
-            yield Measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
+            yield measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
 
 
 def from_all_places(
@@ -282,7 +258,7 @@ def deeper(function: Timed) -> object:
     return next(map(lambda each: each(), (function,)))  # noqa: C417
 
 
-def basin(repeats: int) -> Iterator[Measured]:
+def basin(repeats: int) -> Iterator[Check]:
     """A map of 100 by 100 starts of the reduced system, 4 s to 1e-6 rad, to its outcomes."""
     gamma, beta = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 100), np.linspace(0.87, 2.27, 100)
@@ -298,12 +274,12 @@ def basin(repeats: int) -> Iterator[Measured]:
 
     if is_installed():
         (taken,) = milliseconds(judge, repeats=min(repeats, 3))
-        yield Measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)
+        yield measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)
 
 
 # --- All of it -----------------------------------------------------------------------------------
 
-PARTS: tuple[Callable[[int], Iterator[Measured]], ...] = (
+PARTS: tuple[Callable[[int], Iterator[Check]], ...] = (
     single_runs, stability, sweeps, to_rest, compiled_runs, ensembles, basin,
 )  # fmt: skip
 
@@ -316,9 +292,10 @@ def main() -> int:
     missed = 0
     for part in PARTS:
         print(f"\n{str(part.__doc__).splitlines()[0]}")
-        for found in part(repeats):
-            print(found.text(), flush=True)
-            missed += not found.reached
+        for name, value, limit, _, reached in part(repeats):
+            bound = "" if limit == inf else f"  at most {limit:g}: {show(reached)}"
+            print(f"{name:66}{show(value, 3):>9}{bound}", flush=True)
+            missed += not reached
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"\nLargest memory of this process: {memory:.0f} MB. Machine: {machine()}.")
     if missed:
