@@ -279,7 +279,7 @@ def basin(repeats: int) -> Iterator[Check]:
 
 # --- All of it -----------------------------------------------------------------------------------
 
-PARTS: tuple[Callable[[int], Iterator[Check]], ...] = (
+PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
     single_runs, stability, sweeps, to_rest, compiled_runs, ensembles, basin,
 )  # fmt: skip
 
