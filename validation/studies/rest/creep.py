@@ -132,7 +132,10 @@ def present(rows: Rows) -> Content:
     )
     shares = table["part of that for weak friction"]
     rising = bool(np.all(np.diff([0.0, *shares, 1.0]) > 0.0))
-    name, wanted = "rest, creep: parts of the rate for weak friction", "rise with it, up to 1"
+    name, wanted = (
+        "rest, creep: parts of the rate for weak friction",
+        "rise with weaker friction, up to 1",
+    )
     checks = [
         at_most(f"rest, creep at {case}: deviation from the law", law.error, DEVIATION, "stored")
         for case, law in laws.items()

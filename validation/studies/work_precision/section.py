@@ -17,6 +17,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from validation.kit.figures import new_figure
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power, sig, span
 from validation.studies.work_precision import problems
@@ -167,14 +168,17 @@ def _verdict(ratios: "pd.Series[float]") -> Verdict:
 
 # --- Tables -------------------------------------------------------------------------------------
 
-NAMES = {
-    "contact-tree": "contact tree",
-    "euler-tree": "Euler tree",
-    "floating": "floating, Euler parameters",
-    "floating-lie": "floating, Lie group",
-    "index-1": "in-house, index 1 (Python)",
-    "reduced": "in-house, reduced (Python)",
+LOOKS = {
+    "contact-tree": ("contact tree", "#000000", "o"),
+    "euler-tree": ("Euler tree", "#0072b2", "s"),
+    "floating": ("floating, Euler parameters", "#d55e00", "^"),
+    "floating-lie": ("floating, Lie group", "#cc79a7", "v"),
+    "index-1": ("in-house, index 1 (Python)", "#009e73", "D"),
+    "reduced": ("in-house, reduced (Python)", "#8a8a8a", "P"),
 }
+"""Name, colour and marker of each formulation; they differ in grey, too."""
+
+NAMES = {formulation: name for formulation, (name, *_) in LOOKS.items()}
 
 CURVE = ["problem", "formulation", "scheme"]
 
@@ -336,27 +340,18 @@ def ranked(names: "pd.Series[str]") -> dict[str, int]:
 
 # --- Diagram ------------------------------------------------------------------------------------
 
-LOOKS = {
-    "contact-tree": ("#000000", "o"),
-    "euler-tree": ("#0072b2", "s"),
-    "floating": ("#d55e00", "^"),
-    "floating-lie": ("#cc79a7", "v"),
-    "index-1": ("#009e73", "D"),
-    "reduced": ("#8a8a8a", "P"),
-}
-"""Colour and marker of each formulation; they differ in grey, too."""
-
 _LOWEST, _HIGHEST = 3e-12, 1.0
 
 
 def fronts(runs: pd.DataFrame, floors: dict[str, float]) -> Figure:
     """What each formulation can do with the best of its integrators, one panel per problem."""
-    figure = Figure(figsize=(10.5, 10.4), layout="constrained")
-    *panels, spare = figure.subplots(3, 3).flat
+    figure, axes = new_figure(3, columns=3, width=10.5, height=10.4, share=False)
+    *panels, spare = axes.flat
     for panel, (problem, title) in zip(panels, TITLES.items(), strict=True):
         found = runs[runs["problem"] == problem]
         for formulation, group in found.groupby("formulation", sort=False):
-            _line(panel, front(group), LOOKS[formulation], floors[problem])
+            _, *look = LOOKS[formulation]
+            _line(panel, front(group), look, floors[problem])
         panel.set_title(title, fontsize=10, loc="left")
         panel.set(xscale="log", yscale="log", ylim=(_LOWEST, _HIGHEST))
         panel.set(xlabel="processor time in ms", ylabel="largest error")
@@ -365,10 +360,8 @@ def fronts(runs: pd.DataFrame, floors: dict[str, float]) -> Figure:
         panel.axhspan(_LOWEST, floors[problem], color="#e6e6e6", zorder=0)
         for goal in GOALS:
             panel.axhline(goal, color="#777777", linewidth=0.8, linestyle=":")
-        panel.spines[["right", "top"]].set_visible(False)
-        panel.grid(alpha=0.3)
-    for name, (colour, marker) in LOOKS.items():
-        spare.plot([], [], color=colour, marker=marker, markersize=5, label=NAMES[name])
+    for name, colour, marker in LOOKS.values():
+        spare.plot([], [], color=colour, marker=marker, markersize=5, label=name)
     spare.set_axis_off()
     spare.legend(loc="center", frameon=False)
     return figure
@@ -383,7 +376,7 @@ def front(runs: pd.DataFrame) -> pd.DataFrame:
     return ranked[ranked["error"] < best]
 
 
-def _line(axes: Axes, runs: pd.DataFrame, look: tuple[str, str], floor: float) -> None:
+def _line(axes: Axes, runs: pd.DataFrame, look: Sequence[str], floor: float) -> None:
     """Draw runs up to the first that is too good to be measured, that one on the edge."""
     told = runs[(runs["error"] > floor).shift(fill_value=True).cummin()]
     error, (colour, marker) = told["error"].clip(lower=floor), look
