@@ -42,9 +42,9 @@ def test_what_is_stored_is_confirmed_and_a_wrong_number_on_either_side_is_not(
     for name, limit in study.confirm.items():
         told = [index for index, value in sampled[name].items() if np.all(pd.notna(value))]
         for index in told[-1:]:
-            size = np.abs(sampled.at[index, name]) if limit is not None else 0.0
-            far = (11.0 * (1.0 + size)).tolist() if limit is not None else "another"
-            for wrong in (far, (nan * np.ones_like(size)).tolist()):
+            size = np.abs(sampled.at[index, name] if limit is not None else 0.0)
+            far = np.add(11.0, 11.0 * size).tolist() if limit is not None else "another"
+            for wrong in (far, np.full(np.shape(size), nan).tolist()):
                 table = stored.copy()
                 table.at[index, name] = wrong
                 assert failing(kit.confirm(study, fresh(study, stored), table)), name

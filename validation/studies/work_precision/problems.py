@@ -1,6 +1,7 @@
 """Initial value problems of error against run time, their references and their errors."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ TIMES = np.linspace(0.0, 2.0, 101)
 SAFETY = 100.0
 """Errors below this many times the references' disagreement are not told apart from it."""
 
-_PROBLEMS = {
+_PROBLEMS: dict[str, tuple[str, dict[str, Any]]] = {
     **{f"model-{n}": (f"Model {n}", {"constraints": held}) for n, held in MODELS.items()},
     "contact-load": (
         "Model 1, friction knows the contact force",
