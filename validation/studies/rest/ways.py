@@ -100,23 +100,18 @@ def present(rows: Rows) -> Content:
     """Phases, what they depend on, where the energy went, and the whole story."""
     table = pd.concat([rows[study.name] for study in STUDIES]).set_index("case")
     runs: dict[str, Row] = table.to_dict("index")
-    base, apart_by = runs[INHOUSE[SHOWN]], differences(runs)
+    base = runs[INHOUSE[SHOWN]]
     arrays: dict[str, Any] = {n: np.array(base[n]) for n in filled(SpatialMotion)}
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
-    caption = f"In-house: sliding, {SHOWN}."
+    told = {"title": "The whole way to rest", "caption": f"In-house: sliding, {SHOWN}."}
+    tilt, spacing = runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING
     return Content(
-        numbers=numbers(runs, apart_by),
-        tables={"phases": phases(table, apart_by), "budget": budget(table)},
-        figures={
-            "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),
-        },
-        animations={
-            "animation": player(
-                shown, name="rest-animation", title="The whole way to rest", caption=caption
-            )
-        },
+        numbers=numbers(runs),
+        tables={"phases": phases(table, differences(runs)), "budget": budget(table)},
+        figures={"story": figures.story(shown, tilt, spacing)},
+        animations={"animation": player(shown, name="rest-animation", **told)},
         checks=checks(runs),
         verdicts=[verdict(runs)],
     )
@@ -141,33 +136,22 @@ def checks(runs: Mapping[str, Row]) -> list[Check]:
                 at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where),
                 at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where),
             ]
-    uneven = abs(growth(runs) * made.FASTER[1] / made.FASTER[0] - 1.0)
+    uneven = abs(numbers(runs)["growth"] * made.FASTER[1] / made.FASTER[0] - 1.0)
     return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
 
 
-def changes(runs: Mapping[str, Row]) -> list[Array]:
-    """What each change of the spin does to the tilt in rad, shape (n,)."""
-    base = runs[INHOUSE[SHOWN]]
-    return [apart(runs[f"spin {more:g} rad/s faster"], base) for more in made.FASTER]
-
-
-def growth(runs: Mapping[str, Row]) -> float:
-    """How many times more the larger change of the spin does to the tilt than the smaller one."""
-    large, small = map(np.max, changes(runs))
-    return float(large / small)
-
-
-def numbers(runs: Mapping[str, Row], apart_by: pd.DataFrame) -> Row:
+def numbers(runs: Mapping[str, Row]) -> Row:
     """Those of the text."""
-    base, change = runs[INHOUSE[SHOWN]], changes(runs)[0]
-    times = made.EVERY * made.SPACING * np.arange(change.size)
+    base, apart_by = runs[INHOUSE[SHOWN]], differences(runs)
+    large, small = (apart(runs[f"spin {more:g} rad/s faster"], base) for more in made.FASTER)
+    times = made.EVERY * made.SPACING * np.arange(large.size)
     return {
         "base": base,
         "criterion": RestCriterion(),
         "apart": apart_by.at[ENGINE[SHOWN], "tilt in rad"],
-        "change_before": np.max(change[times < base["inversion_lost"]]),
-        "change": np.max(change),
-        "growth": growth(runs),
+        "change_before": np.max(large[times < base["inversion_lost"]]),
+        "change": np.max(large),
+        "growth": float(np.max(large) / np.max(small)),
         "shifts": apart_by.loc[[*VARIANTS, ENGINE[SHOWN]], "phases in s"].tolist(),
         "contact_of": made.Case(SHOWN).scenario.penalty_contact,
         "ideal": runs[made.IDEAL],
