@@ -12,12 +12,11 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
-from itertools import product
 from math import inf
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -25,20 +24,16 @@ import analysis
 import mbs_models
 from analysis import (
     MODELS,
-    STEEL_DISK,
     Dissipation,
     Ensemble,
     Form,
-    PenaltyContact,
     Scenario,
-    SmoothCoulomb,
     Start,
     Trajectory,
     simulate_many,
 )
 from analysis.compiled.library import is_installed
 from analysis.data.checks import Array
-from analysis.models.request import COMPILED_TOLERANCES
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene
@@ -51,6 +46,7 @@ from validation.kit.tables import show
 from validation.kit.timing import in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
+from validation.study import Check
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.case import run_chunk
 from validation.sweeps.plan import Plan
@@ -58,7 +54,6 @@ from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 TIMES = np.linspace(0.0, 2.0, 201)
-ERRORS = (1e-6, 1e-9, 1e-12)
 
 MODEL_1, MODEL_2, MODEL_3, MODEL_4 = (Scenario(constraints=each) for each in MODELS.values())
 
@@ -66,24 +61,10 @@ How = dict[str, Any]
 Timed = Callable[[], object]
 
 
-class Measured(NamedTuple):
-    """A number with its unit, and what it may be at most."""
-
-    name: str
-    value: float
-    unit: str
-    limit: float = inf
-
-    @property
-    def reached(self) -> bool:
-        """Whether it is as it should be; one without a limit is."""
-        return self.limit == inf or holds(self.value, self.limit)
-
-    def text(self) -> str:
-        """It in a line."""
-        told = f"{self.name:62}{show(self.value, 3):>9} {self.unit:5}"
-        bound = f"  at most {self.limit:g}: {show(self.reached)}" if self.limit < inf else ""
-        return told + bound
+def measured(name: str, value: float, unit: str, limit: float = inf) -> Check:
+    """A number with its unit, and what it may be at most; one without a limit holds."""
+    reached = limit == inf or holds(value, limit)
+    return Check(f"{name} in {unit}" if unit else name, value, limit, "fresh", reached)
 
 
 def milliseconds(*calls: Timed, repeats: int) -> list[float]:
@@ -91,27 +72,24 @@ def milliseconds(*calls: Timed, repeats: int) -> list[float]:
     return [1e3 * median(times) for times in in_turns(*calls, pairs=repeats)]
 
 
-def _engine(formulation: str, **how: Any) -> How:
-    return {"formulation": formulation, **how}
-
-
-def _in_house(**how: Any) -> How:
-    return {"source": "in-house", **how}
-
+TREE: How = {"formulation": "contact-tree"}
 
 RUNS: tuple[tuple[str, Scenario, How, float, float], ...] = (
-    ("engine, contact tree, step 5 ms", MODEL_1, _engine("contact-tree", step=5e-3), 1e-6, 25.0),
-    ("engine, contact tree, 2.5 ms", MODEL_1, _engine("contact-tree", step=2.5e-3), 1e-9, 60.0),
+    ("engine, contact tree, step 5 ms", MODEL_1, {**TREE, "step": 5e-3}, 1e-6, 25.0),
+    ("engine, contact tree, 2.5 ms", MODEL_1, {**TREE, "step": 2.5e-3}, 1e-9, 60.0),
     *(
         (f"engine, Euler tree, {each.name}, to 1e-6 rad", each,
-         _engine("euler-tree", tolerance=1e-6), 1e-6, 800.0)
+         {"formulation": "euler-tree", "tolerance": 1e-6}, 1e-6, 800.0)
         for each in (MODEL_2, MODEL_3, MODEL_4)
     ),
-    ("in-house, Model 1", MODEL_1, _in_house(local_tolerance=1e-10), 1e-9, 100.0),
-    ("in-house, Model 4, reduced", MODEL_4,
-     _in_house(formulation="reduced", local_tolerance=1e-10), 1e-9, 100.0),
-    ("in-house, Model 2", MODEL_2, _in_house(local_tolerance=3e-12), 1e-9, 150.0),
-    ("in-house, Model 3", MODEL_3, _in_house(local_tolerance=1e-11), 1e-9, 150.0),
+    *(
+        (f"in-house, {each.name}, {form}", each,
+         {"source": "in-house", "formulation": form, "local_tolerance": local}, 1e-9, limit)
+        for each, form, local, limit in (
+            (MODEL_1, "index-1", 1e-10, 100.0), (MODEL_4, "reduced", 1e-10, 100.0),
+            (MODEL_2, "index-1", 3e-12, 150.0), (MODEL_3, "index-1", 1e-11, 150.0),
+        )
+    ),
 )  # fmt: skip
 """Label of a run, its scenario, how it is run, and most of its error in rad and time in ms."""
 
@@ -134,50 +112,42 @@ COMPILED: tuple[tuple[Scenario, Form, int], ...] = (
 """Scenario and form of a system that is compiled, and members of its ensemble."""
 
 
+LOCAL = 1e-9
+"""Local tolerance of compiled runs."""
+
+COMPILED_RUN: How = {"method": "taylor", "local_tolerance": LOCAL}
+
+
 @cache
 def _truth(scenario: Scenario) -> Trajectory:
     return analysis.simulate(scenario, TIMES, local_tolerance=3e-14)
 
 
-def single_runs(repeats: int) -> Iterator[Measured]:
+def single_runs(repeats: int) -> Iterator[Check]:
     """Error and time of runs, and what of it is the solver's."""
     for label, scenario, how, error, limit in RUNS:
         call = partial(run, scenario, TIMES, **how)
-        yield Measured(f"{label}: error", deviation(call(), _truth(scenario)), "rad", error)
-        yield Measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
+        yield measured(f"{label}: error", deviation(call(), _truth(scenario)), "rad", error)
+        yield measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
         if "step" in how:
-            scene = Scene(scenario, how["formulation"])
-            solver = partial(mbs_models.simulate, scene, TIMES, step=how["step"])
-            taken = 1e3 * median(solver().solver_seconds or inf for _ in range(repeats))
-            yield Measured(f"{label}: of it the solver's", taken, "ms")
+            taken = 1e3 * median(call().solver_seconds or inf for _ in range(repeats))
+            yield measured(f"{label}: of it the solver's", taken, "ms")
 
 
-def load_laws(repeats: int) -> Iterator[Measured]:
-    """What it costs that the friction law knows the contact force (Euler tree, step 2.5 ms)."""
-    for scenario in (MODEL_1, MODEL_2, MODEL_3, MODEL_4):
-        laws = [SmoothCoulomb(load=load) for load in analysis.LOADS]
-        scenes = [Scene(replace(scenario, friction=law), "euler-tree") for law in laws]
-        calls = [partial(mbs_models.simulate, scene, TIMES, step=2.5e-3) for scene in scenes]
-        weight, contact = milliseconds(*calls, repeats=repeats)
-        yield Measured(f"{scenario.name}: contact force over weight as load", contact / weight, "")
-
-
-def stability(repeats: int) -> Iterator[Measured]:
+def stability(repeats: int) -> Iterator[Check]:
     """Times of the eigenvalue work."""
     many, some = np.linspace(0.0, 60.0, 10_000), np.linspace(0.0, 80.0, 200)
     full = partial(spectra.branches, MODEL_1, many, system="full")
     chart = partial(stability_chart, MODEL_1, some, np.geomspace(0.3, 30.0, 200))
     engine = partial(engine_matrices, MODEL_1, np.linspace(0.0, 60.0, 100))
-    calls: tuple[tuple[str, Timed, float], ...] = (
-        ("10,000 spins of the full system, tracked branches", full, 1500.0),
-        ("stability chart, 200 x 200", chart, 10_000.0),
-        ("engine, Model 1, 100 spins", engine, 5000.0),
-    )
-    for label, call, limit in calls:
-        yield Measured(label, milliseconds(call, repeats=min(repeats, 3))[0], "ms", limit)
+    calls: tuple[Timed, ...] = (full, chart, engine)
+    full_time, chart_time, engine_time = milliseconds(*calls, repeats=min(repeats, 3))
+    yield measured("10,000 spins of the full system, tracked branches", full_time, "ms", 1500.0)
+    yield measured("stability chart, 200 x 200", chart_time, "ms", 10_000.0)
+    yield measured("engine, Model 1, 100 spins", engine_time, "ms", 5000.0)
 
 
-def sweeps(repeats: int) -> Iterator[Measured]:
+def sweeps(repeats: int) -> Iterator[Check]:
     """What a sweep takes beside its runs: cases as a worker runs them, and stored.
 
     Without the commits, of which there is one a second.
@@ -186,81 +156,46 @@ def sweeps(repeats: int) -> Iterator[Measured]:
         axis = Axis(field="spin", first=30.0, last=50.0, count=CASES)
         plan = Plan(end=2.0, spacing=1e-2, **how)
         sweep = Sweep(scenario=scenario, design=Design(axes=(axis,)), plan=plan)
-        swept, runs = sweep_times(sweep, repeats)
-        yield Measured(f"{label}: over single runs", swept / runs, "", 1.2)
-        yield Measured(f"{label}: beside each run", (swept - runs) / CASES, "ms")
+        alone = [partial(plan.motion, sweep.scenario_of(n), time_limit=None) for n in range(CASES)]
+        with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
+
+            def swept(sweep: Sweep = sweep, store: Store = store) -> None:
+                store.add(run_chunk(sweep, range(CASES), 60.0, 200.0))
+
+            taken, *runs = milliseconds(swept, *alone, repeats=repeats)
+        yield measured(f"{label}: over single runs", taken / sum(runs), "", 1.2)
+        yield measured(f"{label}: beside each run", (taken - sum(runs)) / CASES, "ms")
 
 
-def sweep_times(sweep: Sweep, repeats: int) -> tuple[float, float]:
-    """Time in ms of a sweep in this process, and of its runs made one by one."""
-    numbers = range(sweep.design.size)
-    scenarios = [sweep.scenario_of(number) for number in numbers]
-    with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
-
-        def swept() -> None:
-            store.add(run_chunk(sweep, numbers, 60.0, 200.0))
-
-        def single() -> None:
-            for scenario in scenarios:
-                sweep.plan.motion(scenario, time_limit=None)
-
-        taken, alone = milliseconds(swept, single, repeats=repeats)
-    return taken, alone
-
-
-def to_rest(_: int) -> Iterator[Measured]:
-    """The engine's long run to rest, and its phase times before the fall.
-
-    These are compared with in-house ones on a contact ten times as stiff with a rim a tenth as
-    thick. A minute of motion may take half a minute.
-    """
-    dissipation = Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)
-    scene = Scene(Scenario.rest(dissipation=dissipation))
+def to_rest(_: int) -> Iterator[Check]:
+    """The engine's long run to rest: a minute of motion may take half a minute."""
+    scene = Scene(Scenario.rest(dissipation=Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)))
     begin = time.process_time()
     motion = mbs_models.simulate_to_rest(scene, 120.0, step=0.6 * largest_step(scene))
     taken = time.process_time() - begin
-    found = motion.phases
-    if found.rest is None:
+    if motion.rest_time is None:
         raise ArithmeticError("the disk did not come to rest")
-    yield Measured(f"engine from Table 3 to rest after {found.rest:.1f} s", taken, "s",
-                   0.5 * found.rest)  # fmt: skip
-    contact = PenaltyContact.rounded(STEEL_DISK, stiffness=1e7, half_thickness=2e-5)
-    stiff = Scenario.rest(contact=contact, dissipation=dissipation)
-    converged = analysis.simulate_to_rest(stiff, 25.0).phases
-    for name in ("inversion", "inversion_lost"):
-        off = abs(getattr(found, name) / getattr(converged, name) - 1.0)
-        yield Measured(f"{name.replace('_', ' ')}, relative error", off, "", 0.01)
+    label = f"engine from Table 3 to rest after {motion.rest_time:.1f} s"
+    yield measured(label, taken, "s", 0.5 * motion.rest_time)
 
 
-def compiled_runs(repeats: int) -> Iterator[Measured]:
-    """Single runs to an error: pure, compiled, and heyoka driven by hand.
+def compiled_runs(repeats: int) -> Iterator[Check]:
+    """Single runs with an error of 1e-9 rad: compiled, and heyoka driven by hand.
 
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
     """
-    ladders = {"DOP853": [10.0**-power for power in range(6, 14)], "taylor": COMPILED_TOLERANCES}
-    for (scenario, form, _), error in product(COMPILED if is_installed() else (), ERRORS):
-        label = f"{scenario.name}, {form}, to {error:g} rad"
-        found: dict[str, tuple[float, Timed]] = {}
-        for (method, ladder), local in product(ladders.items(), range(8)):
-            # The loosest local tolerance with which the error is kept.
-            if method in found or local >= len(ladder) or ladder[local] > 10.0 * error:
-                continue
-            how: How = {"form": form, "method": method, "local_tolerance": ladder[local]}
-            call = partial(analysis.simulate, scenario, TIMES, **how)
-            if deviation(call(), _truth(scenario)) <= error:
-                found[method] = ladder[local], call
-        if "DOP853" in found:
-            (taken,) = milliseconds(found["DOP853"][1], repeats=repeats)
-            yield Measured(f"{label}: pure", taken, "ms")
-        if "taylor" in found:
-            local_tolerance, ours = found["taylor"]
-            hand = by_hand.single(scenario, form, local_tolerance, TIMES)
-            taken, by = from_all_places(ours, hand, repeats=repeats, calls=10)
-            yield Measured(f"{label}: compiled", taken, "ms")
-            yield Measured(f"{label}: by hand", by, "ms")
+    for scenario, form, _ in COMPILED if is_installed() else ():
+        label, how = f"{scenario.name}, {form}", {**COMPILED_RUN, "form": form}
+        ours = partial(analysis.simulate, scenario, TIMES, **how)
+        error = deviation(ours(), _truth(scenario))
+        yield measured(f"{label}, compiled: error", error, "rad", 1e-9)
+        hand = by_hand.single(scenario, form, LOCAL, TIMES)
+        both = from_all_places(ours, hand, repeats=repeats, calls=10)
+        for name, taken in zip(("compiled", "by hand"), both, strict=True):
+            yield measured(f"{label}: {name}", taken, "ms")
 
 
-def ensembles(repeats: int) -> Iterator[Measured]:
+def ensembles(repeats: int) -> Iterator[Check]:
     """Runs per second: pure, compiled in batches, and batches by hand.
 
     Compiled: an `Ensemble`, made and checked anew each time, and the arrays that come out; from a
@@ -278,24 +213,23 @@ def ensembles(repeats: int) -> Iterator[Measured]:
             return found
 
         members = list(made())
-        once: How = {"method": "taylor", "local_tolerance": 1e-9}
         few = partial(many, members[:4], method="DOP853", tolerance=1e-6)
         calls: tuple[tuple[str, Timed, int], ...] = (
             ("pure to 1e-6 rad", few, 4),
             ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
-            ("one run each, from a list", partial(many, members, **once), size),
+            ("one run each, from a list", partial(many, members, **COMPILED_RUN), size),
         )
         for label, call, count in calls:
             (taken,) = milliseconds(call, repeats=repeats)
-            yield Measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
-        hand = by_hand.batches(members, form, 1e-9, TIMES)
-        both = from_all_places(partial(many, **once), hand, repeats=repeats)
+            yield measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
+        hand = by_hand.batches(members, form, LOCAL, TIMES)
+        both = from_all_places(partial(many, **COMPILED_RUN), hand, repeats=repeats)
         for label, taken in zip(("one run each", "one run each, by hand"), both, strict=True):
-            yield Measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
+            yield measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
 
 
 def from_all_places(
-    ours: Callable[[], object], hand: Callable[[], object], *, repeats: int, calls: int = 1
+    ours: Timed, hand: Timed, *, repeats: int, calls: int = 1
 ) -> tuple[float, float]:
     """Times of a call and of one by hand in ms, in turns, so that both find the machine alike.
 
@@ -304,11 +238,11 @@ def from_all_places(
     up to a third of the time. The means are told.
     """
 
-    def repeated(call: Callable[[], object]) -> None:
+    def repeated(call: Timed) -> None:
         for _ in range(calls):
             call()
 
-    both: list[Callable[[], object]] = [partial(repeated, call) for call in (ours, hand)]
+    both: list[Timed] = [partial(repeated, call) for call in (ours, hand)]
     places = list(both)
     for _ in range(3):
         both = [partial(deeper, call) for call in both]
@@ -318,17 +252,13 @@ def from_all_places(
     return float(mean[0]), float(mean[1])
 
 
-def deeper(function: Callable[[], object]) -> object:
+def deeper(function: Timed) -> object:
     """What a function returns, called from another place on the stack."""
     # Frames of Python alone lie on the heap. `map` comes back to Python by way of C.
-    return next(map(_called, (function,)))
+    return next(map(lambda each: each(), (function,)))  # noqa: C417
 
 
-def _called(function: Callable[[], object]) -> object:
-    return function()
-
-
-def basin(repeats: int) -> Iterator[Measured]:
+def basin(repeats: int) -> Iterator[Check]:
     """A map of 100 by 100 starts of the reduced system, 4 s to 1e-6 rad, to its outcomes."""
     gamma, beta = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 100), np.linspace(0.87, 2.27, 100)
@@ -344,13 +274,13 @@ def basin(repeats: int) -> Iterator[Measured]:
 
     if is_installed():
         (taken,) = milliseconds(judge, repeats=min(repeats, 3))
-        yield Measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)
+        yield measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)
 
 
 # --- All of it -----------------------------------------------------------------------------------
 
-PARTS: tuple[Callable[[int], Iterator[Measured]], ...] = (
-    single_runs, stability, sweeps, to_rest, load_laws, compiled_runs, ensembles, basin,
+PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
+    single_runs, stability, sweeps, to_rest, compiled_runs, ensembles, basin,
 )  # fmt: skip
 
 
@@ -362,9 +292,10 @@ def main() -> int:
     missed = 0
     for part in PARTS:
         print(f"\n{str(part.__doc__).splitlines()[0]}")
-        for found in part(repeats):
-            print(found.text(), flush=True)
-            missed += not found.reached
+        for name, value, limit, _, reached in part(repeats):
+            bound = "" if limit == inf else f"  at most {limit:g}: {show(reached)}"
+            print(f"{name:66}{show(value, 3):>9}{bound}", flush=True)
+            missed += not reached
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"\nLargest memory of this process: {memory:.0f} MB. Machine: {machine()}.")
     if missed:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -21,7 +22,7 @@ from validation.kit.animation import play
 from validation.kit.progress import say
 from validation.kit.provenance import PACKAGES, Provenance, machine
 from validation.kit.sources import behind
-from validation.page.content import StudyModule, Verdict
+from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
 from validation.study import RESULTS, Check, Found, Row, Study
 
@@ -38,15 +39,6 @@ PAGES: Sequence[Page] = (
     ("report.html", "The tippedisk: multibody engine against in-house equations", DISK),
     ("method.html", "The tippedisk: how well the method works", METHOD),
 )
-
-SOURCES = (
-    (
-        "S. Sailer and R. I. Leine, Model reduction of the tippedisk, Nonlinear Dynamics (2021)",
-        "10.1007/s11071-021-06649-z",
-    ),
-    ("J. Gerstmayr, Exudyn, Multibody System Dynamics (2024)", "10.1007/s11044-023-09937-1"),
-)
-"""What everything rests on, with DOIs."""
 
 KEPT = ".kept"
 """Folder inside that of a report with what is measured and drawn."""
@@ -129,8 +121,11 @@ def as_text(report: Report) -> str:
     return re.sub(r"\n{3,}", "\n\n", text) + "\n"
 
 
-def find(name: str) -> StudyModule:
+def find(name: str) -> ModuleType:
     """Module of a study by its name, with hyphens or underscores; others by their full names.
+
+    It has `TITLE`, of its section; `STUDIES`, those that it shows the rows of; and `present`, from
+    their tables by name to a `Content`. Its text, NAME.md, lies beside it.
 
     Raises
     ------
@@ -140,13 +135,11 @@ def find(name: str) -> StudyModule:
     name = name.replace("-", "_")
     if "." not in name and name not in (known := (*DISK, *METHOD)):
         raise ValueError(f"study must be one of {', '.join(known)}, got {name!r}")
-    module: Any = import_module(name if "." in name else f"validation.studies.{name}")
-    if hasattr(module, "__path__"):
-        module = import_module(f"{module.__name__}.section")
-    return module  # type: ignore[no-any-return]
+    module = import_module(name if "." in name else f"validation.studies.{name}")
+    return import_module(f"{module.__name__}.section") if hasattr(module, "__path__") else module
 
 
-def short(module: StudyModule) -> str:
+def short(module: ModuleType) -> str:
     """Name of a study in pages, files and on the command line."""
     return module.__name__.removesuffix(".section").rpartition(".")[2].replace("_", "-")
 
@@ -218,7 +211,7 @@ def locked(folder: Path) -> Iterator[None]:
 
 
 def _sections(
-    modules: Sequence[StudyModule], found: Found, kept: Path, results: Path, workers: int | None
+    modules: Sequence[ModuleType], found: Found, kept: Path, results: Path, workers: int | None
 ) -> list[MadeSection]:
     """Sections of studies, drawn as cases are measured: side by side, where they are not kept."""
     drawings = [_drawing(module, found, results) for module in modules]
@@ -231,12 +224,12 @@ def _sections(
     ]
 
 
-def _drawing(module: StudyModule, found: Found, results: Path) -> Study:
+def _drawing(module: ModuleType, found: Found, results: Path) -> Study:
     """A section as a study of its own, whose row is what is on the page."""
     names = {study.name for study in module.STUDIES}
-    own = {key: rows for key, rows in found.items() if key[0] in names}
+    own = {key: found[key] for key in sorted(found) if key[0] in names}
     stored = [results / f"{name}.{kind}" for name in sorted(names) for kind in ("csv", "json")]
-    told = [behind(module.__name__), repr(sorted(own.items(), key=lambda each: each[0]))]
+    told = [behind(module.__name__), repr(own)]
     beside = [_text(module), *sorted(_text(module).parent.glob("*.svg")), *stored]
     told += [path.read_text("utf-8") for path in beside if path.is_file()]
     return Study(
@@ -291,16 +284,16 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
     return MadeSection(short(module), module.TITLE, html, text, checks, verdicts, section.files)
 
 
-def _broken(module: StudyModule, reason: str, checks: Sequence[Check] = ()) -> MadeSection:
+def _broken(module: ModuleType, reason: str, checks: Sequence[Check] = ()) -> MadeSection:
     name, nothing = short(module), "This section could not be made: see the checks that fail."
     failed = Check(f"{name}: section", reason, "can be made", "fresh", False)
     page = f"<p>{nothing}</p>"
     return MadeSection(name, module.TITLE, page, nothing, [*checks, failed], [], {})
 
 
-def _text(module: StudyModule) -> Path:
+def _text(module: ModuleType) -> Path:
     """The text of a study's section, beside its module or in its folder."""
-    return Path(module.__file__).parent / f"{short(module).replace('-', '_')}.md"
+    return Path(str(module.__file__)).parent / f"{short(module).replace('-', '_')}.md"
 
 
 # --- Pages -------------------------------------------------------------------------------------
@@ -322,23 +315,14 @@ def _write(
     files["checks.csv"] = table.to_csv(index=False, lineterminator="\n").encode()
     files["play.html"] = play.page().encode()
     template = environment(Path(__file__).parent / "page").get_template("page.html")
+    common = {"checks": checks, "good": verdict(checks), "whole": whole, "made": made}
     shown = []
     for path, title, names in pages:
         on_it = [s for s in sections if s.name in {short(find(name)) for name in names}]
         shown += [{"path": path, "title": title, "sections": on_it}] if on_it else []
-    common = {
-        "style": (Path(__file__).parent / "page" / "page.css").read_text("utf-8"),
-        "pages": shown,
-        "checks": checks,
-        "good": verdict(checks),
-        "whole": whole,
-        "made": made,
-        "sources": SOURCES,
-        "stored": table_html(stored),
-    }
     for each in reversed(shown):
-        path = str(each["path"])
-        files[path] = template.render(common, page=each).encode()
+        page = template.render(common, page=each, pages=shown, stored=table_html(stored))
+        files[str(each["path"])] = page.encode()
     earlier = _earlier(folder)
     for name in (earlier - files.keys()) if whole else ():
         (folder / name).unlink(missing_ok=True)
@@ -363,7 +347,7 @@ def _earlier(folder: Path) -> set[str]:
     return {name for name in names if Path(name).name == name}
 
 
-def stored_table(modules: Sequence[StudyModule], results: Path) -> pd.DataFrame:
+def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:
     """What comes with the package: how much, made when, where and with what.
 
     Parameters

@@ -63,7 +63,7 @@ class Study:
         From columns to their allowed difference; None if they have to be equal.
     timed : sequence of str
         Columns of run times: a study with some is measured last, beside its like.
-    limit : float
+    limit : float, optional
         Time in s, by the clock on the wall, after which a case is ended.
     failed : callable, optional
         From a case and the reason to the rows of one that was ended or ended its process, where
@@ -81,7 +81,7 @@ class Study:
     sample: Sequence[str] = ()
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
     timed: Sequence[str] = ()
-    limit: float = inf
+    limit: float | None = None
     failed: Callable[[Any, str], list[Row]] | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
     rests_on: str = ""
@@ -93,8 +93,9 @@ class Study:
 
     def tasks(self, *, whole: bool) -> list["Task"]:
         """All measurements, or those for a report: of a stored study its sample."""
-        labels = self.cases() if whole or not self.is_stored else self.sample
-        return [Task(self, label) for label in labels]
+        cases = self.cases()
+        labels = cases if whole or not self.is_stored else self.sample
+        return [Task(self, label, cases[label]) for label in labels]
 
 
 class Task(NamedTuple):
@@ -102,6 +103,7 @@ class Task(NamedTuple):
 
     study: Study
     label: str
+    case: Any
 
     @property
     def key(self) -> tuple[str, str]:
@@ -163,7 +165,8 @@ def measured(
     title : str
         In front of the progress bar.
     """
-    kept = {name: Kept(study, folder) for name, study in _studies(tasks).items()}
+    studies = {task.study.name: task.study for task in tasks}
+    kept = {name: Kept(study, folder) for name, study in studies.items()}
     found: Found = {}
     left = []
     for task in tasks:
@@ -229,32 +232,21 @@ def identity(study: Study) -> Row:
     }
 
 
-def _studies(tasks: Iterable[Task]) -> dict[str, Study]:
-    return {task.study.name: task.study for task in tasks}
-
-
 def _run(
     tasks: Sequence[Task], workers: int, title: str
 ) -> Iterator[tuple[Task, list[Row] | Exception]]:
     """Rows of each task as they come, or what it crashed with."""
     if not tasks:
         return
-    cases = {name: study.cases() for name, study in _studies(tasks).items()}
     pool = open_processes(min(workers, len(tasks)))
     try:
         futures = {
-            pool.submit_within(
-                task.study.limit if task.study.limit < inf else None,
-                rows_of,
-                task.study.measure,
-                cases[task.study.name][task.label],
-            ): task
+            pool.submit_within(task.study.limit, rows_of, task.study.measure, task.case): task
             for task in tasks
         }
         with bar(title, total=len(tasks), unit="cases") as shown:
             for future in as_completed(futures):
-                task = futures[future]
-                yield task, _outcome(task, cases[task.study.name][task.label], future)
+                yield futures[future], _outcome(futures[future], future)
                 shown.update()
     except BaseException:
         pool.shutdown(cancel_futures=True)
@@ -262,17 +254,18 @@ def _run(
     pool.shutdown()
 
 
-def _outcome(task: Task, case: Any, future: "Future[list[Row]]") -> list[Row] | Exception:
+def _outcome(task: Task, future: "Future[list[Row]]") -> list[Row] | Exception:
     error = future.exception()
     if error is None:
         return future.result()
-    ended = isinstance(error, TimeoutError | ProcessExpired)
-    reason = f"not finished within {task.study.limit:g} s" if ended else repr(error)
     if isinstance(error, ProcessExpired):
         reason = f"the interpreter ended with code {error.exitcode}"
-    if ended and task.study.failed is not None:
-        return plain(task.study.failed(case, reason))
-    return RuntimeError(reason)
+    elif isinstance(error, TimeoutError):
+        reason = f"not finished within {task.study.limit:g} s"
+    else:
+        return RuntimeError(repr(error))
+    failed = task.study.failed
+    return RuntimeError(reason) if failed is None else plain(failed(task.case, reason))
 
 
 def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
@@ -284,19 +277,17 @@ def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
 
 
 def plain(rows: list[Row]) -> list[Row]:
-    """Rows with numbers and lists in place of NumPy's, cut to `DIGITS`."""
-    return [{name: _plain(value) for name, value in row.items()} for row in rows]
+    """Rows with numbers and lists in place of NumPy's, cut to `DIGITS`; `TypeError` for others."""
+    text = json.dumps(rows, default=_of_numpy)
+    found: list[Row] = json.loads(
+        text, parse_float=lambda told: float(f"{float(told):.{DIGITS}g}")
+    )
+    return found
 
 
-def _plain(value: Any) -> Any:
+def _of_numpy(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if isinstance(value, float):
-        return float(f"{value:.{DIGITS}g}")
-    if value is None or isinstance(value, str | int):
-        return value
+        return value.tolist()
     raise TypeError(f"rows must hold numbers, text and lists of numbers, got {value!r}")
 
 
@@ -375,13 +366,13 @@ def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
         If its files do not hold one.
     """
     kinds = about(study, folder)["kinds"]
-    text = [name for name, kind in kinds.items() if kind in {"text", "list"}]
-    numbers = {name: kind for name, kind in kinds.items() if name not in text}
+    words = {name for name, kind in kinds.items() if kind in {"text", "list"}}
+    kept = {name: "str" if name in words else k for name, k in kinds.items() if k != "object"}
     table = pd.read_csv(
         folder / f"{study.name}.csv",
-        dtype=dict.fromkeys(text, "str") | {n: k for n, k in numbers.items() if k != "object"},
+        dtype=kept,
         keep_default_na=False,
-        na_values={name: ["", "nan"] for name in numbers},
+        na_values={name: ["", "nan"] for name in kinds.keys() - words},
     )
     for name, kind in kinds.items():
         if kind == "list":
@@ -430,19 +421,15 @@ def _compared(
     )
     alone = len(here.keys() ^ there.keys())
     both = [(row, there[key]) for key, row in here.items() if key in there]
-    yield Check(
-        f"{name}: rows", f"{alone} on one side only", "none", "fresh", alone == 0 < len(both)
-    )
+    told = f"{alone} on one side only"
+    yield Check(f"{name}: rows", told, "none", "fresh", alone == 0 < len(both))
     if any("failure" in known for _, known in both):
         other = sum(bool(row.get("failure")) != bool(known["failure"]) for row, known in both)
         yield at_most(f"{name}: fail on one side only", other, 0)
         both = [(r, k) for r, k in both if not r.get("failure") and not k["failure"]]
     for column, limit in study.confirm.items():
-        worst = max(
-            (_apart(row.get(column), known.get(column), known, limit) for row, known in both),
-            key=lambda each: each[0] - each[1],
-            default=(0.0, 0.0),
-        )
+        found = [_apart(row.get(column), known.get(column), known, limit) for row, known in both]
+        worst = max(found, key=lambda each: each[0] - each[1], default=(0.0, 0.0))
         yield at_most(f"{name}: {column}", *worst)
 
 
@@ -457,8 +444,9 @@ def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[floa
     What does not apply is None on the spot and missing in the table. Not a number is infinitely
     far from anything.
     """
-    if one is None or _is_missing(other) or limit is None:
-        same = _is_missing(other) if one is None else one == other
+    is_missing = other is None or (isinstance(other, float) and isnan(other))
+    if one is None or is_missing or limit is None:
+        same = is_missing if one is None else one == other
         return (0.0 if same else inf), 0.0
     allowed = float(limit(stored)) if callable(limit) else float(limit)
     here, there = np.asarray(one, float), np.asarray(other, float)
@@ -466,10 +454,6 @@ def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[floa
         return inf, allowed
     apart = float(np.max(np.abs(here - there), initial=0.0))
     return (apart, allowed) if isfinite(apart) and isfinite(allowed) else (inf, 0.0)
-
-
-def _is_missing(value: Any) -> bool:
-    return value is None or (isinstance(value, float) and isnan(value))
 
 
 def relative(column: str, part: float, least: float = 0.0) -> Callable[[Row], float]:

@@ -6,7 +6,8 @@ from math import inf, nan
 import pytest
 
 from validation import benchmark
-from validation.benchmark import Measured
+from validation.benchmark import measured
+from validation.study import Check
 
 
 @pytest.mark.parametrize(
@@ -20,10 +21,10 @@ def test_missed_limit_is_the_exit_code(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    def part(_: int) -> Iterator[Measured]:
+    def part(_: int) -> Iterator[Check]:
         """A part."""
-        yield Measured("of no bound", 5.0, "ms")
-        yield Measured("bound", value, "ms", limit)
+        yield measured("of no bound", 5.0, "ms")
+        yield measured("bound", value, "ms", limit)
 
     monkeypatch.setattr(benchmark, "PARTS", (part,))
     monkeypatch.setattr("sys.argv", ["benchmark"])
@@ -34,4 +35,4 @@ def test_missed_limit_is_the_exit_code(
 def test_sweep_is_timed_against_its_runs() -> None:
     first = next(benchmark.sweeps(1))
     assert first.limit == 1.2
-    assert 0.5 < first.value < 5.0
+    assert 0.5 < float(str(first.value)) < 5.0

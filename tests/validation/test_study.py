@@ -1,44 +1,47 @@
-"""The one mechanism of all studies: what it keeps, and that everything wrong fails a check."""
+"""The one mechanism of all studies: what it keeps and shows, and that everything wrong fails."""
 
+import re
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
+from tests.helpers import failing
 from tests.toy_study import CASES, STUDY
+from validation import report
 from validation import study as kit
-from validation.kit.provenance import Provenance
 from validation.study import Study
+
+PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
+
+Make = Callable[..., report.Report]
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the table of the toy study, measured."""
+    """A folder with the table of the toy study."""
     folder = tmp_path_factory.mktemp("results")
-    found = kit.measured(STUDY.tasks(whole=True), folder / "kept", workers=0)
-    kit.write(STUDY, kit.whole_table(STUDY, found), Provenance.here(), folder)
+    report.measure(STUDY, folder, results=folder, workers=0)
     return folder
 
 
-def dictionary(cases: dict[str, Any]) -> dict[str, Any]:
-    """The same, importable by its name."""
-    return cases
+@pytest.fixture
+def make(results: Path, tmp_path: Path) -> Make:
+    """Makes a report on the toy study in `tmp_path`."""
+
+    def made(**how: Any) -> report.Report:
+        how = {"results": results, "workers": 0, **how}
+        return report.make(tmp_path, pages=PAGES, **how)
+
+    return made
 
 
 def of(case: Any) -> Study:
     """The toy study with another case in place of its first."""
-    return replace(STUDY, cases=partial(dictionary, {**CASES, "one": case}))
-
-
-def fails(study: Study, folder: Path, results: Path) -> list[str]:
-    """Names of the checks that fail after measuring its sample."""
-    (case,) = (study.cases()[label] for label in study.sample)
-    workers = 1 if case == "ends" else 0
-    found = kit.measured(study.tasks(whole=False), folder, workers=workers)
-    checks = kit.confirm(study, found, kit.load(STUDY, results))
-    return [check.name for check in checks if not check.holds]
+    return replace(STUDY, cases=lambda: {**CASES, "one": case})
 
 
 def test_a_stored_table_comes_back_as_it_was_written(results: Path) -> None:
@@ -48,40 +51,35 @@ def test_a_stored_table_comes_back_as_it_was_written(results: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("case", "failing"),
+    ("case", "check"),
     [
-        ("raises", "toy: one: runs"),
-        ("ends", "toy: one: runs"),
-        ("nothing", "toy: one: runs"),
-        ("nan", "toy: one: value"),
-        ("inf", "toy: one: value"),
-        ("unlike", "toy: one: value"),
-        ("shorter", "toy: one: rows"),
+        ("raises", "runs"),
+        ("ends", "runs"),
+        ("nothing", "runs"),
+        ("inf", "value"),
+        ("shorter", "rows"),
     ],
 )
 def test_whatever_goes_wrong_on_the_spot_fails_a_check(
-    case: str, failing: str, results: Path, tmp_path: Path
+    case: str, check: str, results: Path, tmp_path: Path
 ) -> None:
-    assert failing in fails(of(case), tmp_path, results)
+    study = of(case)
+    found = kit.measured(study.tasks(whole=False), tmp_path, workers=int(case == "ends"))
+    assert f"toy: one: {check}" in failing(kit.confirm(study, found, kit.load(STUDY, results)))
 
 
 def test_a_case_that_hangs_is_ended_and_is_a_result_where_the_study_says_so(
     tmp_path: Path,
 ) -> None:
-    study = replace(of("hangs"), limit=1.0)
-    (task,) = study.tasks(whole=False)
-    crash = kit.measured([task], tmp_path)[task.key]
+    def failed(_: object, reason: str) -> list[kit.Row]:
+        return [{"power": 1, "failure": reason}]
+
+    crash, result = (
+        kit.measured(study.tasks(whole=False), tmp_path)["toy", "one"]
+        for study in (replace(of("hangs"), limit=1.0, failed=each) for each in (None, failed))
+    )
     assert "not finished within 1 s" in str(crash)
-    study = replace(study, failed=failed)
-    (task,) = study.tasks(whole=False)
-    assert kit.measured([task], tmp_path)[task.key] == [
-        {"power": 1, "failure": "not finished within 1 s"}
-    ]
-
-
-def failed(_: object, reason: str) -> list[kit.Row]:
-    """The row of a case that was ended."""
-    return [{"power": 1, "failure": reason}]
+    assert result == [{"power": 1, "failure": "not finished within 1 s"}]
 
 
 def test_what_is_kept_is_not_measured_again_until_the_code_changes(
@@ -93,8 +91,8 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
     assert kit.measured(tasks, tmp_path, workers=0, fresh=True) != first
     with (tmp_path / "toy.jsonl").open("a") as stream:
         stream.write('["one", 0, [{"val')
-    assert kit.measured(tasks, tmp_path, workers=0) != first
-    latest = kit.measured(tasks, tmp_path, workers=0)
+    latest = kit.measured(tasks, tmp_path, workers=0, fresh=True)
+    assert kit.measured(tasks, tmp_path, workers=0) == latest
     monkeypatch.setattr(kit, "behind", lambda _: "other code")
     assert kit.measured(tasks, tmp_path, workers=0) != latest
 
@@ -109,4 +107,64 @@ def test_a_table_is_not_made_of_crashes_of_rows_alike_or_of_what_no_file_can_hol
     with pytest.raises(ValueError, match="do not tell rows apart"):
         kit.whole_table(replace(STUDY, keys=()), found)
     with pytest.raises(TypeError, match="rows must hold numbers"):
-        kit.rows_of(lambda _: [{"value": {}}], CASES)
+        kit.rows_of(lambda _: [{"value": 1j}], CASES)
+
+
+# --- Pages --------------------------------------------------------------------------------------
+
+
+def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
+    make: Make, tmp_path: Path
+) -> None:
+    made = make()
+    assert made.holds
+    assert {"toy: one: rows", "toy: largest"} < {check.name for check in made.checks}
+    page, text = made.page.read_text(), report.as_text(made)
+    assert "<em>Toy</em>: the largest is 4," in page
+    for shown in ("Of <em>two</em> numbers.", "It grows.", "paper: Fig. 1", "M0,0 L9,9"):
+        assert shown in page
+    assert "10 of 40 rows, with the largest: number" in page
+    assert '<td class="good" data-head="holds">yes</td>' in page
+    assert len(pd.read_csv(tmp_path / "toy-section-long.csv")) == 40
+    assert (tmp_path / "toy-section-curve.svg").is_file()
+    assert "| power | value |\n| --- | --- |\n| 1 | 1 |\n" in text
+    assert "*Figure in the report: A sketch.* A line." in text
+    assert '<a href="toy-section-powers.csv">' in page
+    assert not re.search("[<\ue000]", text)
+    assert "\ue000" not in page
+    assert pd.read_csv(tmp_path / "checks.csv")["holds"].all()
+
+
+def test_a_second_call_measures_and_draws_nothing(
+    make: Make, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # In processes of their own, as usual.
+    first = make(workers=None)
+
+    def none(tasks: Any, *_: object) -> Any:
+        assert not tasks
+        return iter(())
+
+    monkeypatch.setattr(kit, "_run", none)
+    assert make().sections == first.sections
+
+
+def test_files_of_an_earlier_report_go_and_foreign_ones_stay(make: Make, tmp_path: Path) -> None:
+    for name, text in (("mine.csv", "1\n"), ("old.csv", "1\n"), (".contents", "old.csv\n")):
+        (tmp_path / name).write_text(text)
+    make()
+    assert (tmp_path / "mine.csv").is_file()
+    assert not (tmp_path / "old.csv").is_file()
+
+
+def test_two_reports_do_not_work_in_one_folder(make: Make, tmp_path: Path) -> None:
+    with report.locked(tmp_path), pytest.raises(OSError, match="another process works in it"):
+        make()
+
+
+def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
+    make: Make, tmp_path: Path
+) -> None:
+    assert failing(make(results=tmp_path).checks) == {"toy: table", "toy-section: section"}
+    assert not report.verdict([kit.at_most("a", 0.0, 1.0, "stored")])
+    assert not report.verdict([])

@@ -7,6 +7,7 @@ import sys
 from html import unescape
 from math import nan
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from PIL import Image
 from tests.stated import missing, values
 from validation import report
 from validation import study as kit
-from validation.page.content import Rows, StudyModule
+from validation.page.content import Rows
 from validation.study import RESULTS, Check
 
 ROOT = Path(__file__).parents[2]
@@ -109,7 +110,7 @@ def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder
         assert fails(module, {**rows, study.name: table.iloc[:0]}), study.name
 
 
-def fails(module: StudyModule, rows: Rows) -> bool:
+def fails(module: ModuleType, rows: Rows) -> bool:
     """Whether a section from these rows has a check that fails, or cannot be made."""
     try:
         checks: list[Check] = list(module.present(rows).checks)

@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import pandas as pd
 from matplotlib.figure import Figure
 
 from validation.kit.animation.player import Animation
 from validation.kit.tables import Table
-from validation.study import Check, Study
+from validation.study import Check
 
 Rows = Mapping[str, pd.DataFrame]
 """Tables of studies by their names."""
@@ -71,23 +71,3 @@ class Content:
             one, two = getattr(self, each.name), getattr(other, each.name)
             together[each.name] = {**one, **two} if isinstance(one, Mapping) else [*one, *two]
         return Content(**together)
-
-
-class StudyModule(Protocol):
-    """A module of `validation.studies`; its text, NAME.md, lies beside it.
-
-    Attributes
-    ----------
-    TITLE : str
-        Of its section.
-    STUDIES : sequence of Study
-        What it shows the rows of, its own or those of other modules.
-    """
-
-    TITLE: str
-    STUDIES: Sequence[Study]
-    __name__: str
-    __file__: str
-
-    def present(self, rows: Rows) -> Content:
-        """What there is to show, from the tables of `STUDIES`."""

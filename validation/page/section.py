@@ -5,11 +5,10 @@ that the text leaves out: everything that a study shows is shown once.
 """
 
 import base64
-import html
 import io
 import re
 from collections.abc import Iterable, Mapping
-from math import isnan
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -167,13 +166,8 @@ class Section:
         return self._figure(' class="drawing"', svg, title, caption)
 
     def _figure(self, kind: str, picture: str, title: str, caption: str, links: str = "") -> str:
-        shown, told = html.escape(title), f"*Figure in the report: {title}.* {caption}"
-        files = f' <span class="files">{links}</span>' if links else ""
-        return self._piece(
-            f"<figure{kind}>{picture.replace('{}', shown)}"
-            f"<figcaption><b>{shown}.</b> {_inline(caption)}{files}</figcaption></figure>",
-            told,
-        )
+        page = _pieces().figure(kind, picture, title, caption, links)
+        return self._piece(page, f"*Figure in the report: {title}.* {caption}")
 
     def animation(self, name: str) -> str:
         """A player in the page, and as a page of its own; a page of text does not move."""
@@ -198,6 +192,7 @@ def environment(folder: Path) -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"sig": sig, "power": power, "span": span, "listed": listed, "cell": show}
+    made.filters["inline"] = _inline
     return made
 
 
@@ -214,33 +209,19 @@ def drawn(figure: Figure) -> tuple[bytes, bytes]:
 
 def table_html(table: pd.DataFrame, title: str = "", digits: int = 4) -> str:
     """A table, with the heading beside each cell for narrow screens."""
-    heads = [html.escape(str(name)) for name in table.columns]
-    head = "".join(f"<th>{name}</th>" for name in heads)
-    body = "".join(
-        f"<tr>{''.join(_cell(c, name, digits) for c, name in zip(row, heads, strict=True))}</tr>"
-        for row in _cells(table)
-    )
-    caption = f"<caption>{html.escape(title)}</caption>" if title else ""
-    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    heads = [str(name) for name in table.columns]
+    return str(_pieces().table(heads, _cells(table), digits, title))
+
+
+@cache
+def _pieces() -> Any:
+    return environment(Path(__file__).parent).get_template("pieces.html").module
 
 
 def _cells(table: pd.DataFrame) -> list[list[Any]]:
-    return [list(map(_value, row)) for row in table.astype(object).itertuples(index=False)]
-
-
-def _value(cell: Any) -> Any:
-    """A cell as Python has it; a number that is none is missing."""
-    value = cell.item() if hasattr(cell, "item") else cell
-    return None if isinstance(value, float) and isnan(value) else value
-
-
-def _cell(value: Any, head: str, digits: int) -> str:
-    kind = ""
-    if isinstance(value, bool):
-        kind = ' class="good"' if value else ' class="bad"'
-    elif isinstance(value, int | float):
-        kind = ' class="number"'
-    return f'<td{kind} data-head="{head}">{html.escape(show(value, digits))}</td>'
+    """Cells as Python has them; a number that is none is missing."""
+    rows = table.astype(object).where(table.notna(), None).to_numpy().tolist()
+    return [[cell.item() if hasattr(cell, "item") else cell for cell in row] for row in rows]
 
 
 def _as_frame(table: pd.DataFrame | Table) -> pd.DataFrame:

@@ -3,31 +3,25 @@
 from collections.abc import Callable
 from dataclasses import replace
 from math import inf
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from tests.helpers import failing, not_none, planted
 from validation import study as kit
-from validation.studies.work_precision import measuring, tables
+from validation.studies.work_precision import measuring
 from validation.studies.work_precision import section as wp
 from validation.studies.work_precision.measuring import Curve, ladder_end
-from validation.studies.work_precision.problems import SPACING, errors, reference
+from validation.studies.work_precision.problems import errors, reference
 
 FLOOR = 1e-11
 
 
 @pytest.fixture(scope="module")
 def rows() -> dict[str, pd.DataFrame]:
-    """The stored tables."""
+    """The stored wp."""
     return {study.name: kit.load(study) for study in wp.STUDIES}
-
-
-@pytest.fixture(scope="module")
-def runs(rows: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """All runs as the tables take them."""
-    return tables.prepared(rows["work-precision"])
 
 
 @pytest.mark.parametrize(
@@ -56,59 +50,45 @@ def rungs(exponent: Callable[[int], float], number: int = 7) -> pd.DataFrame:
 
 
 def test_the_order_of_a_clean_ladder_is_found_and_that_of_another_is_not_told() -> None:
-    assert tables.observed_order(rungs(lambda _: 4.0), FLOOR) == pytest.approx(4.0)
-    assert tables.observed_order(rungs(lambda k: 2.0 + k % 2), FLOOR) == "– unsettled, 2.0 to 3.0"
-    assert tables.observed_order(rungs(lambda _: 4.0, 3), FLOOR) == "– few rungs"
-    assert tables.observed_order(rungs(lambda _: 4.0), 1e-4) == "– few rungs"
+    assert wp.observed_order(rungs(lambda _: 4.0), FLOOR) == pytest.approx(4.0)
+    assert wp.observed_order(rungs(lambda k: 2.0 + k % 2), FLOOR) == "– unsettled, 2.0 to 3.0"
+    assert wp.observed_order(rungs(lambda _: 4.0, 3), FLOOR) == "– few rungs"
+    assert wp.observed_order(rungs(lambda _: 4.0), 1e-4) == "– few rungs"
 
 
-@pytest.mark.parametrize(
-    ("formulation", "scheme", "order"),
-    [
-        ("contact-tree", "RK67", 6.0),
-        ("euler-tree", "trapezoidal", 2.0),
-    ],
-)
-def test_the_engines_rules_show_their_orders(
-    formulation: str, scheme: str, order: float, runs: pd.DataFrame, rows: Any
-) -> None:
-    references = rows["work-precision-references"].assign(problem=lambda table: table["case"])
-    told = tables.orders(runs, tables.floors(references))
-    assert told["model-1", formulation, scheme] == pytest.approx(order, abs=0.15)
+def test_the_engines_rules_show_their_orders(rows: dict[str, pd.DataFrame]) -> None:
+    runs = wp.prepared(rows["work-precision"])
+    told = wp.orders(runs, wp.floors(rows["work-precision-references"])).set_index("method")
+    for method, order in (("contact-tree, RK67", 6.0), ("euler-tree, trapezoidal", 2.0)):
+        assert told.loc[method, "Model 1"] == pytest.approx(order, abs=0.15)
 
 
 def test_every_curve_is_stored_and_everything_stored_holds(rows: dict[str, pd.DataFrame]) -> None:
     assert set(rows["work-precision"]["case"]) == set(measuring.curves())
-    assert [check for check in wp.present(rows).checks if not check.holds] == []
+    assert not failing(wp.present(rows).checks)
 
 
 @pytest.mark.parametrize(
-    ("name", "column", "value"),
+    ("name", "at", "value", "where"),
     [
-        ("work-precision", "angle_error", 2.0),
-        ("work-precision-references", "difference", 1e-8),
+        ("work-precision", "angle_error", 2.0, ("kind", "tolerance")),
+        ("work-precision-references", "difference", 1e-8, ("case", "model-2")),
     ],
 )
 def test_a_run_that_breaks_its_tolerance_or_a_reference_in_doubt_fails(
-    name: str, column: str, value: float, rows: dict[str, pd.DataFrame]
+    name: str, at: str, value: float, where: tuple[str, str], rows: dict[str, pd.DataFrame]
 ) -> None:
-    table = rows[name].copy()
-    where = table["kind"] == "tolerance" if "kind" in table else table["case"] == "model-2"
-    table.loc[where.idxmax(), column] = value
-    assert not all(check.holds for check in wp.present({**rows, name: table}).checks)
+    table = planted(rows[name], (rows[name][where[0]] == where[1]).idxmax(), at, value)
+    assert failing(wp.present({**rows, name: table}).checks)
 
 
-def test_an_extrapolated_run_is_better_and_counts_all_its_parts() -> None:
-    curve = Curve("model-1", "contact-tree", "RK44")
-    chain, found, steps = measuring.Extrapolation(curve), [], [SPACING / k for k in (2, 4, 8)]
-    for step in steps:
-        run, seconds = curve.run(step)
-        better = chain.add(run, {"setting": step, "work": 1})
-        found.append(errors(run, reference("model-1"))["error"])
-        assert seconds > 0.0
-    assert better is not None
-    assert errors(better, reference("model-1"))["error"] < 0.2 * min(found)
-    assert [row["setting"] for row in chain.rows] == steps
+def test_an_extrapolated_run_is_better_than_its_parts() -> None:
+    curve, truth = Curve("model-1", "contact-tree", "RK44"), reference("model-1")
+    chain = measuring.halving(curve)
+    for step in (0.01, 0.005, 0.0025):
+        run, _ = curve.run(step)
+        better = measuring.extrapolated(chain, run, step)
+    assert errors(not_none(better), truth)["error"] < 0.2 * errors(run, truth)["error"]
 
 
 def test_errors_forgive_whole_turns_and_see_everything_else() -> None:

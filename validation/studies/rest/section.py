@@ -3,7 +3,7 @@
 from functools import reduce
 
 from validation.page.content import Content, Rows
-from validation.studies.rest import closed_forms, creep, starts, ways
+from validation.studies.rest import closed_forms, creep, runs, starts, ways  # noqa: F401
 
 TITLE = "To rest"
 

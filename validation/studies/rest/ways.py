@@ -83,6 +83,16 @@ DIFFERENCES: dict[str, Callable[[Row, Row], float]] = {
 }
 
 
+def differences(runs: Mapping[str, Row]) -> pd.DataFrame:
+    """How far each run is from what it is compared with, as far as that is limited."""
+    found = {
+        name: {"compared with": other}
+        | {what: DIFFERENCES[what](runs[name], runs[other]) for what in limits}
+        for name, (other, limits) in COMPARED.items()
+    }
+    return pd.DataFrame.from_dict(found, orient="index")
+
+
 # --- What is shown ------------------------------------------------------------------------------
 
 
@@ -95,23 +105,13 @@ def present(rows: Rows) -> Content:
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
+    told = {"title": "The whole way to rest", "caption": f"In-house: sliding, {SHOWN}."}
+    tilt, spacing = runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING
     return Content(
         numbers=numbers(runs),
-        tables={
-            "phases": phases(table, runs),
-            "budget": budget(table),
-        },
-        figures={
-            "story": figures.story(shown, runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING),
-        },
-        animations={
-            "animation": player(
-                shown,
-                name="rest-animation",
-                title="The whole way to rest",
-                caption=f"In-house: sliding, {SHOWN}.",
-            )
-        },
+        tables={"phases": phases(table, differences(runs)), "budget": budget(table)},
+        figures={"story": figures.story(shown, tilt, spacing)},
+        animations={"animation": player(shown, name="rest-animation", **told)},
         checks=checks(runs),
         verdicts=[verdict(runs)],
     )
@@ -119,15 +119,13 @@ def present(rows: Rows) -> Content:
 
 def checks(runs: Mapping[str, Row]) -> list[Check]:
     """Each run against another, and what none may do."""
-    fresh = made.fresh_cases()
+    fresh, apart_by = made.fresh_cases(), differences(runs)
     found = []
     for name, (other, limits) in COMPARED.items():
         where: Any = "fresh" if {name, other} & fresh.keys() else "stored"
-        found += [
-            at_most(f"rest, {name}: {what} apart from {other}",
-                    DIFFERENCES[what](runs[name], runs[other]), limit, where)
-            for what, limit in limits.items()
-        ]  # fmt: skip
+        for what, limit in limits.items():
+            label = f"rest, {name}: {what} apart from {other}"
+            found.append(at_most(label, apart_by.at[name, what], limit, where))
     for name, row in runs.items():
         if name != made.IDEAL:
             where = "fresh" if name in fresh else "stored"
@@ -138,33 +136,23 @@ def checks(runs: Mapping[str, Row]) -> list[Check]:
                 at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where),
                 at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where),
             ]
-    uneven = abs(growth(runs) * made.FASTER[1] / made.FASTER[0] - 1.0)
+    uneven = abs(numbers(runs)["growth"] * made.FASTER[1] / made.FASTER[0] - 1.0)
     return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
-
-
-def growth(runs: Mapping[str, Row]) -> float:
-    """How many times more the larger change of the spin does to the tilt than the smaller one."""
-    base = runs[INHOUSE[SHOWN]]
-    large, small = (
-        np.max(apart(runs[f"spin {more:g} rad/s faster"], base)) for more in made.FASTER
-    )
-    return float(large / small)
 
 
 def numbers(runs: Mapping[str, Row]) -> Row:
     """Those of the text."""
-    base, engine = runs[INHOUSE[SHOWN]], runs[ENGINE[SHOWN]]
-    change = apart(runs[f"spin {made.FASTER[0]:g} rad/s faster"], base)
-    times = made.EVERY * made.SPACING * np.arange(change.size)
+    base, apart_by = runs[INHOUSE[SHOWN]], differences(runs)
+    large, small = (apart(runs[f"spin {more:g} rad/s faster"], base) for more in made.FASTER)
+    times = made.EVERY * made.SPACING * np.arange(large.size)
     return {
-        "runs": made,
         "base": base,
         "criterion": RestCriterion(),
-        "apart": largest(apart(engine, base).tolist()),
-        "change_before": np.max(change[times < base["inversion_lost"]]),
-        "change": np.max(change),
-        "growth": growth(runs),
-        "shifts": [shift(runs[name], base) for name in (*VARIANTS, ENGINE[SHOWN])],
+        "apart": apart_by.at[ENGINE[SHOWN], "tilt in rad"],
+        "change_before": np.max(large[times < base["inversion_lost"]]),
+        "change": np.max(large),
+        "growth": float(np.max(large) / np.max(small)),
+        "shifts": apart_by.loc[[*VARIANTS, ENGINE[SHOWN]], "phases in s"].tolist(),
         "contact_of": made.Case(SHOWN).scenario.penalty_contact,
         "ideal": runs[made.IDEAL],
         "sliding": runs[INHOUSE[SLIDING]],
@@ -192,20 +180,14 @@ def verdict(runs: Mapping[str, Row]) -> Verdict:
     )
 
 
-def phases(table: pd.DataFrame, runs: Mapping[str, Row]) -> pd.DataFrame:
+def phases(table: pd.DataFrame, apart_by: pd.DataFrame) -> pd.DataFrame:
     """When each phase began, and how far runs are apart from what they are compared with."""
     order = [each for losses in made.CASES for each in (INHOUSE[losses], ENGINE[losses])]
-    found = table.loc[[*order, made.IDEAL, *VARIANTS, made.COARSE], [*PHASES, "face"]].copy()
-    found["compared with"] = [COMPARED.get(name, (None,))[0] for name in found.index]
     headings = {"tilt in rad": "tilt apart in rad", "phases in s": "phases apart in s"}
-    for what, heading in headings.items():
-        found[heading] = [
-            DIFFERENCES[what](runs[name], runs[COMPARED[name][0]])
-            if what in COMPARED.get(name, ("", {}))[1]
-            else None
-            for name in found.index
-        ]
-    found = found.rename(columns={"face": "face up at the end"}).reset_index(names="run")
+    found = table.loc[[*order, made.IDEAL, *VARIANTS, made.COARSE], [*PHASES, "face"]]
+    found = found.rename(columns={"face": "face up at the end"})
+    beside = apart_by[["compared with", *headings]].rename(columns=headings)
+    found = found.join(beside).reset_index(names="run")
     return found.rename(columns=lambda name: name.replace("_", " "))
 
 

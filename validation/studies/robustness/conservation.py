@@ -3,18 +3,26 @@
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 import analysis
 from analysis import MODELS, Level, Scenario, SmoothCoulomb, Trajectory
 from analysis.data.checks import Array
-from analysis.data.frames import poses, twists
+from validation.kit.limits import largest
 from validation.kit.ways import Way
-from validation.study import Row, Study
+from validation.page.content import Content
+from validation.study import Row, Study, at_most
 
 SAMPLES_PER_SECOND = 200
 
 END, FREE_END = 5.0, 2.0
 """In s, with friction and without."""
+
+ENERGY = 1e-4
+"""Largest residual of the energy balance over weight times radius."""
+
+GROWTH = 1.5
+"""Largest drift in the second half of the time over that in the first that does not grow."""
 
 
 class LongRun(NamedTuple):
@@ -44,43 +52,36 @@ class LongRun(NamedTuple):
 
 _HELD: Any = (1e-3, 1e-5, True)
 
+DOP853 = Way("in-house", "index-1", "DOP853")
+RK44, RK67, TRAPEZOIDAL = (
+    Way("engine", "contact-tree", each) for each in ("RK44", "RK67", "TrapezoidalIndex2")
+)
+TREE, FLOATING, LIE = (
+    Way("engine", each, "TrapezoidalIndex2") for each in ("euler-tree", "floating", "floating-lie")
+)
+ALPHA = Way("engine", "euler-tree", "GeneralizedAlpha")
+
 DRIFTING = {
     "acceleration level (index 1), tolerance 1e-6": LongRun(
         3, Way("in-house", "index-1", "RK45"), 1e-6, 1e-5
     ),
-    "acceleration level (index 1), tolerance 1e-10": LongRun(
-        3, Way("in-house", "index-1", "DOP853"), 1e-10, 1e-9
-    ),
-    "velocity level (index 2), engine, Euler tree, 1 ms": LongRun(
-        3, Way("engine", "euler-tree", "TrapezoidalIndex2"), *_HELD
-    ),
-    "velocity level (index 2), engine, floating, 1 ms": LongRun(
-        3, Way("engine", "floating", "TrapezoidalIndex2"), *_HELD
-    ),
+    "acceleration level (index 1), tolerance 1e-10": LongRun(3, DOP853, 1e-10, 1e-9),
+    "velocity level (index 2), engine, Euler tree, 1 ms": LongRun(3, TREE, *_HELD),
+    "velocity level (index 2), engine, floating, 1 ms": LongRun(3, FLOATING, *_HELD),
     "generalized α (position level but the contact), engine, Euler tree, 1 ms": LongRun(
-        3, Way("engine", "euler-tree", "GeneralizedAlpha"), *_HELD
+        3, ALPHA, *_HELD
     ),
-    "minimal coordinates, engine, contact tree, 5 ms (Model 1)": LongRun(
-        1, Way("engine", "contact-tree", "RK44"), 5e-3, 1e-14
-    ),
+    "minimal coordinates, engine, contact tree, 5 ms (Model 1)": LongRun(1, RK44, 5e-3, 1e-14),
     "minimal coordinates, in-house reduced, 1e-6 (Model 4)": LongRun(
         4, Way("in-house", "reduced", "RK45"), 1e-6, 1e-14
     ),
 }
 """With friction, by the level on which the constraints are met."""
 
+_FREE = {RK67: 1e-9, RK44: 1e-6, **dict.fromkeys((TRAPEZOIDAL, TREE, ALPHA, FLOATING, LIE), 1e-3)}
 FREE = {
-    way.name: LongRun(1, way, accuracy, limit, free=True)
-    for way, accuracy, limit in (
-        (Way("engine", "contact-tree", "RK67"), 1e-3, 1e-9),
-        (Way("engine", "contact-tree", "RK44"), 1e-3, 1e-6),
-        (Way("engine", "contact-tree", "TrapezoidalIndex2"), 1e-3, 1e-3),
-        (Way("engine", "euler-tree", "TrapezoidalIndex2"), 1e-3, 1e-3),
-        (Way("engine", "euler-tree", "GeneralizedAlpha"), 1e-3, 1e-3),
-        (Way("engine", "floating", "TrapezoidalIndex2"), 1e-3, 1e-3),
-        (Way("engine", "floating-lie", "TrapezoidalIndex2"), 1e-3, 1e-3),
-        (Way("in-house", "index-1", "DOP853"), 1e-9, 1e-8),
-    )
+    **{way.name: LongRun(1, way, 1e-3, limit, free=True) for way, limit in _FREE.items()},
+    DOP853.name: LongRun(1, DOP853, 1e-9, 1e-8, free=True),
 }
 """Without friction, by way.
 
@@ -118,29 +119,59 @@ def measure(long: LongRun) -> list[Row]:
 
 def _momenta(run: Trajectory) -> tuple[Array, Array]:
     """Momentum, shape (n, 3), and vertical angular momentum about the COG, shape (n,)."""
-    _, rotation = poses(run.coordinates)
-    velocity, angular = twists(run.coordinates, run.rates)
-    arm = rotation[:, :, 0] * run.scenario.disk.eccentricity
-    momentum = run.scenario.disk.mass * (velocity + np.cross(angular, arm))
-    local = np.einsum("nji,nj->ni", rotation, angular)
-    moments = np.array(run.scenario.disk.inertia_about_cog)
-    spin: Array = np.einsum("ni,ni->n", rotation[:, 2, :], moments * local)
+    disk, (_, rotation, velocity, angular) = run.scenario.disk, run.poses
+    arm = rotation[:, :, 0] * disk.eccentricity
+    momentum = disk.mass * (velocity + np.cross(angular, arm))
+    moments = np.array(disk.inertia_about_cog)
+    spin: Array = np.einsum("nj,j,nij,ni->n", rotation[:, 2, :], moments, rotation, angular)
     return momentum, spin
 
 
-CONSERVATION = Study(
+COLUMNS = {
+    "case": "way",
+    "position": "largest position residual in m",
+    "at_end": "at the end in m",
+    "growth": "second half of the time over first",
+    "velocity": "largest velocity residual in m/s",
+    "energy": "energy residual / (weight · radius)",
+    "momentum": "horizontal momentum / (mass · rim speed)",
+    "spin": "vertical angular momentum about the COG, relative",
+    "allowed": "allowed",
+}
+STUDY = Study(
     name="robustness-conservation",
     cases=lambda: DRIFTING | FREE,
     measure=measure,
-    columns={
-        "case": "way",
-        "position": "largest position residual in m",
-        "at_end": "at the end in m",
-        "growth": "second half of the time over first",
-        "velocity": "largest velocity residual in m/s",
-        "energy": "energy residual / (weight · radius)",
-        "momentum": "horizontal momentum / (mass · rim speed)",
-        "spin": "vertical angular momentum about the COG, relative",
-        "allowed": "allowed",
-    },
+    columns=COLUMNS,
 )
+
+_DRIFT = ["case", "position", "allowed", "at_end", "growth", "velocity", "energy"]
+_KEPT = ["energy", "momentum", "spin"]
+
+
+def present(table: pd.DataFrame) -> Content:
+    """How far constraints drift, and what changes that should not."""
+    rows = table.set_index("case", drop=False)
+    drifting, free = rows.loc[list(DRIFTING)], rows.loc[list(FREE)]
+    checks = []
+    for name, row in drifting.iterrows():
+        checks += [
+            at_most(f"drift: {name}, position in m", row["position"], row["allowed"]),
+            at_most(f"drift: {name}, energy", row["energy"], ENERGY),
+        ]
+        if DRIFTING[str(name)].held:
+            checks.append(at_most(f"drift: {name}, growth", row["growth"], GROWTH))
+    for name, row in free.iterrows():
+        checks.append(at_most(f"conserved: {name}", largest(row[_KEPT]), row["allowed"]))
+    return Content(
+        numbers={
+            "growing": drifting[drifting.index.str.startswith("acceleration level")],
+            "held": drifting.loc[[name for name, each in DRIFTING.items() if each.held]],
+            "minimal": drifting[drifting.index.str.startswith("minimal coordinates")],
+        },
+        tables={
+            "drift": drifting[_DRIFT].rename(columns=COLUMNS),
+            "conserved": free[["case", *_KEPT, "allowed"]].rename(columns=COLUMNS),
+        },
+        checks=checks,
+    )

@@ -1,19 +1,20 @@
 """Hard cases, each run to its end and classified from measured error, drift and energy."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache
-from math import isfinite
+from functools import cache, partial
+from math import inf, nan
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 import analysis
 import mbs_models
 from analysis import Method, Trajectory
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
 from mbs_models import Scene
-from validation.kit.limits import holds, largest
 from validation.kit.references import (
     STIFF,
     Reference,
@@ -23,7 +24,6 @@ from validation.kit.references import (
     reference,
 )
 from validation.kit.ways import StepLimit, Way, WorkLimitError, forms
-from validation.studies.robustness.ended import ended
 from validation.studies.robustness.problems import Problem, problems
 from validation.study import Row, Study, load
 
@@ -84,7 +84,7 @@ COLUMNS = {
 @cache
 def cases() -> Mapping[str, Problem]:
     """All problems by name."""
-    return {each.name: each for each in (*problems(), *ended())}
+    return {each.name: each for each in problems()}
 
 
 def ways(problem: Problem) -> list[Way]:
@@ -114,7 +114,9 @@ def ways(problem: Problem) -> list[Way]:
 
 def measure(problem: Problem) -> list[Row]:
     """What becomes of a problem in each of its ways."""
-    known = reference_or_error(problem)
+    known: Known = _or_error(
+        partial(reference, problem.scenario, problem.times, stop_when=problem.stop_when)
+    )
     return [outcome(problem, way, known) for way in ways(problem)]
 
 
@@ -125,72 +127,61 @@ def failed(problem: Problem, reason: str) -> list[Row]:
     return [_told(problem, way, found) for way in ways(problem)]
 
 
-def reference_or_error(problem: Problem) -> Known:
-    """The reference of a problem, or why there is none."""
-    try:
-        return reference(problem.scenario, problem.times, stop_when=problem.stop_when)
-    except (ArithmeticError, ValueError) as error:
-        return error
-
-
 def outcome(problem: Problem, way: Way, known: Known) -> Row:
     """Run a problem in one way, and classify what becomes of it."""
-    count = StepLimit(STEPS[way.source], problem.end)
-    begin = time.perf_counter()
-    try:
-        run = simulate(problem, way, count)
-    except (ArithmeticError, ValueError) as error:
-        found: Row = {"verdict": _failure(error, count), "reason": _line(error)}
-        seconds = time.perf_counter() - begin
-    else:
-        seconds = time.perf_counter() - begin
-        found = judged(problem, run, known)
-        if problem.samples <= FEW and problem.stop_when is None:
-            again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
-            found["repeatable"] = _same(run, again)
-    return _told(problem, way, found | {"steps": count.steps, "seconds": seconds})
+    count, begin = StepLimit(STEPS[way.source], problem.end), time.perf_counter()
+    run = _or_error(partial(simulate, problem, way, count))
+    found: Row = {"steps": count.steps, "seconds": time.perf_counter() - begin}
+    if isinstance(run, Exception):
+        return _told(problem, way, found | _failure(run, count.steps))
+    found |= judged(problem, run, known)
+    if problem.samples <= FEW and problem.stop_when is None:
+        again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
+        names = ("coordinates", "rates", "multipliers")
+        pairs = ((getattr(run, name), getattr(again, name)) for name in names)
+        found["repeatable"] = all(np.array_equal(*both) for both in pairs)
+    return _told(problem, way, found)
 
 
 def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
     """Simulate a problem to its tolerance, with the steps that `count` allows."""
     # Step control has a local tolerance of its own and promises nothing more.
     tolerance = None if way.integrator == "DOPRI5" else problem.tolerance
+    how: Any = {"stop_when": problem.stop_when or (), "progress": count}
     with count:
-        return way.run(
-            problem.scenario,
-            problem.times,
-            tolerance=tolerance,
-            stop_when=problem.stop_when or (),
-            progress=count,
-        )
+        return way.run(problem.scenario, problem.times, tolerance=tolerance, **how)
 
 
-def _failure(error: Exception, count: StepLimit) -> str:
+def _or_error(call: Callable[[], Any]) -> Any:
+    """What a call returns, or the error of a run or refusal."""
+    try:
+        return call()
+    except (ArithmeticError, ValueError) as error:
+        return error
+
+
+def _failure(error: Exception, steps: int) -> Row:
+    verdict = "diverged"
     if isinstance(error, WorkLimitError):
-        return "not finished in the limit"
-    if isinstance(error, ValueError):
+        verdict = "not finished in the limit"
+    elif isinstance(error, ValueError):
         # What is refused is so before anything is computed.
-        return "crashed" if count.steps else "refused"
-    return "diverged"
+        verdict = "crashed" if steps else "refused"
+    return {"verdict": verdict, "reason": _line(error)}
 
 
 def _told(problem: Problem, way: Way, found: Row) -> Row:
-    """A row with all columns."""
-    row = dict.fromkeys(COLUMNS) | {
+    """A whole row."""
+    row = {
         "axis": problem.axis,
         "label": problem.label,
         "model": str(problem.scenario.model or "none"),
         "way": way.name,
         "tolerance": problem.tolerance,
         "reason": "",
-    }
-    row |= found
-    return row | {"broken": is_broken(row), "cause": cause(row)}
-
-
-def _same(run: Trajectory, other: Trajectory) -> bool:
-    names = ("coordinates", "rates", "multipliers")
-    return all(np.array_equal(getattr(run, name), getattr(other, name)) for name in names)
+    } | found
+    row |= {"broken": is_broken(row), "cause": cause(row)}
+    return {name: row.get(name) for name in COLUMNS}
 
 
 def _line(error: Exception) -> str:
@@ -227,14 +218,13 @@ def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
     if run.ending or truth.ending:
         found["ending_error"] = ending_error(run, truth)
         one, other = (each.ending or "does not end early" for each in (run, truth))
-        same = holds(found["ending_error"], problem.tolerance)
+        same = found["ending_error"] <= problem.tolerance
         found["reason"] = str(one) if same else f"{one}; reference: {other}"
     return found | {"verdict": _verdict(run, found)}
 
 
 def _verdict(run: Trajectory, found: Row) -> str:
-    is_known = holds(found["doubt"], DOUBT * found["tolerance"])
-    if not is_known and (_has_right_angles(found) or not isfinite(_allowed(found))):
+    if not _is_known(found) and (_has_right_angles(found) or found["doubt"] == inf):
         return "reference in doubt"
     pulls = run.scenario.contact is None and not np.all(run.normal_force[:-1] >= 0.0)
     if pulls or not is_right(found):
@@ -245,45 +235,57 @@ def _verdict(run: Trajectory, found: Row) -> str:
     return kinds.get(run.ending.reason, "ends: condition met")
 
 
-def is_right(found: Row) -> bool:
+def is_right(row: Row) -> bool:
     """Whether the numbers of a run are those of an accurate one, up to where it ends."""
-    kept = largest((found.get("drift") or 0.0, found["energy"]))
-    is_known = holds(found["doubt"], DOUBT * found["tolerance"])
-    return is_known and _has_right_angles(found) and holds(kept, SLACK * _allowed(found))
+    limit = SLACK * _allowed(row)
+    kept = bool(row["energy"] <= limit) and not row.get("drift", nan) > limit
+    return _is_known(row) and _has_right_angles(row) and kept
 
 
-def _has_right_angles(found: Row) -> bool:
+def _is_known(row: Row) -> bool:
+    return bool(row["doubt"] <= DOUBT * row["tolerance"])
+
+
+def _has_right_angles(row: Row) -> bool:
     """Whether the angles are within what was asked for, and where and why it ends."""
-    worst = largest((found["error"], found.get("ending_error") or 0.0))
-    return holds(worst, _allowed(found))
+    limit = _allowed(row)
+    return bool(row["error"] <= limit) and not row.get("ending_error", nan) > limit
 
 
-def _allowed(found: Row) -> float:
+def _allowed(row: Row) -> float:
     """Error in rad, or in s, that is asked for, and what the references leave open beside it."""
     # What they leave open cannot be held against the run.
-    return float(found["tolerance"] + (found.get("doubt") or 0.0))
+    return float(row["tolerance"] + row["doubt"])
 
 
-def is_broken(found: Row) -> bool:
+def is_broken(row: Row) -> bool:
     """Whether a run crashed, broke its promise or, run again, gave other bits.
 
     The promise is about the angles, and about where and why the run ends. A run without an error
     estimate, such as one with step control, promises nothing.
+
+    Parameters
+    ----------
+    row : dict
+        As it was measured or is stored; what does not apply is not there or not a number.
     """
-    if found["verdict"] == "crashed" or found.get("repeatable") is False:
+    if row["verdict"] == "crashed" or row.get("repeatable") is False:
         return True
-    promises = found.get("error") is not None and found.get("estimate") is not None
-    return promises and found["verdict"] != "reference in doubt" and not _has_right_angles(found)
+    promises = pd.notna(row.get("estimate")) and pd.notna(row.get("error"))
+    return promises and row["verdict"] != "reference in doubt" and not _has_right_angles(row)
 
 
+_FALLS, _NO_CONVERGENCE = (
+    "falls flat, where Euler angles end", "Newton's iteration does not converge"
+)  # fmt: skip
 _CAUSES = {
     "a contact that pulls": "starts where the contact would pull",
-    "lies flat": "falls flat, where Euler angles end",
-    "lies nearly flat": "falls flat, where Euler angles end",
+    "lies flat": _FALLS,
+    "lies nearly flat": _FALLS,
     "each newton of normal force": (
         "contact load: friction calls for more normal force than it gets"
     ),
-    "Newton's iteration did not converge": "Newton's iteration does not converge",
+    "Newton's iteration did not converge": _NO_CONVERGENCE,
     "singular": "singular system matrix",
     "minimum step": "step control at its minimum step",
     "cannot be reached": "rounding reached before the tolerance",
@@ -292,25 +294,25 @@ _CAUSES = {
 }
 """Words of a message, and the cause they stand for; the first that fits counts."""
 
-UNFINISHED = ("too many steps", _CAUSES["Newton's iteration did not converge"])
+UNFINISHED = ("too many steps", _NO_CONVERGENCE)
 """Causes for which another way may do better."""
 
 
-def cause(found: Row) -> str:
+def cause(row: Row) -> str:
     """Why a case is not accurate; empty if it is."""
-    verdict, reason = found["verdict"], found.get("reason", "")
-    if verdict in GOOD:
+    if row["verdict"] in GOOD:
         return ""
-    if verdict in {"diverged", "refused"}:
-        return next((told for words, told in _CAUSES.items() if words in reason), str(reason))
-    if verdict == "inaccurate" and found.get("error") is not None:
-        right = _has_right_angles(found)
+    if row["verdict"] == "inaccurate" and pd.notna(row.get("error")):
+        right = _has_right_angles(row)
         return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
+    if row["verdict"] in {"diverged", "refused"}:
+        reason = str(row["reason"])
+        return next((told for words, told in _CAUSES.items() if words in reason), reason)
     return {
         "inaccurate": "runs where the reference cannot start",
         "not finished in the limit": UNFINISHED[0],
         "reference in doubt": "no reference is good enough",
-    }.get(verdict, str(verdict))
+    }.get(row["verdict"], str(row["verdict"]))
 
 
 # --- The studies --------------------------------------------------------------------------------

@@ -4,18 +4,27 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
+import pandas as pd
 
 import analysis
 import mbs_models
 from analysis import LOADS, STEEL_DISK, Load, PenaltyContact, Scenario, SmoothCoulomb
 from mbs_models import Scene
+from validation.kit.limits import largest
 from validation.kit.references import deviation
-from validation.study import Row, Study
+from validation.page.content import Content
+from validation.study import Row, Study, at_most
 
 STIFFNESSES = (1e4, 1e5, 1e6, 1e7)
 """In N/m; beyond, the error meets that of the integration."""
 
 TOLERANCE = 1e-9
+
+ORDER = 0.1
+"""Largest deviation from one of the order in which it tends to the ideal contact."""
+
+INTEGRATED = 0.01
+"""Largest error of its integration over its difference from the ideal contact."""
 
 SETTLED = 0.05
 """Time in s after which the bounce of the start is gone."""
@@ -51,7 +60,7 @@ def measure(case: tuple[float, Load]) -> list[Row]:
     ]
 
 
-PENALTY = Study(
+STUDY = Study(
     name="robustness-penalty",
     cases=lambda: {
         f"{each:g} N/m, load {load}": (each, load) for each, load in product(STIFFNESSES, LOADS)
@@ -64,3 +73,23 @@ PENALTY = Study(
         "step": "in s",
     },
 )
+
+
+def present(table: pd.DataFrame) -> Content:
+    """Differences from the ideal contact, and the order in which they vanish."""
+    checks = []
+    for load in LOADS:
+        rows = table[table["load"] == load].set_index("stiffness").reindex(STIFFNESSES)
+        for column in ("angles", "normal_force"):
+            # Over a decade of stiffness each.
+            orders = -np.diff(np.log10(rows[column]))
+            worst = largest(np.abs(orders - 1.0))
+            checks.append(at_most(f"penalty: load {load}, {column}, order less one", worst, ORDER))
+        integrated = largest(rows["estimate"] / rows["angles"])
+        name = f"penalty: load {load}, error of integration"
+        checks.append(at_most(name, integrated, INTEGRATED))
+    return Content(
+        numbers={"penalty": table},
+        tables={"penalty": table.drop(columns="case")},
+        checks=checks,
+    )

@@ -1,80 +1,76 @@
 """Hard cases: whether stiff and extreme motions keep their promise, and what fails says so."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import pandas as pd
 
-from validation.kit import located, references
+from validation.kit import located, references  # noqa: F401 # the text names their limits
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
-from validation.studies.robustness import checks, conservation, ended, outcomes, steps
-from validation.studies.robustness.conservation import CONSERVATION, DRIFTING, FREE
-from validation.studies.robustness.outcomes import (
-    CASES,
-    CHOSEN,
-    GOOD,
-    UNFINISHED,
-    VERDICTS,
-    cases,
-)
-from validation.studies.robustness.penalty import PENALTY
-from validation.studies.robustness.problems import TOLERANCE
-from validation.studies.robustness.steps import STEPS
+from validation.studies.robustness import conservation, outcomes, penalty, steps
+from validation.studies.robustness.outcomes import CASES, CHOSEN, GOOD, VERDICTS, cases, is_broken
+from validation.studies.robustness.problems import ENDED, TOLERANCE  # noqa: F401
+from validation.study import Check, Study, at_most
 
 TITLE = "Hard cases"
-STUDIES = (CASES, CHOSEN, STEPS, CONSERVATION, PENALTY)
+_BESIDE = (steps, conservation, penalty)
+STUDIES = (CASES, CHOSEN, *(each.STUDY for each in _BESIDE))
 
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
 
-STEPS_APART = "step over predicted less 1"
-"""Column."""
-
-_CHOSEN = ["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]
-_DRIFT = ["case", "position", "allowed", "at_end", "growth", "velocity", "energy"]
-_CONSERVED = ["case", "energy", "momentum", "spin", "allowed"]
+LEFT = 3
+"""Most of the cases as chosen that may be left without an accurate result."""
 
 
 def present(rows: Rows) -> Content:
     """What there is to show, from the tables of `STUDIES`."""
-    table, limits = rows["robustness"], _compared(rows["robustness-steps"])
-    long = rows["robustness-conservation"].set_index("case", drop=False)
-    penalty = rows["robustness-penalty"]
-    counts, numbers, chosen = by_axis(table), case_numbers(table), rows["robustness-chosen"]
-    wrong = table[~table["verdict"].isin(GOOD)]
-    return Content(
+    table, chosen = rows[CASES.name], rows[CHOSEN.name]
+    numbers, wrong = case_numbers(table), table[~table["verdict"].isin(GOOD)]
+    left = int((~chosen["verdict"].isin(GOOD)).sum())
+    content = Content(
         numbers={
             **numbers,
             "chosen": chosen,
-            "left": int((~chosen["verdict"].isin(GOOD)).sum()),
-            "chosen_broken": checks.broken(chosen),
-            "sampled_chosen": len(CHOSEN.sample),
-            "apart": float(limits[STEPS_APART].abs().max()),
-            "places": limits.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
-            **{each.__name__.rpartition(".")[2]: each for each in _SETTINGS},
-            "growing": long[long.index.str.startswith("acceleration level")],
-            "held": long.loc[[name for name, each in DRIFTING.items() if each.held]],
-            "minimal": long[long.index.str.startswith("minimal coordinates")],
-            "penalty": penalty,
+            "left": left,
+            "chosen_broken": broken(chosen),
         },
         tables={
-            "outcomes": counts.rename_axis("what is extreme").reset_index(),
+            "outcomes": by_axis(table).rename_axis("what is extreme").reset_index(),
             "causes": _causes(table),
             "cases": table.drop(columns="case").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
             "chosen": _hardest(chosen),
-            "steps": limits.drop(columns="case"),
-            "drift": long.loc[list(DRIFTING), _DRIFT].rename(columns=CONSERVATION.columns),
-            "conserved": long.loc[list(FREE), _CONSERVED].rename(columns=CONSERVATION.columns),
-            "penalty": penalty.drop(columns="case"),
         },
-        checks=list(checks.checks(rows)),
+        checks=[
+            *_checks("cases", CASES, table),
+            *_checks("cases as chosen", CHOSEN, chosen),
+            at_most("cases as chosen: without an accurate result", left, LEFT, "stored"),
+        ],
         verdicts=[_verdict(numbers)],
     )
+    for each in _BESIDE:
+        content |= each.present(rows[each.STUDY.name])
+    return content
 
 
-_SETTINGS = (checks, conservation, located, outcomes, references, steps)
-"""Modules whose limits the text names."""
+def _checks(name: str, study: Study, table: pd.DataFrame) -> Iterator[Check]:
+    """That all cases are there, kept their promises, and are called what they are."""
+    wanted = {
+        (label, way.name) for label, each in study.cases().items() for way in outcomes.ways(each)
+    }
+    other = wanted ^ set(zip(table["case"], table["way"], strict=True))
+    rows = table.to_dict("records")
+    wrong = sum(row["verdict"] in GOOD and not outcomes.is_right(row) for row in rows)
+    yield at_most(f"{name}: missing or too many", len(other), 0, "stored")
+    yield at_most(f"{name}: crashed or promise broken", broken(table), 0, "stored")
+    yield at_most(f"{name}: called right against their numbers", wrong, 0, "stored")
+
+
+def broken(table: pd.DataFrame) -> int:
+    """Number of cases that crashed or broke their promise, as noted or by their numbers."""
+    return sum(row["broken"] or is_broken(row) for row in table.to_dict("records"))
 
 
 def by_axis(table: pd.DataFrame) -> pd.DataFrame:
@@ -90,7 +86,8 @@ def _hardest(chosen: pd.DataFrame) -> pd.DataFrame:
     order = chosen.assign(right=chosen["verdict"].isin(GOOD)).sort_values(
         ["right", "error"], ascending=[True, False], ignore_index=True
     )
-    return order[_CHOSEN].rename(columns={"case": "motion", **CASES.columns})
+    shown = order[["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]]
+    return shown.rename(columns={"case": "motion", **CASES.columns})
 
 
 def _causes(table: pd.DataFrame) -> pd.DataFrame:
@@ -106,34 +103,25 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the hard cases that the text, the verdict and the manual state."""
     counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
-    late = table["cause"].isin(UNFINISHED)
+    late = table["cause"].isin(outcomes.UNFINISHED)
     finest = table["case"].map(lambda name: cases()[name].scenario.friction.finest_speed)
     told = table.dropna(subset=["error", "estimate"])
     return {
         "problems": table["case"].nunique(),
-        "sampled": len(CASES.sample),
         "total": len(table),
         "counts": counts,
         "ends": sum(counts[each] for each in GOOD[1:]),
         "without": int((~table["verdict"].isin(GOOD)).sum()),
-        "broken": checks.broken(table),
+        "broken": broken(table),
         "causes": table["cause"].value_counts().to_dict(),
         "late": int(late.sum()),
-        "very_stiff": VERY_STIFF,
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),
-        "asked": TOLERANCE,
         "tolerances": table["tolerance"],
-        "ended": int((table["axis"] == ended.AXIS).sum()),
+        "ended": int((table["axis"] == ENDED).sum()),
         "told": len(told),
         "beyond": int((told["error"] > told["estimate"] + told["doubt"]).sum()),
         "untold": int((table["estimate"].isna() & table["error"].notna()).sum()),
     }
-
-
-def _compared(limits: pd.DataFrame) -> pd.DataFrame:
-    """Stable steps beside predicted ones, where there are some."""
-    found = limits.dropna(subset="predicted")
-    return found.assign(**{STEPS_APART: found["step"] / found["predicted"] - 1.0})
 
 
 def _verdict(numbers: dict[str, Any]) -> Verdict:

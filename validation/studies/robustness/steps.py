@@ -7,6 +7,7 @@ from math import pi, sqrt
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 
 import mbs_models
 from analysis import (
@@ -15,14 +16,15 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
-    State,
     Trajectory,
 )
 from analysis.data.checks import Array
 from analysis.stability.spectra import eigenvalues
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.linear_stability import largest_step
-from validation.study import Row, Study, relative
+from validation.kit.limits import largest
+from validation.page.content import Content
+from validation.study import Row, Study, at_most, relative
 
 Axis = Literal["smoothing", "stiffness"]
 Place = tuple[Axis, float]
@@ -41,6 +43,12 @@ SPIN = 40.0
 
 DAMPING_RATIO = 0.5
 
+NEAR = 0.03
+"""Largest relative difference of a stable step from the predicted one."""
+
+APART = "step over predicted less 1"
+"""Column."""
+
 _STEPS = 480
 """Steps over which a motion must not grow."""
 
@@ -54,6 +62,10 @@ _LATE = slice(-8, None)
 """Samples in which a growing disturbance shows, of 25."""
 
 
+Growth = Callable[[Trajectory], Array]
+"""From a run to a disturbance over its start, shape (n,)."""
+
+
 def measure(place: Place) -> list[Row]:
     """Largest stable steps of explicit integrators at a place by bisection, and their prediction.
 
@@ -63,39 +75,23 @@ def measure(place: Place) -> list[Row]:
     make it; then there is no limit to be seen, and none is given.
     """
     axis, value = place
-    ideal, scenario = _scenarios(axis, value)
+    ideal, scenario, growth = (_slipping if axis == "smoothing" else _bouncing)(value)
     values = eigenvalues(ideal, [SPIN])[0]
     # Those of which the decay is friction's; the slow ones need no small step.
     decays = [complex(each) for each in values[np.argsort(values.real)[:2]]]
-    start, growth = _slipping(ideal) if axis == "smoothing" else _bouncing(scenario)
     if scenario.contact is not None:
         rate = sqrt(scenario.contact.stiffness / scenario.disk.mass)
         decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
-    scene = Scene(replace(scenario, start=start), TREES[axis])
-    rows = []
+    scene, rows = Scene(scenario, TREES[axis]), []
     for integrator in EXPLICIT:
+        row: Row = {"over": axis, "value": value, "integrator": integrator}
+        row |= {"step": None, "predicted": None}
         predicted = min(largest_step(integrator, each) for each in decays)
-        limits: tuple[float | None, float | None] = (None, None)
         if np.exp(np.max(values.real) * _STEPS * predicted) <= 0.5 * _GROWTH:
             works = partial(_is_stable, scene, integrator, growth)
-            limits = bisected(works, predicted), predicted
-        row: Row = {"over": axis, "value": value, "integrator": integrator}
-        rows.append(row | dict(zip(("step", "predicted"), limits, strict=True)))
+            row |= {"step": bisected(works, predicted), "predicted": predicted}
+        rows.append(row)
     return rows
-
-
-def _scenarios(axis: Axis, value: float) -> tuple[Scenario, Scenario]:
-    """The scenario with an ideal contact, and the one to be run."""
-    if axis == "smoothing":
-        ideal = Scenario(friction=SmoothCoulomb(smoothing=value))
-        return ideal, ideal
-    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
-    contact = PenaltyContact.damped(value, STEEL_DISK, ratio=DAMPING_RATIO)
-    return ideal, replace(ideal, contact=contact)
-
-
-Growth = Callable[[Trajectory], Array]
-"""From a run to a disturbance over its start, shape (n,)."""
 
 
 def _is_stable(scene: Scene, integrator: IntegratorName, growth: Growth, step: float) -> bool:
@@ -107,42 +103,46 @@ def _is_stable(scene: Scene, integrator: IntegratorName, growth: Growth, step: f
     return run.ending is None and bool(np.max(growth(run)[_LATE]) <= _GROWTH)
 
 
-def _slipping(scenario: Scenario) -> tuple[Start, Growth]:
+def _slipping(smoothing: float) -> tuple[Scenario, Scenario, Growth]:
     """With a small slip, in which friction is linear with a rate of one over the smoothing.
 
     Slip that grows does not blow up, since the friction force is bounded, but chatters.
+
+    Returns
+    -------
+    ideal, scenario : Scenario
+        With an ideal contact, and what is run.
+    growth : callable
     """
-    slip = _SMALL * scenario.friction.finest_speed
-    start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / scenario.disk.radius)
-    return start, lambda run: _slip(run) / slip
-
-
-def _bouncing(scenario: Scenario) -> tuple[State, Growth]:
-    """On a damped penalty contact, with a small vertical speed."""
-    contact, disk = scenario.contact, scenario.disk
-    assert contact is not None
-    depth = contact.resting_penetration(scenario.weight)
-    resting = replace(scenario, start=Start.stationary(SPIN, "inverted")).initial_state
-    along, across, _, *turning = resting.rates
-    speed = _SMALL * depth * sqrt(contact.stiffness / disk.mass)
+    ideal = Scenario(friction=SmoothCoulomb(smoothing=smoothing))
+    slip = _SMALL * smoothing
+    start = Start(gamma=pi / 2, spin=SPIN, gamma_rate=slip / ideal.disk.radius)
 
     def growth(run: Trajectory) -> Array:
-        height = run.coordinate("z") - disk.radius * np.sin(run.coordinate("beta"))
+        positions, _, velocities, turning = run.poses
+        speeds = velocities + np.cross(turning, run.contact_points - positions)
+        found: Array = np.hypot(speeds[:, 0], speeds[:, 1]) / slip
+        return found
+
+    return ideal, replace(ideal, start=start), growth
+
+
+def _bouncing(stiffness: float) -> tuple[Scenario, Scenario, Growth]:
+    """The same on a damped penalty contact, with a small vertical speed."""
+    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
+    contact = PenaltyContact.damped(stiffness, STEEL_DISK, ratio=DAMPING_RATIO)
+    depth = contact.resting_penetration(ideal.weight)
+    resting = replace(ideal, contact=contact, start=Start.stationary(SPIN, "inverted"))
+    along, across, _, *turning = resting.initial_state.rates
+    speed = _SMALL * depth * sqrt(stiffness / ideal.disk.mass)
+    start = replace(resting.initial_state, rates=(along, across, speed, *turning))
+
+    def growth(run: Trajectory) -> Array:
+        height = run.coordinate("z") - ideal.disk.radius * np.sin(run.coordinate("beta"))
         found: Array = np.abs(height + depth) / (_SMALL * depth)
         return found
 
-    return replace(resting, rates=(along, across, speed, *turning)), growth
-
-
-def _slip(run: Trajectory) -> Array:
-    """Slip speed in m/s, shape (n,)."""
-    x, y, _, _, beta, _ = run.coordinates.T
-    x_rate, y_rate, _, spin, beta_rate, gamma_rate = run.rates.T
-    r = run.scenario.disk.radius
-    along = x_rate + (r * np.cos(beta) - y) * spin + r * gamma_rate
-    across = y_rate + x * spin + r * np.sin(beta) * beta_rate
-    result: Array = np.hypot(along, across)
-    return result
+    return ideal, replace(resting, start=start), growth
 
 
 def bisected(works: Callable[[float], bool], guess: float) -> float | None:
@@ -168,7 +168,7 @@ def _cases() -> Mapping[str, Place]:
     return smoothings | {f"stiffness {e:g} N/m": ("stiffness", e) for e in STIFFNESSES}
 
 
-STEPS = Study(
+STUDY = Study(
     name="robustness-steps",
     cases=_cases,
     measure=measure,
@@ -177,3 +177,27 @@ STEPS = Study(
     confirm={"step": relative("step", 0.01), "predicted": relative("predicted", 1e-4)},
     columns={"step": "largest in s", "predicted": "in s"},
 )
+
+
+def present(table: pd.DataFrame) -> Content:
+    """Stable steps beside predicted ones, where there are some."""
+    limits = table.assign(**{APART: table["step"] / table["predicted"] - 1.0})
+    told = limits.dropna(subset="predicted")
+    checks = []
+    for integrator in EXPLICIT:
+        found = limits[limits["integrator"] == integrator].set_index("case").reindex([*_cases()])
+        hidden = found["predicted"].isna()
+        # The widest smoothing: there the spinning itself is unstable about as fast.
+        name, worst = f"steps: {integrator}", largest(found[APART][~hidden].abs())
+        checks += [
+            at_most(f"{name}, places without a stable step", int(hidden.sum()), 1),
+            at_most(f"{name}, stable over predicted", worst, NEAR),
+        ]
+    return Content(
+        numbers={
+            "apart": float(told[APART].abs().max()),
+            "places": told.groupby("over")["value"].agg(["min", "max"]).to_dict("index"),
+        },
+        tables={"steps": told.drop(columns="case")},
+        checks=checks,
+    )

@@ -155,54 +155,21 @@ def _schemes(problem: str, formulation: str) -> list[str]:
     return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii), *stepped]
 
 
-class Extrapolation:
-    """Richardson's extrapolation of runs with halved steps, as runs to a tolerance use it.
+def halving(curve: Curve) -> Ladder:
+    """Richardson's extrapolation of runs with halved steps, as runs to a tolerance use it."""
+    integrator = curve.integrator
+    assert integrator is not None
+    decay = PROBLEMS[curve.problem].slip_decay
+    return Ladder(cast("Any", curve.formulation), integrator.name, decay)
 
-    Parameters
-    ----------
-    curve : Curve
 
-    Attributes
-    ----------
-    rows : list of Row
-        Of the runs that it is made of.
-    estimate : float
-        The last one of the error in rad; infinite as long as nothing tells it.
-    """
-
-    def __init__(self, curve: Curve) -> None:
-        self._curve = curve
-        self.estimate = inf
-        self._start()
-
-    def _start(self) -> None:
-        integrator = self._curve.integrator
-        assert integrator is not None
-        decay = PROBLEMS[self._curve.problem].slip_decay
-        self._ladder = Ladder(cast("Any", self._curve.formulation), integrator.name, decay)
-        self.rows: list[Row] = []
-
-    def add(self, run: Trajectory | None, row: Row) -> Trajectory | None:
-        """The extrapolated run; None as long as nothing tells its error.
-
-        A run that failed makes it start anew, since it needs unbroken halving.
-        """
-        if run is None:
-            self._start()
-            return None
-        self.rows.append(row)
-        values = np.hstack((run.coordinates, run.rates, run.multipliers))
-        self._ladder.add(values, run.times, row["setting"])
-        if not np.isfinite(self._ladder.estimate):
-            return None
-        self.estimate = self._ladder.best_estimate
-        coordinates, rates, multipliers = np.split(self._ladder.best, (6, 12), axis=1)
-        return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
-
-    def total(self) -> Row:
-        """What all runs took together."""
-        names = ("seconds", "work", "steps")
-        return {name: sum(row[name] for row in self.rows) for name in names}
+def extrapolated(ladder: Ladder, run: Trajectory, step: float) -> Trajectory | None:
+    """A run extrapolated from those before; None as long as nothing tells its error."""
+    ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
+    if not np.isfinite(ladder.estimate):
+        return None
+    coordinates, rates, multipliers = np.split(ladder.best, (6, 12), axis=1)
+    return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
 
 
 def measure(curve: Curve) -> list[Row]:
@@ -227,24 +194,33 @@ def _sweep(curve: Curve) -> list[Row]:
 def _ladder(curve: Curve) -> tuple[list[Row], str, float]:
     """Rows of the rungs, then of extrapolated ones; why it ends; estimate that can be met."""
     rungs: list[Row] = []
-    extrapolated: list[Row] = []
+    better: list[Row] = []
     judged: list[float] = []
-    fixed_step = curve.kind == "step"
-    chain = Extrapolation(curve) if fixed_step else None
+    parts: list[Row] = []
+    chain: Ladder | None = None
+    fixed_step, estimate = curve.kind == "step", inf
     for setting in curve.ladder():
         row, run = _attempt(curve, setting, curve.kind)
         rungs.append(row)
         judged.append(inf if run is None else row["error"])
-        if chain is not None and (better := chain.add(run, row)) is not None:
-            found = errors(better, reference(curve.problem))
-            extrapolated.append({**row, **found, **chain.total(), "kind": "extrapolated"})
-            # Implicit rules are of second order and would take minutes to get there alone.
-            if curve.is_implicit:
-                judged[-1] = min(judged[-1], found["error"])
+        if run is None:
+            # The extrapolation needs unbroken halving.
+            chain, parts = None, []
+        elif fixed_step:
+            chain = chain or halving(curve)
+            parts.append(row)
+            if (whole := extrapolated(chain, run, setting)) is not None:
+                estimate = chain.best_estimate
+                costs = {name: sum(part[name] for part in parts) for name in _COSTS}
+                found = errors(whole, reference(curve.problem))
+                better.append({**row, **found, **costs, "kind": "extrapolated"})
+                # Implicit rules are of second order and would take minutes to get there alone.
+                if curve.is_implicit:
+                    judged[-1] = min(judged[-1], found["error"])
         if (end := ladder_end(judged, fixed_step=fixed_step)) is not None:
             break
-    known = chain.estimate / NEAR if chain is not None and curve.is_implicit else 0.0
-    return [*rungs, *extrapolated], end or ("work" if fixed_step else "finest"), known
+    known = estimate / NEAR if curve.is_implicit else 0.0
+    return [*rungs, *better], end or ("work" if fixed_step else "finest"), known
 
 
 def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
@@ -269,6 +245,7 @@ def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
     return None
 
 
+_COSTS = ("seconds", "work", "steps")
 _ERRORS = ("error", "angle_error", "energy_error", "force_error", "drift", "velocity_drift")
 
 
@@ -279,7 +256,7 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
         run, seconds = curve.run(setting, kind)
         row |= errors(run, reference(curve.problem))
     except ArithmeticError as error:
-        nothing = dict.fromkeys(("seconds", "work", "steps", *_ERRORS))
+        nothing = dict.fromkeys((*_COSTS, *_ERRORS))
         return {**row, **nothing, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run

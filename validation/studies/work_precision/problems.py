@@ -1,6 +1,7 @@
 """Initial value problems of error against run time, their references and their errors."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -21,24 +22,18 @@ TIMES = np.linspace(0.0, 2.0, 101)
 SAFETY = 100.0
 """Errors below this many times the references' disagreement are not told apart from it."""
 
-TITLES = {
-    "model-1": "Model 1",
-    "model-2": "Model 2",
-    "model-3": "Model 3",
-    "model-4": "Model 4",
-    "contact-load": "Model 1, friction knows the contact force",
-    "stiff": "Model 1, stiff: ε = 1e-3 m/s",
-    "undamped": "Model 1, undamped: μ = 0",
-    "fast": "Model 1, fast: spin 100 rad/s",
+_PROBLEMS: dict[str, tuple[str, dict[str, Any]]] = {
+    **{f"model-{n}": (f"Model {n}", {"constraints": held}) for n, held in MODELS.items()},
+    "contact-load": (
+        "Model 1, friction knows the contact force",
+        {"friction": SmoothCoulomb(load="contact")},
+    ),
+    "stiff": ("Model 1, stiff: ε = 1e-3 m/s", {"friction": SmoothCoulomb(smoothing=1e-3)}),
+    "undamped": ("Model 1, undamped: μ = 0", {"friction": SmoothCoulomb(coefficient=0.0)}),
+    "fast": ("Model 1, fast: spin 100 rad/s", {"start": Start(spin=100.0)}),
 }
-
-PROBLEMS = {
-    **{f"model-{level}": Scenario(constraints=held) for level, held in MODELS.items()},
-    "contact-load": Scenario(friction=SmoothCoulomb(load="contact")),
-    "stiff": Scenario(friction=SmoothCoulomb(smoothing=1e-3)),
-    "undamped": Scenario(friction=SmoothCoulomb(coefficient=0.0)),
-    "fast": Scenario(start=Start(spin=100.0)),
-}
+TITLES = {name: title for name, (title, _) in _PROBLEMS.items()}
+PROBLEMS = {name: Scenario(**changes) for name, (_, changes) in _PROBLEMS.items()}
 """Motions over 2 s from Table 3, each with one thing changed."""
 
 _REFERENCE_TOLERANCE = 3e-14

@@ -5,30 +5,40 @@ in evaluations and measured in processor time; what it is worth is its largest d
 reference that two different methods agree on.
 """
 
+from collections.abc import Sequence
 from functools import cache
+from itertools import pairwise, product
+from math import inf, log
+from statistics import median
 from typing import Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from validation.kit.figures import new_figure
 from validation.page.content import Content, Rows, Verdict
-from validation.page.section import power, span
-from validation.studies.work_precision import figures, tables
-from validation.studies.work_precision.measuring import CONSTRAINED, GOALS, curves, measure
-from validation.studies.work_precision.problems import PROBLEMS, SPACING, TIMES, measure_reference
-from validation.studies.work_precision.tables import NAMES
+from validation.page.section import power, sig, span
+from validation.studies.work_precision import problems
+from validation.studies.work_precision.measuring import (
+    CONSTRAINED,
+    GOALS,
+    IN_HOUSE,
+    USEFUL,
+    curves,
+    measure,
+)
+from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
 from validation.study import Check, Row, Study, at_most, load, relative
 
 TITLE = "Error against run time"
 
 
-def _problems() -> dict[str, str]:
-    return {name: name for name in PROBLEMS}
-
-
 REFERENCES = Study(
     name="work-precision-references",
-    cases=_problems,
-    measure=measure_reference,
+    cases=lambda: {name: name for name in problems.PROBLEMS},
+    measure=problems.measure_reference,
     keys=("other",),
     confirm={"difference": 1e-11},
     sample=("model-1", "model-3"),
@@ -41,14 +51,12 @@ REFERENCES = Study(
 )
 
 
-@cache
-def _floors() -> dict[str, float]:
-    return tables.floors(load(REFERENCES).assign(problem=lambda table: table["case"]))
+_stored_floors = cache(lambda: floors(load(REFERENCES)))
 
 
 def _near_floor(stored: Row) -> float:
     """Allowed difference of errors: 5 % and what the references leave open."""
-    return float(0.05 * stored["error"] + _floors()[stored["problem"]])
+    return float(0.05 * stored["error"] + _stored_floors()[stored["problem"]])
 
 
 CURVES = Study(
@@ -80,66 +88,57 @@ STUDIES = (REFERENCES, CURVES)
 
 def present(rows: Rows) -> Content:
     """Tables, diagrams and the lesson."""
-    references = rows[REFERENCES.name].assign(problem=lambda table: table["case"])
-    runs, floors = tables.prepared(rows[CURVES.name]), tables.floors(references)
-    told = tables.orders(runs, floors)
-    asked = tables.asked(runs)
-    numbers, fastest = _lesson(runs, asked), tables.ways(runs)
+    references, runs = rows[REFERENCES.name], prepared(rows[CURVES.name])
+    least, to_goals, fastest = floors(references), asked(runs), ways(runs)
+    numbers = _lesson(runs, to_goals)
+    compared = references.assign(problem=references["case"], floor=references["case"].map(least))
+    shown = ["problem", *REFERENCES.columns]
     return Content(
         numbers=numbers,
         tables={
             "fastest": fastest[fastest["error at most"] == power(GOALS[1])],
             "ways": fastest,
-            "tolerances": tables.tolerances(runs),
-            "references": references[["problem", "other", "setting", "difference"]]
-            .assign(floor=references["problem"].map(floors))
-            .rename(columns=REFERENCES.columns),
-            "orders": tables.order_table(told),
+            "tolerances": tolerances(to_goals),
+            "references": compared[shown].rename(columns=REFERENCES.columns),
+            "orders": orders(runs, least),
             "runs": rows[CURVES.name],
         },
-        figures={"fronts": figures.fronts(runs, floors)},
-        checks=_checks(asked, floors),
+        figures={"fronts": fronts(runs, least)},
+        checks=_checks(to_goals, least),
         verdicts=[_verdict(numbers["topology"])],
     )
 
 
-def _checks(asked: pd.DataFrame, floors: dict[str, float]) -> list[Check]:
+def _checks(to_goals: pd.DataFrame, least: dict[str, float]) -> list[Check]:
     """That the references can judge the finest goal, and runs to a tolerance keep it."""
-    found = [
-        at_most(f"work-precision: floor of {problem}", floor, GOALS[-1], "stored")
-        for problem, floor in floors.items()
-    ]
-    kept = asked[~asked["failed"]]
-    for (problem, formulation), group in kept.groupby(["problem", "formulation"]):
-        name = f"work-precision: error over tolerance, {problem}, {formulation}"
-        found.append(at_most(name, float(group["over"].max()), 1.0, "stored"))
-    return found
+    kept = to_goals[~to_goals["failed"]].groupby(["problem", "formulation"])["over"].max()
+    values: dict[str, tuple[float, float]] = {
+        **{f"floor of {problem}": (floor, GOALS[-1]) for problem, floor in least.items()},
+        **{f"error over tolerance, {', '.join(key)}": (over, 1.0) for key, over in kept.items()},
+    }
+    return [at_most(f"work-precision: {name}", *value, "stored") for name, value in values.items()]
 
 
-def _lesson(runs: pd.DataFrame, asked: pd.DataFrame) -> dict[str, Any]:
+def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the text beside the tables."""
     held = runs[runs["formulation"].isin(CONSTRAINED)]
-    free = tables.cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
-    best = tables.cheapest(held, ["problem"])
-    own = tables.cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
+    free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
+    best = cheapest(held, ["problem"])
+    own = cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
     ladders = held[held["kind"] == "step"]
     return {
-        "spacing": SPACING,
-        "end": float(TIMES[-1]),
-        "goals": GOALS,
-        "names": NAMES,
         "topology": (best["seconds"] / free).dropna(),
-        "won": {g: tables.ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
+        "won": {g: ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
         "failing": {
             scheme: (int(group["failed"].sum()), len(group))
             for scheme, group in ladders.groupby("scheme")
         },
         "careful": {
             setting: (1.0 / group["over"].median(), group["excess"].median())
-            for setting, group in asked.groupby("setting", sort=False)
+            for setting, group in to_goals.groupby("setting", sort=False)
         },
         "stiff": _stiff(runs),
-        "own": tables.ranked(own["scheme"]),
+        "own": ranked(own["scheme"]),
     }
 
 
@@ -149,7 +148,7 @@ def _stiff(runs: pd.DataFrame) -> dict[str, Any]:
     rungs = tree[(tree["scheme"] == "RK67") & (tree["kind"] == "step")]
     good = (rungs["error"] <= GOALS[-1]).to_numpy()
     first = int(good.argmax()) if good.any() else len(rungs) - 1
-    control = tables.cheapest(tree[tree["scheme"] == "DOPRI5"], ["scheme"]).iloc[0]
+    control = cheapest(tree[tree["scheme"] == "DOPRI5"], ["scheme"]).iloc[0]
     return {"unstable": rungs.iloc[first - 1], "stable": rungs.iloc[first], "control": control}
 
 
@@ -164,4 +163,223 @@ def _verdict(ratios: "pd.Series[float]") -> Verdict:
         f"long, in {faster} of {len(ratios)} cases of problem and goal more.",
         criterion="yes if it is so for every problem and every goal that both reach.",
         good=answer == "yes",
+    )
+
+
+# --- Tables -------------------------------------------------------------------------------------
+
+LOOKS = {
+    "contact-tree": ("contact tree", "#000000", "o"),
+    "euler-tree": ("Euler tree", "#0072b2", "s"),
+    "floating": ("floating, Euler parameters", "#d55e00", "^"),
+    "floating-lie": ("floating, Lie group", "#cc79a7", "v"),
+    "index-1": ("in-house, index 1 (Python)", "#009e73", "D"),
+    "reduced": ("in-house, reduced (Python)", "#8a8a8a", "P"),
+}
+"""Name, colour and marker of each formulation; they differ in grey, too."""
+
+NAMES = {formulation: name for formulation, (name, *_) in LOOKS.items()}
+
+CURVE = ["problem", "formulation", "scheme"]
+
+_SIDES = {"engine": "in the engine", "in-house": "in-house"}
+
+_LEAST_RATIO = 1.4
+"""Of steps or evaluations between two rungs from which an order can be told."""
+
+_LEAST_RUNGS = 4
+"""Rungs in the asymptotic range from which an order can be told."""
+
+_SETTLED = 0.6
+"""Largest spread of the slopes between those rungs."""
+
+
+def prepared(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs with names of their ways and their sides; failed ones have an infinite error."""
+    words = {"extrapolated": ", extrapolated", "tolerance": ", to a tolerance"}
+    return runs.fillna({"error": inf, "angle_error": inf}).assign(
+        way=runs["scheme"] + runs["kind"].map(words).fillna(""),
+        side=np.where(runs["formulation"].isin(IN_HOUSE), "in-house", "engine"),
+        milliseconds=1e3 * runs["seconds"],
+        failed=runs["failure"] != "",
+    )
+
+
+def floors(references: pd.DataFrame) -> dict[str, float]:
+    """Smallest error that can be measured on each problem."""
+    least = references.groupby("case")["difference"].min()
+    return {str(problem): SAFETY * float(value) for problem, value in least.items()}
+
+
+def cheapest(runs: pd.DataFrame, by: Sequence[str], cost: str = "seconds") -> pd.DataFrame:
+    """The cheapest run of each group to each goal, indexed by both.
+
+    Runs to a tolerance, which are not chosen with the reference at hand, are not among them.
+    """
+    chosen = runs[runs["kind"] != "tolerance"]
+    met = pd.concat(
+        [chosen[chosen["error"] <= goal].assign(goal=goal) for goal in GOALS], ignore_index=True
+    )
+    best = met.loc[met.groupby([*by, "goal"], sort=False)[cost].idxmin()]
+    return best.set_index([*by, "goal"], drop=False)
+
+
+def shortfall(runs: pd.DataFrame) -> str:
+    """Why no run meets a goal; "not reached" only where every ladder went to its end."""
+    best = runs["error"].min()
+    found = f", best {best:.0e}" if best <= USEFUL else ""
+    open_ended = runs[runs["end"].isin(["work", "goal"])]
+    if open_ended.empty:
+        return f"not reached{found}"
+    finest = open_ended.loc[open_ended["kind"] == "step", "setting"].min()
+    steps = round(TIMES[-1] / finest)
+    return (
+        f"fails up to {steps} steps" if best == inf else f"not tried beyond {steps} steps{found}"
+    )
+
+
+def ways(runs: pd.DataFrame) -> pd.DataFrame:
+    """Fastest way to each goal, in the engine and in-house, or why there is none."""
+    best = cheapest(runs, ["problem", "side"])
+    groups = dict(tuple(runs.groupby(["problem", "side"])))
+    rows = []
+    for problem, goal in product(TITLES, GOALS):
+        row: Row = {"problem": TITLES[problem], "error at most": power(goal)}
+        for side, head in _SIDES.items():
+            if (problem, side, goal) in best.index:
+                run = best.loc[(problem, side, goal)]
+                row[head] = f"{run['formulation']}, {run['way']}"
+                row[f"evaluations, {side}"] = int(run["work"])
+                row[f"time in ms, {side}"] = float(sig(run["milliseconds"], 3))
+            else:
+                row[head] = shortfall(groups[problem, side])
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def asked(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs to a tolerance, with how much better and dearer they are than they would have to be.
+
+    `over` is the error of beta and gamma over the tolerance, `excess` the evaluations over those
+    of the cheapest run of the same method that would do, which only a reference tells.
+    """
+    found = runs[runs["kind"] == "tolerance"]
+    enough = cheapest(runs, CURVE, cost="work")["work"].rename("enough")
+    found = found.join(enough, on=[*CURVE, "setting"])
+    met = found["error"] <= found["setting"]
+    return found.assign(
+        over=(found["angle_error"] / found["setting"]).where(~found["failed"]),
+        excess=(found["work"] / found["enough"]).where(met),
+        worse=~met & ~found["failed"],
+    )
+
+
+def tolerances(to_goals: pd.DataFrame) -> pd.DataFrame:
+    """What runs to a tolerance deliver and take, per formulation and integrator."""
+    groups = to_goals.groupby(["formulation", "scheme"], sort=False)
+    table = groups.agg(
+        **{
+            "runs": ("kind", "size"),
+            "refused": ("failed", "sum"),
+            "error of β and γ over tolerance, largest": ("over", "max"),
+            "median": ("over", "median"),
+            "position worse than that, runs": ("worse", "sum"),
+            "evaluations over the least that would do, median": ("excess", "median"),
+        }
+    )
+    return table.reset_index()
+
+
+def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
+    """Observed order of each method, or why it has none, with a column for each problem."""
+    shown = runs[runs["kind"].isin(["step", "local tolerance"])]
+    groups: Any = shown.groupby(CURVE, sort=False)
+    found = pd.Series({key: observed_order(group, floor[key[0]]) for key, group in groups})
+    methods = list(dict.fromkeys((form, scheme) for _, form, scheme in found.index))
+    table = found.unstack(0).reindex(index=methods, columns=list(TITLES)).fillna("")
+    table.index = pd.Index([", ".join(method) for method in methods], name="method")
+    return table.rename(columns=TITLES).reset_index()
+
+
+def observed_order(runs: pd.DataFrame, floor: float) -> float | str:
+    """Median slope of the error against the number of steps, with its sign turned.
+
+    Evaluations of the right-hand side stand for the steps of methods that control them. Counted
+    are the finest consecutive rungs whose errors lie between what can be measured and what is
+    useful and fall from each to the next; there must be 4 of them, and the slopes between the
+    last ones must agree to 0.6.
+
+    Parameters
+    ----------
+    runs : DataFrame
+        Of one method on one problem, from coarse to fine.
+    floor : float
+        Smallest error that can be measured.
+    """
+    slopes: list[list[float]] = [[]]
+    for coarse, fine in pairwise(runs.to_dict("records")):
+        by_step = coarse["kind"] == "step"
+        finer = coarse["setting"] / fine["setting"] if by_step else fine["work"] / coarse["work"]
+        if floor < fine["error"] < coarse["error"] < USEFUL and finer > _LEAST_RATIO:
+            slopes[-1].append(log(coarse["error"] / fine["error"]) / log(finer))
+        elif slopes[-1]:
+            slopes.append([])
+    last = max(slopes, key=len)[1 - _LEAST_RUNGS :]
+    if len(last) < _LEAST_RUNGS - 1:
+        return "– few rungs"
+    if max(last) - min(last) > _SETTLED:
+        return f"– unsettled, {min(last):.1f} to {max(last):.1f}"
+    return round(median(last), 2)
+
+
+def ranked(names: "pd.Series[str]") -> dict[str, int]:
+    """How often each name comes, the most frequent first."""
+    counts = names.value_counts()
+    return {str(n): int(counts[n]) for n in sorted(counts.index, key=lambda n: (-counts[n], n))}
+
+
+# --- Diagram ------------------------------------------------------------------------------------
+
+_LOWEST, _HIGHEST = 3e-12, 1.0
+
+
+def fronts(runs: pd.DataFrame, floors: dict[str, float]) -> Figure:
+    """What each formulation can do with the best of its integrators, one panel per problem."""
+    figure, axes = new_figure(3, columns=3, width=10.5, height=10.4, share=False)
+    *panels, spare = axes.flat
+    for panel, (problem, title) in zip(panels, TITLES.items(), strict=True):
+        found = runs[runs["problem"] == problem]
+        for formulation, group in found.groupby("formulation", sort=False):
+            _, *look = LOOKS[formulation]
+            _line(panel, front(group), look, floors[problem])
+        panel.set_title(title, fontsize=10, loc="left")
+        panel.set(xscale="log", yscale="log", ylim=(_LOWEST, _HIGHEST))
+        panel.set(xlabel="processor time in ms", ylabel="largest error")
+        panel.margins(x=0.12)
+        panel.set_yticks([10.0**-digits for digits in range(0, 12, 3)])
+        panel.axhspan(_LOWEST, floors[problem], color="#e6e6e6", zorder=0)
+        for goal in GOALS:
+            panel.axhline(goal, color="#777777", linewidth=0.8, linestyle=":")
+    for name, colour, marker in LOOKS.values():
+        spare.plot([], [], color=colour, marker=marker, markersize=5, label=name)
+    spare.set_axis_off()
+    spare.legend(loc="center", frameon=False)
+    return figure
+
+
+def front(runs: pd.DataFrame) -> pd.DataFrame:
+    """Runs that no other beats in both time and error, the fastest first."""
+    ranked = runs[(runs["kind"] != "tolerance") & ~runs["failed"]].sort_values(
+        ["seconds", "error"]
+    )
+    best = ranked["error"].cummin().shift(fill_value=inf).clip(upper=USEFUL)
+    return ranked[ranked["error"] < best]
+
+
+def _line(axes: Axes, runs: pd.DataFrame, look: Sequence[str], floor: float) -> None:
+    """Draw runs up to the first that is too good to be measured, that one on the edge."""
+    told = runs[(runs["error"] > floor).shift(fill_value=True).cummin()]
+    error, (colour, marker) = told["error"].clip(lower=floor), look
+    axes.plot(
+        told["milliseconds"], error, color=colour, marker=marker, markersize=4.5, linewidth=1.2
     )
