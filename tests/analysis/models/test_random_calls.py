@@ -139,7 +139,7 @@ def test_animate_answers_in_one_line(
     words = ["animate", str(tmp_path / "run.npz"), *given_options]
     answer(words, capsys)
     # Drawing takes seconds; what is drawn has passed all checks but that of the width.
-    monkeypatch.setattr("validation.kit.animation.gif._Picture", None)
+    monkeypatch.setattr("validation.kit.animation.gif._pixels", None)
     if of_a_gif and not any(name.startswith("--width") for name in of_a_gif):
         of_a_gif.append("--width=1")
         answer([*words, "--out", str(tmp_path / "run.gif"), *of_a_gif], capsys)
