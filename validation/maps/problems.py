@@ -1,9 +1,7 @@
 """The maps: what each shows, over which axes, and how its cases are run."""
 
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
 from math import pi
 from typing import Any
 
@@ -12,7 +10,6 @@ import numpy as np
 from analysis import MODELS, Scenario
 from analysis.data.changes import changed
 from analysis.data.checks import Array, whole, within
-from analysis.data.outcomes import DONE
 from analysis.data.written import unit
 from analysis.stability.critical import critical_speeds
 from validation.kit.ways import forms
@@ -183,45 +180,19 @@ def quickest_plan(
     return Plan(formulation=form, local_tolerance=1e-6, **how)
 
 
-def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
-    """What became of the disk in a case: of its inversion, or which of its faces is up."""
-    if row["status"] != DONE:
-        return "refused" if row["status"] == "refused" and not to_rest else "failed"
-    if to_rest:
-        return _face(scenario, row)
-    if row["inversion"] in ("inverted", "lost", "not decided"):
-        return str(row["inversion"])
-    return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
-
-
-def _face(scenario: Scenario, row: Mapping[str, Any]) -> str:
-    """Which face of a case is up at rest, as soon as that cannot change any more.
-
-    The disk passes from one face to the other through standing on its rim, where its potential
-    energy is m g (r - e) at least. With less energy than that it stays on its side, however long
-    it takes to come to rest there.
-    """
-    barrier = scenario.weight * (scenario.disk.radius - scenario.disk.eccentricity)
-    is_decided = float(row["energy_end"] or np.inf) < barrier or row["ending"] == "flat"
-    if not is_decided:
-        return "not decided"
-    return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
-
-
-@cache
 def critical_points(sweep: Sweep) -> Array:
     """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
 
-    Empty for a map that has no spin along its horizontal axis, or no stationary spinning that is
-    linearised, as of other bodies or on a leaning table.
+    Empty for a map that has no spin along its horizontal axis, or a start along the other, and
+    where no stationary spinning is linearised, as of other bodies or on a leaning table.
     """
-    up, right = sweep.design.axes
-    if right.field != "start.spin":
-        return np.empty((0, 2))
-    ends = (right.between(0.0), right.between(1.0))
+    (up, heights), (right, spins) = ((axis.field, axis.grid) for axis in sweep.design.axes)
     points = []
-    for value in np.linspace(up.between(0.0), up.between(1.0), THEORY_SAMPLES).tolist():
-        with suppress(ValueError):
-            found = critical_speeds(changed(sweep.scenario, {up.field: value}), ends)
-            points += [(crossing.spin, value) for crossing in found.crossings]
+    if right == "start.spin" and not up.startswith("start."):
+        for value in np.linspace(heights[0], heights[-1], THEORY_SAMPLES).tolist():
+            with suppress(ValueError):
+                found = critical_speeds(
+                    changed(sweep.scenario, {up: value}), (spins[0], spins[-1])
+                )
+                points += [(crossing.spin, value) for crossing in found.crossings]
     return np.array(points).reshape(-1, 2)

@@ -14,11 +14,10 @@ import numpy.typing as npt
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from validation.maps.problems import Problem, judged, quickest_plan
+from validation.maps.panel import run_panel
+from validation.maps.problems import Problem, quickest_plan
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.pools import Pool
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
@@ -82,20 +81,16 @@ def shifted_sweeps(
     return sweeps
 
 
-def run_pairs(
-    problem: Problem, sweeps: Sequence[Sweep], folder: Path, pool: Pool, **how: Any
-) -> Uncertainty | None:
+def run_pairs(sweeps: Sequence[Sweep], folder: Path, pool: Pool, **how: Any) -> Uncertainty | None:
     """Uncertainty exponent of a map from `shifted_sweeps`, each with a store in a folder.
 
-    `how` goes to `run_cases`.
+    `how` goes to `run_panel`.
     """
-    outcomes = []
-    for index, sweep in enumerate(sweeps):
-        with Store(folder / f"pairs-{index}.db", sweep) as store:
-            run_cases(sweep, store, pool, **how)
-            outcomes.append(
-                [judged(sweep.scenario, row, to_rest=problem.to_rest) for row in store.rows()]
-            )
+    panels = [
+        run_panel(sweep, folder / f"pairs-{index}.db", pool, **how)
+        for index, sweep in enumerate(sweeps)
+    ]
+    outcomes = [panel.cells["outcome"] for panel in panels]
     return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
 
 

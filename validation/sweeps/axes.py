@@ -93,6 +93,11 @@ class Axis:
         last = (self.size or 1) - 1
         return self.values[index] if self.values else self.between(index / max(1, last))
 
+    @property
+    def grid(self) -> list[Any]:
+        """All values on a grid."""
+        return [self.at(index) for index in range(self.size or 0)]
+
     def draw(self, part: float) -> Value:
         """Value of a random number from 0 to 1; each of a list is as probable."""
         if not self.values:

@@ -126,9 +126,7 @@ class Results(OutcomeTable):
         over: tuple[str, ...] = ("number",)
         if design.layout == "grid":
             over = self.axes
-            places = {
-                each.field: [each.at(i) for i in range(each.size or 0)] for each in design.axes
-            }
+            places = {each.field: each.grid for each in design.axes}
             data = {name: (over, self.on_grid(name), held[name].attrs) for name in held.data_vars}
             held = type(held)(data, coords=places)
         if plan.keep:

@@ -19,8 +19,8 @@ from tests.calls import run
 from tests.sweeps import direct
 from validation.maps import panel as room
 from validation.maps import problems
-from validation.maps.panel import cell, run_panel
-from validation.maps.problems import PROBLEMS, critical_points, judged, panels
+from validation.maps.panel import cell, judged, run_panel
+from validation.maps.problems import PROBLEMS, critical_points, panels
 from validation.maps.refinement import refine
 from validation.maps.uncertainty import (
     DISTANCES,
@@ -155,11 +155,11 @@ def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
     (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=2, levels=1, end=0.05, witnesses=0)
     monkeypatch.setattr(room, "judged", lambda _, row, **__: str(row["start.spin"] > 45.0))
     path = tmp_path / "a.db"
-    panel = run_panel(SPIN_FRICTION, sweep, path, direct(), levels=1)
+    panel = run_panel(sweep, path, direct(), to_rest=False, levels=1)
     spins = panel.values[1][panel.places(panel.cells)[:, 1]]
     # Left of 40 rad/s the coarse grid alone, on the right every value.
     assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
-    again = run_panel(SPIN_FRICTION, sweep, path, direct(), levels=1)
+    again = run_panel(sweep, path, direct(), to_rest=False, levels=1)
     pd.testing.assert_frame_equal(again.cells, panel.cells)
     assert Results.load(path).columns["number"].size == 3 + 3 * 5
 
@@ -196,7 +196,7 @@ def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None
     problem = replace(SPIN_FRICTION, right=("start.gamma", -1.5, 1.5), up=("start.beta", 0.9, 2.2))
     sweeps = shifted_sweeps(problem, REDUCED, number=40, end=0.03)
     # Too short to tell, so that there is no exponent.
-    assert run_pairs(problem, sweeps, tmp_path, direct(), time_limit=1.0) is None
+    assert run_pairs(sweeps, tmp_path, direct(), to_rest=False, time_limit=1.0) is None
     assert len(list(tmp_path.glob("pairs-*.db"))) == 1 + len(DISTANCES)
     outcomes = [["a", "a", "b", "a"], ["b", "not decided", "b", "failed"]]
     assert pairs_that_differ(outcomes).tolist() == [[True, False]]
