@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from analysis import Scenario
 from analysis.data.checks import Array
@@ -26,8 +27,8 @@ DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
 RESAMPLINGS = 200
 """Of the pairs, for the error of the exponent."""
 
-_NEWTON = 20
-"""Steps of Newton's method, which is there after some five."""
+_STEEPEST = 50.0
+"""Slope beyond which no exponent of counted pairs lies."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,10 +145,10 @@ def _slope(distances: Array, counts: npt.NDArray[np.int_]) -> float:
 
     A line through the logarithms could make nothing of a count of 0.
     """
-    logs = np.column_stack((np.log(distances), np.ones(distances.size)))
-    line = np.linalg.lstsq(logs, np.log(counts + 0.5), rcond=None)[0]
-    for _ in range(_NEWTON):
-        expected = np.exp(logs @ line)
-        information = logs.T @ (expected[:, None] * logs)
-        line = line + np.linalg.solve(information, logs.T @ (counts - expected))
-    return float(line[0])
+    logs = np.log(distances)
+    mean = np.average(logs, weights=counts)
+
+    def excess(slope: float) -> float:
+        return float(np.average(logs, weights=distances**slope) - mean)
+
+    return float(brentq(excess, -_STEEPEST, _STEEPEST))
