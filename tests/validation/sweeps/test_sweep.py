@@ -1,27 +1,27 @@
 """Sweeps: outcomes of the cases, the store, and workers that fail."""
 
-import csv
 import re
 import sqlite3
-import tracemalloc
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import closing, nullcontext
 from functools import partial
+from itertools import count
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from analysis import MODELS, Scenario
-from analysis.data.outcomes import DONE, Row
+from analysis.data.outcomes import DONE
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.processes import Here
 from validation.kit.sources import digest
 from validation.run import run
-from validation.sweeps import case, runner
+from validation.sweeps import runner
 from validation.sweeps.case import run_case
 from validation.sweeps.outcomes import COLUMNS
 from validation.sweeps.pools import open_pool
@@ -71,22 +71,19 @@ def test_failed_case_is_a_row_with_its_reason(
 # --- Witnesses -----------------------------------------------------------------------------------
 
 
-def test_witness_is_the_other_side_with_its_difference() -> None:
+def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
     row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1, None)
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
-
-
-def test_witness_is_as_accurate_as_it_is_told_to_be() -> None:
-    def method(**how: Any) -> Any:
+    for how, run_as in (
+        ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2}),
+        ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
+    ):
         wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
         motion = wanted.plan.witness.motion(wanted.scenario_of(0), time_limit=None)
         assert motion.source == "engine"
-        return motion.method
-
-    assert method(witness_tolerance=1e-2)["tolerance"] == 1e-2
-    assert {"tolerance": None, "step": 5e-3}.items() <= method(witness_step=5e-3).items()
+        assert run_as.items() <= motion.method.items()
 
 
 def test_witnesses_are_spread_evenly() -> None:
@@ -215,11 +212,9 @@ def test_csv_holds_every_row_in_full_precision(tmp_path: Path) -> None:
     path, text = tmp_path / "a.db", tmp_path / "a.csv"
     columns = swept(sweep("spin=30:40:3", "mu=0.2,-1"), path).columns
     assert write_csv(path, text) == 6
-    with text.open() as lines:
-        rows = list(csv.DictReader(lines))
-    assert list(rows[0]) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
-    found = [float(row["force_least"] or "nan") for row in rows]
-    np.testing.assert_array_equal(found, columns["force_least"])
+    written = pd.read_csv(text)
+    assert list(written) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
+    np.testing.assert_allclose(written["force_least"], columns["force_least"], rtol=1e-15)
 
 
 def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
@@ -229,27 +224,23 @@ def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
     assert results.on_grid("ending").tolist() == [[None] * 2] * 3
 
 
-@pytest.mark.slow
-def test_memory_of_a_sweep_does_not_grow_with_its_cases(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def quick(_wanted: Sweep, index: int, _limit: float | None) -> Row:
-        return {"number": index, "start.spin": 1.0, "status": DONE, "seconds": 1e-3}
+def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
+    def enough(_new: int, _failed: int) -> None:
+        raise LookupError
 
-    monkeypatch.setattr(case, "run_case", quick)
-    monkeypatch.setattr(runner, "LARGEST_CHUNK", 50)
-    monkeypatch.setattr(runner, "_LOOK", 200)
-    wanted = sweep("spin=0:60:4000")
-    with Store(tmp_path / "many.db", wanted) as kept:
-        tracemalloc.start()
-        run_cases(wanted, kept, direct(), numbers=range(1000))
-        few = tracemalloc.get_traced_memory()[1]
-        tracemalloc.reset_peak()
-        run_cases(wanted, kept, direct(), numbers=range(4000))
-        many = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-    # Whatever is kept of a case takes some 30 bytes or more.
-    assert many - few < 16 * 7000
+    # Whoever wanted all numbers first would never begin.
+    with pytest.raises(LookupError):
+        swept(sweep("spin=0:60:40"), tmp_path / "a.db", numbers=count(), told=enough)
+
+
+def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:
+    pytest.importorskip("xarray")
+    results = swept(sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db")
+    frame, cube = results.to_dataframe(), results.to_xarray()
+    assert frame.loc[4, "start.spin"] == 40.0
+    assert frame["status"].tolist() == [DONE, "refused"] * 3
+    picked = cube["energy_end"].sel({"start.spin": 35.0, "friction.coefficient": 0.2})
+    assert float(picked) == frame.loc[2, "energy_end"]
 
 
 # --- Workers -------------------------------------------------------------------------------------
@@ -261,10 +252,8 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
 ) -> None:
     monkeypatch.setattr(runner, "GRACE", 0.0)
     wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02)
-    path = tmp_path / "a.db"
-    with Store(path, wanted) as kept, open_pool("processes", workers=1) as pool:
-        run_cases(wanted, kept, pool, time_limit=0.3)
-    table = Results.load(path).columns
+    with open_pool("processes", workers=1) as pool:
+        table = swept(wanted, tmp_path / "a.db", pool, time_limit=0.3).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
 
@@ -277,9 +266,7 @@ def test_quick_cases_go_out_in_larger_and_larger_chunks(tmp_path: Path) -> None:
             sizes.append(len(given[1]))
             return super().submit(function, *given, **named)
 
-    wanted = sweep("spin=30:40:40")
-    with Store(tmp_path / "a.db", wanted) as kept:
-        run_cases(wanted, kept, direct(executor=Counting()))
+    swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(executor=Counting()))
     assert sum(sizes) == 40
     assert max(sizes) > 8 * sizes[0]
 
@@ -292,10 +279,9 @@ def one_worker() -> ProcessPoolExecutor:
 @pytest.mark.slow
 def test_executor_that_breaks_leaves_a_store_that_the_same_call_finishes(tmp_path: Path) -> None:
     wanted, path = sweep(f"mu={CRASHES},0.1,0.2", scenario=WAYWARD, end=0.02), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        for lost in (pytest.raises(OSError, match="the workers are lost"), nullcontext()):
-            with lost, open_pool(f"{__name__}:one_worker", workers=1) as pool:
-                run_cases(wanted, kept, pool)
+    for lost in (pytest.raises(OSError, match="the workers are lost"), nullcontext()):
+        with lost, open_pool(f"{__name__}:one_worker", workers=1) as pool:
+            swept(wanted, path, pool)
     assert Results.load(path).columns["status"].tolist() == ["crashed", DONE, DONE]
 
 
