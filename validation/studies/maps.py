@@ -394,7 +394,7 @@ def _misplaced(table: pd.DataFrame) -> int:
     wrong = 0
     for name, case in cases().items():
         design, cells = case.sweep.design, _of(table, name)
-        there = cells[[axis.field for axis in design.axes]].to_numpy(float)
-        here = np.array([design.case(number) for number in cells["number"]], dtype=float)
-        wrong += int(np.sum(~np.isclose(there, here.reshape(there.shape), rtol=1e-9)))
+        for number, row in zip(cells["number"], cells.to_dict("records"), strict=True):
+            here = design.values_of(number)
+            wrong += not np.allclose([row[name] for name in here], [*here.values()], rtol=1e-9)
     return wrong

@@ -76,10 +76,11 @@ def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
-    for how, run_as in (
+    told: list[tuple[dict[str, Any], dict[str, Any]]] = [
         ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2}),
         ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
-    ):
+    ]
+    for how, run_as in told:
         wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
         motion = wanted.plan.witness.motion(wanted.scenario_of(0), time_limit=None)
         assert motion.source == "engine"

@@ -18,7 +18,7 @@ def design(*texts: str, **how: Any) -> Design:
 
 
 def points(found: Design) -> Any:
-    return np.array([found.case(index) for index in range(found.size)])
+    return np.array([[*found.values_of(index).values()] for index in range(found.size)])
 
 
 def test_grid_holds_all_combinations_with_the_last_axis_fastest() -> None:
@@ -67,7 +67,7 @@ def test_sobol_points_go_on_over_blocks_as_one_sequence() -> None:
     found = design("spin=0:1", "gamma=0:1", layout="sobol", number=10_000, seed=3)
     whole = qmc.Sobol(2, rng=3).random(8192 * 2)
     for index in (0, 4095, 4096, 8191, 9999):
-        assert found.case(index) == tuple(whole[index])
+        assert [*found.values_of(index).values()] == whole[index].tolist()
 
 
 def test_memory_does_not_grow_with_the_number_of_cases() -> None:
@@ -77,7 +77,7 @@ def test_memory_does_not_grow_with_the_number_of_cases() -> None:
         design("spin=0:60", "gamma=0:1", layout="random", number=10**12),
     ):
         for index in (0, found.size // 2, found.size - 1):
-            found.case(index)
+            found.values_of(index)
     assert tracemalloc.get_traced_memory()[1] < 500_000
     tracemalloc.stop()
 
