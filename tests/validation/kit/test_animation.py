@@ -198,10 +198,11 @@ def test_lines_of_a_solid_lie_on_its_surface_and_cover_its_outline(solid: Body) 
 
 def test_what_lies_towards_the_eye_is_seen_in_one_place_and_across_it_in_its_size() -> None:
     camera = drawing.Camera(np.array([0.1, -0.2, 0.3]), -1.25, radius=0.5)
-    along, across = camera.to_eye, np.linalg.svd(camera.to_eye[None])[2][1:]
-    seen = camera.project(camera.target + np.vstack((along, across)))
+    right, up, towards = camera.axes
+    np.testing.assert_allclose(np.cross(right, up), towards, atol=1e-12)
     # A length of 1 m is two of the camera's radii.
-    np.testing.assert_allclose(seen @ seen.T, np.diag([0.0, 4.0, 4.0]), atol=1e-12)
+    seen = camera.project(camera.target + camera.axes)
+    np.testing.assert_allclose(seen, [(2.0, 0.0), (0.0, 2.0), (0.0, 0.0)], atol=1e-12)
 
 
 @pytest.mark.parametrize("body", [COMPOSED, ELLIPSE, TIPPE_TOP], ids=["disk", "ellipse", "solid"])

@@ -40,18 +40,16 @@ class Camera(NamedTuple):
     scale: float = 1.0
 
     @property
-    def to_eye(self) -> Array:
-        """Direction to the eye, shape (3,)."""
+    def axes(self) -> Array:
+        """Directions to the right, up and to the eye, shape (3, 3)."""
         c, s = np.cos(self.azimuth), np.sin(self.azimuth)
         level, up = np.cos(_ELEVATION), np.sin(_ELEVATION)
-        return np.array((level * c, level * s, up))
+        return np.array([(-s, c, 0.0), (-up * c, -up * s, level), (level * c, level * s, up)])
 
     def project(self, points: Array) -> Array:
         """Orthographic picture coordinates, shape (n, 2), of points in m, shape (n, 3)."""
-        x, y, z = ((np.atleast_2d(points) - self.target) / self.radius).T
-        c, s = np.cos(self.azimuth), np.sin(self.azimuth)
-        up = np.cos(_ELEVATION) * z - np.sin(_ELEVATION) * (c * x + s * y)
-        return np.column_stack((c * y - s * x, up))
+        result: Array = (points - self.target) / self.radius @ self.axes[:2].T
+        return result
 
 
 def draw(axes: Axes, pose: Keyframes, camera: Camera, trail: Array | None = None) -> None:
@@ -75,7 +73,7 @@ def draw(axes: Axes, pose: Keyframes, camera: Camera, trail: Array | None = None
 def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[Artist]:
     """What is seen of one instant, the farthest first."""
     place, scale, body = pose.positions[0], camera.scale, shape(pose.disk)
-    turned, project = pose.rotations[0].T, camera.project
+    turned, project, eye = pose.rotations[0].T, camera.project, camera.axes[2]
 
     def placed(outline: Array) -> Array:
         points: Array = place + outline @ turned[: outline.shape[1]]
@@ -86,12 +84,12 @@ def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[A
         yield _filled(project(placed(area) * (1.0, 1.0, 0.0)), _SHADOW)
     if trail is not None:
         yield _line(project(np.pad(trail, ((0, 0), (0, 1)))), _PATH, 1.6 * scale)
-    light, heavy = FRONT if body.solid or turned[2] @ camera.to_eye > 0.0 else BACK
+    light, heavy = FRONT if body.solid or turned[2] @ eye > 0.0 else BACK
     for areas, colour in ((body.areas, light), (body.heavy, heavy), (body.masses, _INK)):
         for area in areas:
             yield _filled(project(placed(area)), colour)
     for line in map(placed, body.lines):
-        visible = in_sight(line, place, camera.to_eye) if body.solid else line
+        visible = in_sight(line, place, eye) if body.solid else line
         yield _line(project(visible), heavy, 1.2 * scale)
     for point, marker, inner, edge in (
         (body.mark, "o", "white", _INK),
