@@ -1,9 +1,9 @@
 """The maps: what each shows, over which axes, and how its cases are run."""
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,8 +24,7 @@ ENGINE_STEP = 5e-3
 """Step in s of the engine in maps of Model 1."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class Problem(NamedTuple):
     """A map: two axes, and what becomes of the disk on them.
 
     Parameters
@@ -52,37 +51,19 @@ class Problem:
 _TILT = ("start.beta", pi / 2 - 0.7, pi / 2 + 0.7)
 _TURN = ("start.gamma", -pi / 2, pi / 2)
 _SPIN = ("start.spin", 20.0, 60.0)
+_TILTING = ("start.beta_rate", -15.0, 15.0)
+_FRICTION = ("friction.coefficient", 0.02, 0.6)
+_ECCENTRICITY = ("disk.eccentricity", 2.5e-4, 6e-3)
+_NEAR_CRITICAL = ("start.spin", 24.0, 36.0)
+_NEAR_UPRIGHT = ("start.beta", pi / 2 - 0.4, pi / 2 + 0.4)
 
 PROBLEMS = {
-    "spin-friction": Problem(
-        title="Inversion over spin and friction",
-        right=_SPIN,
-        up=("friction.coefficient", 0.02, 0.6),
-    ),
-    "spin-eccentricity": Problem(
-        title="Inversion over spin and eccentricity",
-        right=_SPIN,
-        up=("disk.eccentricity", 2.5e-4, 6e-3),
-    ),
-    "attitude": Problem(title="Inversion over the attitude at the start", right=_TURN, up=_TILT),
-    "tilting": Problem(
-        title="Inversion over tilt and tilting rate at the start",
-        right=("start.beta_rate", -15.0, 15.0),
-        up=_TILT,
-    ),
-    "basins": Problem(
-        title="Starts that end in inverted spinning, by model",
-        right=_TURN,
-        up=_TILT,
-        basins=True,
-    ),
-    "rest": Problem(
-        title="Which face is up at rest",
-        right=("start.spin", 24.0, 36.0),
-        up=("start.beta", pi / 2 - 0.4, pi / 2 + 0.4),
-        end=20.0,
-        to_rest=True,
-    ),
+    "spin-friction": Problem("Inversion over spin and friction", _SPIN, _FRICTION),
+    "spin-eccentricity": Problem("Inversion over spin and eccentricity", _SPIN, _ECCENTRICITY),
+    "attitude": Problem("Inversion over the attitude at the start", _TURN, _TILT),
+    "tilting": Problem("Inversion over tilt and tilting rate at the start", _TILTING, _TILT),
+    "basins": Problem("Starts that end in inverted spinning, by model", _TURN, _TILT, basins=True),
+    "rest": Problem("Which face is up at rest", _NEAR_CRITICAL, _NEAR_UPRIGHT, 20.0, to_rest=True),
 }
 """By the names of the command."""
 
