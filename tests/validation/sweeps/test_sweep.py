@@ -33,6 +33,7 @@ from validation.sweeps.sweep import Sweep, look_ahead
 WAYWARD = Scenario(friction=Wayward())
 OWN_LAW = Scenario(constraints=MODELS[4], friction=Wayward())
 SPINS = ("spin=30:40:3", "mu=0.2,0.3")
+WANTED = sweep(*SPINS)
 REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-6}
 
 
@@ -115,42 +116,45 @@ def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_pat
     assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
 
 
-@pytest.mark.parametrize(
-    ("key", "other"),
-    [
-        ("plan.end", sweep(*SPINS, end=0.06)),
-        ("design.axes.0.last", sweep("spin=30:41:3", "mu=0.2,0.3")),
-        ("scenario.friction", sweep(*SPINS, scenario=OWN_LAW, formulation="reduced")),
-    ],
-)
-def test_store_of_another_sweep_is_refused(key: str, other: Sweep, tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    swept(sweep(*SPINS), path, numbers=[0])
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Store of `WANTED` that holds its first case."""
+    swept(WANTED, tmp_path / "a.db", numbers=[0])
+    return tmp_path / "a.db"
+
+
+OTHERS = {
+    "plan.end": sweep(*SPINS, end=0.06),
+    "design.axes.0.last": sweep("spin=30:41:3", "mu=0.2,0.3"),
+    "scenario.friction": sweep(*SPINS, scenario=OWN_LAW, formulation="reduced"),
+}
+
+
+@pytest.mark.parametrize("key", OTHERS)
+def test_store_of_another_sweep_is_refused(key: str, path: Path) -> None:
     before = path.read_bytes()
     with pytest.raises(ValueError, match=f"results of another sweep: {key}"):
-        Store(path, other)
+        Store(path, OTHERS[key])
     assert path.read_bytes() == before
 
 
 def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_accepted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    swept(wanted, path, numbers=[0])
-    code = wanted.code()
+    code = WANTED.code()
     monkeypatch.setattr(Sweep, "code", lambda _: code | {"exudyn": "0.1"})
     with pytest.raises(ValueError, match=r"results of other sources: exudyn is .* 0\.1 here"):
-        Store(path, wanted)
+        Store(path, WANTED)
     for number in (1, 2):
-        with Store(path, wanted, accept_other_code=number == 1) as kept:
-            run_cases(wanted, kept, direct(), numbers=[number])
+        with Store(path, WANTED, accept_other_code=number == 1) as kept:
+            run_cases(WANTED, kept, direct(), numbers=[number])
     first, second, third = Results.load(path).columns["code"].tolist()
     assert first != second == third
 
 
 def test_identity_of_the_code_knows_a_law_of_ones_own_and_no_comments(tmp_path: Path) -> None:
     own = sweep(*SPINS, scenario=WAYWARD)
-    assert own.code()["sources"] != sweep(*SPINS).code()["sources"]
+    assert own.code()["sources"] != WANTED.code()["sources"]
     found = []
     for text in (
         "def double(x):\n    return 2 * x\n",
@@ -177,52 +181,47 @@ DAMAGES: dict[str | bytes, str] = {
 
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda text: str(text[:50]))
 def test_damaged_or_foreign_file_is_blamed_and_neither_read_nor_written(
-    damage: str | bytes, tmp_path: Path
+    damage: str | bytes, path: Path
 ) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    swept(wanted, path)
     if isinstance(damage, str):
         with closing(sqlite3.connect(path)) as file, file:
             file.execute(damage)
     else:
         path.write_bytes(damage or path.read_bytes()[:-4096])
-    before = path.read_bytes()
-    for call in (Results.load, partial(swept, wanted)):
-        with pytest.raises(
-            (ValueError, OSError), match=rf"^{re.escape(str(path))}:? {DAMAGES[damage]}"
-        ):
+    before, said = path.read_bytes(), rf"^{re.escape(str(path))}:? {DAMAGES[damage]}"
+    for call in (Results.load, partial(swept, WANTED)):
+        with pytest.raises((ValueError, OSError), match=said):
             call(path)
     assert path.read_bytes() == before
 
 
-def test_second_writer_is_refused_and_readers_are_not(tmp_path: Path) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=[0])
+def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
+    with Store(path, WANTED) as kept:
+        run_cases(WANTED, kept, direct(), numbers=[1])
         with pytest.raises(OSError, match="is being written to by another process"):
-            Store(path, wanted)
-        assert Results.load(path).columns["number"].tolist() == [0]
-        run_cases(wanted, kept, direct(), numbers=[1])
-    assert Results.load(path).columns["number"].tolist() == [0, 1]
+            Store(path, WANTED)
+        assert Results.load(path).columns["number"].tolist() == [0, 1]
 
 
 # --- Results -------------------------------------------------------------------------------------
 
 
-def test_csv_holds_every_row_in_full_precision(tmp_path: Path) -> None:
-    path, text = tmp_path / "a.db", tmp_path / "a.csv"
-    columns = swept(sweep("spin=30:40:3", "mu=0.2,-1"), path).columns
-    assert write_csv(path, text) == 6
-    written = pd.read_csv(text)
+def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_grid(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip("xarray")
+    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
+    results = swept(wanted, path, numbers=range(5))
+    frame, cube = results.to_dataframe(), results.to_xarray()
+    assert write_csv(path, tmp_path / "a.csv") == 5
+    written = pd.read_csv(tmp_path / "a.csv")
     assert list(written) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
-    np.testing.assert_allclose(written["force_least"], columns["force_least"], rtol=1e-15)
-
-
-def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
-    results = swept(sweep(*SPINS), tmp_path / "a.db", numbers=[0, 3])
-    gaps = [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]]
-    np.testing.assert_array_equal(results.on_grid("end"), gaps)
-    assert results.on_grid("ending").tolist() == [[None] * 2] * 3
+    np.testing.assert_allclose(written["force_least"], frame["force_least"], rtol=1e-15)
+    assert frame["status"].tolist() == [DONE, "refused", DONE, "refused", DONE]
+    picked = cube["energy_end"].sel({"start.spin": 35.0, "friction.coefficient": 0.2})
+    assert float(picked) == frame.loc[2, "energy_end"]
+    np.testing.assert_array_equal(results.on_grid("end"), [[0.05, np.nan]] * 3)
+    assert results.on_grid("status").tolist() == [*[[DONE, "refused"]] * 2, [DONE, None]]
 
 
 def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
@@ -232,16 +231,6 @@ def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
     # Whoever wanted all numbers first would never begin.
     with pytest.raises(LookupError):
         swept(sweep("spin=0:60:40"), tmp_path / "a.db", numbers=count(), told=enough)
-
-
-def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:
-    pytest.importorskip("xarray")
-    results = swept(sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db")
-    frame, cube = results.to_dataframe(), results.to_xarray()
-    assert frame.loc[4, "start.spin"] == 40.0
-    assert frame["status"].tolist() == [DONE, "refused"] * 3
-    picked = cube["energy_end"].sel({"start.spin": 35.0, "friction.coefficient": 0.2})
-    assert float(picked) == frame.loc[2, "energy_end"]
 
 
 # --- Workers -------------------------------------------------------------------------------------

@@ -79,10 +79,8 @@ def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
 
 def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
     pytest.importorskip("mpi4py")
-    beside = str(Path(sys.executable).parent)
-    found = shutil.which("mpiexec") or shutil.which("mpiexec", path=beside)
-    if found is None:
-        pytest.skip("needs mpiexec")
+    places = os.pathsep.join((os.environ["PATH"], str(Path(sys.executable).parent)))
+    found = shutil.which("mpiexec", path=places) or pytest.skip("needs mpiexec")
     path = tmp_path / "a.db"
     call = [found, "-n", "3", sys.executable, "-m", "mpi4py.futures", "-m", "validation", "sweep"]
     call += [AXIS, *OPTIONS.split(), str(path)]
