@@ -36,8 +36,8 @@ def sweep(
     return Sweep(scenario=scenario, design=design, plan=Plan(**plan))
 
 
-def swept(wanted: Sweep, path: Path, **options: Any) -> Results:
-    """Results of a sweep, or of what is wanted of it, that this process runs."""
+def swept(wanted: Sweep, path: Path, pool: Pool | None = None, **options: Any) -> Results:
+    """Results of a sweep, or of what is wanted of it, that a pool or else this process runs."""
     with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), **options)
+        run_cases(wanted, kept, pool or direct(), **options)
     return Results.load(path)

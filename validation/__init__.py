@@ -48,7 +48,7 @@ def animate(
     from validation.kit.animation.keyframes import keyframes  # noqa: PLC0415
     from validation.kit.animation.player import player  # noqa: PLC0415
 
-    poses = keyframes(run).between(begin, end)
+    poses = keyframes(run, begin, end)
     return player(poses, name="tippedisk", title=title, speed=speed)
 
 
@@ -67,7 +67,7 @@ def play() -> "Page":
     >>> "friction coefficient" in play().text
     True
     """
-    from validation.kit.animation.play import page  # noqa: PLC0415
+    from validation.kit.animation.play import TITLE, page  # noqa: PLC0415
     from validation.kit.animation.player import Page  # noqa: PLC0415
 
-    return Page(title="The tippedisk, spun by hand", text=page(), height=72.0)
+    return Page(title=TITLE, text=page(), height=72.0)

@@ -10,7 +10,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from math import inf, isfinite, isnan
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -241,7 +241,12 @@ def _run(
     pool = open_processes(min(workers, len(tasks)))
     try:
         futures = {
-            pool.submit_within(task.study.limit, rows_of, task.study.measure, task.case): task
+            pool.submit(
+                rows_of,
+                task.study.measure,
+                task.case,
+                limit=task.study.limit if task.study.limit < inf else None,
+            ): task
             for task in tasks
         }
         with bar(title, total=len(tasks), unit="cases") as shown:
@@ -334,7 +339,7 @@ def write(
     _check_keys(study, table)
     kinds = {name: _kind(table[name]) for name in table}
     about = {
-        "provenance": provenance.to_dict(),
+        "provenance": asdict(provenance),
         "code": behind(study.measure.__module__),
         "columns": dict(study.columns),
         "kinds": kinds,

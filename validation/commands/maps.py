@@ -45,12 +45,16 @@ def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's
     ):
         folder = output_folder("out", options.out)
         _announce(options, wanted, pairs, pool.workers)
-        each = {"time_limit": options.time_limit, "told": lambda new, _: shown.update(new)}
+        each: dict[str, Any] = {
+            "time_limit": options.time_limit,
+            "told": lambda new, _: shown.update(new),
+        }
+        each["to_rest"] = problem.to_rest
         done = []
         for index, sweep in enumerate(wanted, 1):
             path = folder / f"{options.name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(problem, sweep, path, pool, levels=options.levels, **each))
-        fineness = run_pairs(problem, pairs, folder, pool, **each) if pairs else None
+            done.append(run_panel(sweep, path, pool, levels=options.levels, **each))
+        fineness = run_pairs(pairs, folder, pool, **each) if pairs else None
     return Result(
         tables=[_table(problem, done, "" if fineness is None else _fineness(fineness))],
         notes=[str(_draw(options, done))],
@@ -100,7 +104,7 @@ def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
     """Write the figure; returns its path."""
     from validation.maps import figures
 
-    figure = figures.draw(done)
+    figure = figures.draw({each.sweep.scenario.name: each for each in done})
     for suffix in PICTURES[:2]:
         path = Path(options.out) / f"{options.name}{suffix}"
         save(figure, path)

@@ -1,6 +1,7 @@
 """What figures share: colours and line styles that stay apart in grey and for the colour-blind."""
 
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
 
 import matplotlib as mpl
@@ -77,16 +78,10 @@ def angle_axis(axes: Axes) -> None:
 
 def pi_label(value: float) -> str:
     """Label such as −π/2 for a multiple of a quarter of pi."""
-    quarters = round(value / (np.pi / 4))
-    if quarters == 0:
-        return "0"
-    sign = "−" if quarters < 0 else ""
-    number = abs(quarters)
-    for divisor in (4, 2, 1):
-        if (number * divisor) % 4 == 0:
-            top = number * divisor // 4
-            denominator = "" if divisor == 1 else f"/{divisor}"
-    return f"{sign}{'' if top == 1 else top}π{denominator}"
+    part = Fraction(round(4.0 * value / np.pi), 4)
+    top = f"{abs(part.numerator)}π".removeprefix("1") if part else "0"
+    under = f"/{part.denominator}" if part.denominator > 1 else ""
+    return f"{'−' if part < 0 else ''}{top}{under}"
 
 
 def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any) -> None:

@@ -29,15 +29,17 @@ class Processes(Executor):
         )
 
     def submit(
-        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
+        self,
+        function: Callable[..., Any],
+        /,
+        *arguments: Any,
+        limit: Any = None,
+        **named: Any,
     ) -> "Future[Any]":
-        """Call a function in a worker; `pebble.ProcessExpired` is what its end leads to."""
-        return self.submit_within(None, function, *arguments, **named)
+        """Call a function in a worker; `pebble.ProcessExpired` is what its end leads to.
 
-    def submit_within(
-        self, limit: float | None, function: Callable[..., Any], /, *arguments: Any, **named: Any
-    ) -> "Future[Any]":
-        """The same; a call that takes longer than so many s ends in a `TimeoutError`."""
+        A call that takes longer than a limit in s ends in a `TimeoutError`.
+        """
         future: Future[Any] = self._pool.schedule(
             function, args=arguments, kwargs=named, timeout=limit
         )
@@ -57,21 +59,16 @@ class Here(Executor):
     """The running process in place of others: no time limit, and a debugger sees everything."""
 
     def submit(
-        self, function: Callable[..., Any], /, *arguments: Any, **named: Any
+        self, function: Callable[..., Any], /, *arguments: Any, limit: Any = None, **named: Any
     ) -> "Future[Any]":
         """Call a function now."""
+        del limit
         future: Future[Any] = Future()
         try:
             future.set_result(function(*arguments, **named))
         except Exception as error:  # noqa: BLE001 # it is the future's, as in a process
             future.set_exception(error)
         return future
-
-    def submit_within(
-        self, _: float | None, function: Callable[..., Any], /, *arguments: Any, **named: Any
-    ) -> "Future[Any]":
-        """The same."""
-        return self.submit(function, *arguments, **named)
 
 
 def open_processes(workers: int) -> Processes | Here:

@@ -2,12 +2,12 @@
 
 import os
 import platform
+import re
 import shutil
 import subprocess
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from analysis.data.trajectory import versions
 
@@ -46,10 +46,6 @@ class Provenance:
             commit=commit(),
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain text."""
-        return asdict(self)
-
     def text(self) -> str:
         """All of it in a line."""
         packages = ", ".join(f"{name} {version}" for name, version in self.packages.items())
@@ -59,14 +55,10 @@ class Provenance:
 
 def machine() -> str:
     """Processor, cores and system in a few words."""
-    model = platform.processor() or platform.machine()
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                model = line.split(":", 1)[1].strip()
-                break
-    except OSError:
-        pass
+    about = Path("/proc/cpuinfo")
+    text = about.read_text() if about.exists() else ""
+    named = re.search(r"model name\s*: (.*)", text)
+    model = named[1] if named else platform.processor() or platform.machine()
     return f"{model}, {os.cpu_count()} cores, {platform.system()}"
 
 

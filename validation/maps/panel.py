@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import NearestNDInterpolator
+from scipy.interpolate import griddata
 
+from analysis import Scenario
 from analysis.data.checks import Array
 from analysis.data.files import AnyArray
-from validation.maps.problems import Problem, judged
+from analysis.data.outcomes import DONE
 from validation.maps.refinement import Cell, refine
 from validation.sweeps.pools import Pool
 from validation.sweeps.runner import run_cases
@@ -29,13 +30,10 @@ class Panel:
         Over the finest grid.
     cells : DataFrame
         Columns as in `cell`, one row for each cell that was run.
-    problem : Problem, optional
-        That it is one of; without it, it is that of any sweep.
     """
 
     sweep: Sweep
     cells: pd.DataFrame
-    problem: Problem | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -45,20 +43,16 @@ class Panel:
     @property
     def values(self) -> tuple[Array, Array]:
         """Values along the vertical and the horizontal axis."""
-        up, right = (
-            np.array([axis.at(index) for index in range(axis.size or 0)], dtype=float)
-            for axis in self.sweep.design.axes
-        )
+        up, right = (np.array(axis.grid, dtype=float) for axis in self.sweep.design.axes)
         return up, right
 
     @property
     def outcomes(self) -> AnyArray:
         """Outcome of every cell of the finest grid: that of the nearest one that was run."""
         codes, names = pd.factorize(self.cells["outcome"])
-        nearest = NearestNDInterpolator(self.places(self.cells), codes)
-        found: AnyArray = np.asarray(names, dtype=object)[
-            nearest(*np.indices(self.shape)).astype(int)
-        ]
+        whole = tuple(np.indices(self.shape))
+        nearest = griddata(self.places(self.cells), codes, whole, "nearest")
+        found: AnyArray = np.asarray(names, dtype=object)[nearest.astype(int)]
         return found
 
     @property
@@ -104,19 +98,38 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
     }
 
 
+def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
+    """What became of the disk in a case: of its inversion, or which of its faces is up.
+
+    A face is up for good once the disk cannot pass through standing on its rim any more, where
+    its potential energy is m g (r - e) at least, however long it takes to come to rest there.
+    """
+    if row["status"] != DONE:
+        return "refused" if row["status"] == "refused" and not to_rest else "failed"
+    if to_rest:
+        barrier = scenario.weight * (scenario.disk.radius - scenario.disk.eccentricity)
+        if float(row["energy_end"] or np.inf) >= barrier and row["ending"] != "flat":
+            return "not decided"
+        return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
+    if row["inversion"] in ("inverted", "lost", "not decided"):
+        return str(row["inversion"])
+    return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
+
+
 def run_panel(
-    problem: Problem, sweep: Sweep, path: Path, pool: Pool, *, levels: int, **how: Any
+    sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0, **how: Any
 ) -> Panel:
     """Run a panel, or what its store does not hold of it.
 
     Parameters
     ----------
-    problem : Problem
     sweep : Sweep
-        One of `panels`.
+        One of `panels`, or of any cases if no cell is to be halved.
     path : Path
         Of the store.
     pool : Pool
+    to_rest : bool
+        See `judged`.
     levels : int
         How often cells are halved.
     **how
@@ -124,9 +137,9 @@ def run_panel(
     """
     with Store(path, sweep) as store:
 
-        def run(numbers: Iterable[int]) -> list[Cell]:
+        def run(numbers: Iterable[int] | None = None) -> list[Cell]:
             run_cases(sweep, store, pool, numbers=numbers, **how)
-            return [cell(sweep, row, to_rest=problem.to_rest) for row in store.rows()]
+            return [cell(sweep, row, to_rest=to_rest) for row in store.rows()]
 
-        cells = refine(sweep.design.shape, levels, run)
-    return Panel(problem=problem, sweep=sweep, cells=pd.DataFrame(cells))
+        cells = refine(sweep.design.shape, levels, run) if levels else run()
+    return Panel(sweep=sweep, cells=pd.DataFrame(cells))

@@ -1,18 +1,15 @@
 """The maps: what each shows, over which axes, and how its cases are run."""
 
-from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis import MODELS, Scenario
 from analysis.data.changes import changed
 from analysis.data.checks import Array, whole, within
-from analysis.data.outcomes import DONE
 from analysis.data.written import unit
 from analysis.stability.critical import critical_speeds
 from validation.kit.ways import forms
@@ -27,8 +24,7 @@ ENGINE_STEP = 5e-3
 """Step in s of the engine in maps of Model 1."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class Problem(NamedTuple):
     """A map: two axes, and what becomes of the disk on them.
 
     Parameters
@@ -55,37 +51,19 @@ class Problem:
 _TILT = ("start.beta", pi / 2 - 0.7, pi / 2 + 0.7)
 _TURN = ("start.gamma", -pi / 2, pi / 2)
 _SPIN = ("start.spin", 20.0, 60.0)
+_TILTING = ("start.beta_rate", -15.0, 15.0)
+_FRICTION = ("friction.coefficient", 0.02, 0.6)
+_ECCENTRICITY = ("disk.eccentricity", 2.5e-4, 6e-3)
+_NEAR_CRITICAL = ("start.spin", 24.0, 36.0)
+_NEAR_UPRIGHT = ("start.beta", pi / 2 - 0.4, pi / 2 + 0.4)
 
 PROBLEMS = {
-    "spin-friction": Problem(
-        title="Inversion over spin and friction",
-        right=_SPIN,
-        up=("friction.coefficient", 0.02, 0.6),
-    ),
-    "spin-eccentricity": Problem(
-        title="Inversion over spin and eccentricity",
-        right=_SPIN,
-        up=("disk.eccentricity", 2.5e-4, 6e-3),
-    ),
-    "attitude": Problem(title="Inversion over the attitude at the start", right=_TURN, up=_TILT),
-    "tilting": Problem(
-        title="Inversion over tilt and tilting rate at the start",
-        right=("start.beta_rate", -15.0, 15.0),
-        up=_TILT,
-    ),
-    "basins": Problem(
-        title="Starts that end in inverted spinning, by model",
-        right=_TURN,
-        up=_TILT,
-        basins=True,
-    ),
-    "rest": Problem(
-        title="Which face is up at rest",
-        right=("start.spin", 24.0, 36.0),
-        up=("start.beta", pi / 2 - 0.4, pi / 2 + 0.4),
-        end=20.0,
-        to_rest=True,
-    ),
+    "spin-friction": Problem("Inversion over spin and friction", _SPIN, _FRICTION),
+    "spin-eccentricity": Problem("Inversion over spin and eccentricity", _SPIN, _ECCENTRICITY),
+    "attitude": Problem("Inversion over the attitude at the start", _TURN, _TILT),
+    "tilting": Problem("Inversion over tilt and tilting rate at the start", _TILTING, _TILT),
+    "basins": Problem("Starts that end in inverted spinning, by model", _TURN, _TILT, basins=True),
+    "rest": Problem("Which face is up at rest", _NEAR_CRITICAL, _NEAR_UPRIGHT, 20.0, to_rest=True),
 }
 """By the names of the command."""
 
@@ -183,45 +161,19 @@ def quickest_plan(
     return Plan(formulation=form, local_tolerance=1e-6, **how)
 
 
-def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
-    """What became of the disk in a case: of its inversion, or which of its faces is up."""
-    if row["status"] != DONE:
-        return "refused" if row["status"] == "refused" and not to_rest else "failed"
-    if to_rest:
-        return _face(scenario, row)
-    if row["inversion"] in ("inverted", "lost", "not decided"):
-        return str(row["inversion"])
-    return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
-
-
-def _face(scenario: Scenario, row: Mapping[str, Any]) -> str:
-    """Which face of a case is up at rest, as soon as that cannot change any more.
-
-    The disk passes from one face to the other through standing on its rim, where its potential
-    energy is m g (r - e) at least. With less energy than that it stays on its side, however long
-    it takes to come to rest there.
-    """
-    barrier = scenario.weight * (scenario.disk.radius - scenario.disk.eccentricity)
-    is_decided = float(row["energy_end"] or np.inf) < barrier or row["ending"] == "flat"
-    if not is_decided:
-        return "not decided"
-    return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
-
-
-@cache
 def critical_points(sweep: Sweep) -> Array:
     """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
 
-    Empty for a map that has no spin along its horizontal axis, or no stationary spinning that is
-    linearised, as of other bodies or on a leaning table.
+    Empty for a map that has no spin along its horizontal axis, or a start along the other, and
+    where no stationary spinning is linearised, as of other bodies or on a leaning table.
     """
-    up, right = sweep.design.axes
-    if right.field != "start.spin":
-        return np.empty((0, 2))
-    ends = (right.between(0.0), right.between(1.0))
+    (up, heights), (right, spins) = ((axis.field, axis.grid) for axis in sweep.design.axes)
     points = []
-    for value in np.linspace(up.between(0.0), up.between(1.0), THEORY_SAMPLES).tolist():
-        with suppress(ValueError):
-            found = critical_speeds(changed(sweep.scenario, {up.field: value}), ends)
-            points += [(crossing.spin, value) for crossing in found.crossings]
+    if right == "start.spin" and not up.startswith("start."):
+        for value in np.linspace(heights[0], heights[-1], THEORY_SAMPLES).tolist():
+            with suppress(ValueError):
+                found = critical_speeds(
+                    changed(sweep.scenario, {up: value}), (spins[0], spins[-1])
+                )
+                points += [(crossing.spin, value) for crossing in found.crossings]
     return np.array(points).reshape(-1, 2)

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from validation.maps.problems import Problem, judged, quickest_plan
+from validation.maps.panel import run_panel
+from validation.maps.problems import Problem, quickest_plan
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.pools import Pool
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
@@ -27,8 +27,8 @@ DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
 RESAMPLINGS = 200
 """Of the pairs, for the error of the exponent."""
 
-_NEWTON = 20
-"""Steps of Newton's method, which is there after some five."""
+_STEEPEST = 50.0
+"""Slope beyond which no exponent of counted pairs lies."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,20 +82,16 @@ def shifted_sweeps(
     return sweeps
 
 
-def run_pairs(
-    problem: Problem, sweeps: Sequence[Sweep], folder: Path, pool: Pool, **how: Any
-) -> Uncertainty | None:
+def run_pairs(sweeps: Sequence[Sweep], folder: Path, pool: Pool, **how: Any) -> Uncertainty | None:
     """Uncertainty exponent of a map from `shifted_sweeps`, each with a store in a folder.
 
-    `how` goes to `run_cases`.
+    `how` goes to `run_panel`.
     """
-    outcomes = []
-    for index, sweep in enumerate(sweeps):
-        with Store(folder / f"pairs-{index}.db", sweep) as store:
-            run_cases(sweep, store, pool, **how)
-            outcomes.append(
-                [judged(sweep.scenario, row, to_rest=problem.to_rest) for row in store.rows()]
-            )
+    panels = [
+        run_panel(sweep, folder / f"pairs-{index}.db", pool, **how)
+        for index, sweep in enumerate(sweeps)
+    ]
+    outcomes = [panel.cells["outcome"] for panel in panels]
     return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
 
 
@@ -149,10 +145,10 @@ def _slope(distances: Array, counts: npt.NDArray[np.int_]) -> float:
 
     A line through the logarithms could make nothing of a count of 0.
     """
-    logs = np.column_stack((np.log(distances), np.ones(distances.size)))
-    line = np.linalg.lstsq(logs, np.log(counts + 0.5), rcond=None)[0]
-    for _ in range(_NEWTON):
-        expected = np.exp(logs @ line)
-        information = logs.T @ (expected[:, None] * logs)
-        line = line + np.linalg.solve(information, logs.T @ (counts - expected))
-    return float(line[0])
+    logs = np.log(distances)
+    mean = np.average(logs, weights=counts)
+
+    def excess(slope: float) -> float:
+        return float(np.average(logs, weights=distances**slope) - mean)
+
+    return float(brentq(excess, -_STEEPEST, _STEEPEST))

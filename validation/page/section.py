@@ -172,7 +172,7 @@ class Section:
     def animation(self, name: str) -> str:
         """A player in the page, and as a page of its own; a page of text does not move."""
         made = self._content.animations[name]
-        link = self._linked(name, f"{self.name}-{name}.html", made.page.encode())
+        link = self._linked(name, f"{self.name}-{name}.html", made.text.encode())
         page = f'{made.fragment}<p class="files">The animation alone: {link}</p>'
         return self._piece(page, "")
 

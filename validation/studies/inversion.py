@@ -14,7 +14,6 @@ from analysis.data.motion_quantities import filled
 from analysis.data.trajectory import SOURCES, Source
 from validation.kit.animation import picture
 from validation.kit.animation.keyframes import keyframes
-from validation.kit.animation.picture import Camera
 from validation.kit.animation.player import player
 from validation.kit.figures import MARKERS, comparison, legend_above, new_figure
 from validation.kit.references import deviation
@@ -173,10 +172,8 @@ def draw_instants(trajectory: Trajectory, instants: Sequence[float]) -> Figure:
         pose = poses.at(trajectory.times[[index]])
         # From a quarter to the side, so that the disk shows its face whatever its spin.
         azimuth = trajectory.coordinate("alpha")[index] - np.pi / 2 + 0.35
-        camera = Camera(np.append(pose.positions[0, :2], 0.75 * radius), azimuth, radius, 0.7)
-        for order, artist in enumerate(picture.artists(pose, camera)):
-            each.add_artist(artist).set_zorder(order)
-        picture.scene(each).set(xlim=(-1.3, 1.3), ylim=(-0.95, 1.75), aspect="equal")
+        middle = np.append(pose.positions[0, :2], 0.75 * radius)
+        picture.draw(each, pose, picture.Camera(middle, azimuth, radius, 0.7))
         each.set_title(f"{trajectory.times[index]:.2f} s", fontsize=10)
     return figure
 

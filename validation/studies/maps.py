@@ -33,6 +33,9 @@ CELLS = 8
 LEVELS = {"spin-friction": 2, "spin-eccentricity": 2, "tilting": 2, "basins": 2, "rest": 1}
 """Maps and how often their cells are halved; the one to rest takes longest."""
 
+MAPS = ("spin-friction", "spin-eccentricity", "tilting")
+"""That are shown beside each other."""
+
 WITNESSES = 2
 """On the coarse grid of each panel; see `panels`."""
 
@@ -207,12 +210,9 @@ def present(rows: Rows) -> Content:
             "repeated": again,
         },
         figures={
-            name: figures.draw(shown, points=False)
-            for name, shown in {
-                "maps": [found[n] for n in ("spin-friction", "spin-eccentricity", "tilting")],
-                "basins": basins,
-                "rest": [found["rest"]],
-            }.items()
+            "maps": figures.draw({PROBLEMS[name].title: found[name] for name in MAPS}),
+            "basins": figures.draw({each.sweep.scenario.name: each for each in basins}),
+            "rest": figures.draw({"": found["rest"]}),
         },
         checks=checks(table),
         verdicts=[_verdict(*_reduction(found))],
@@ -232,8 +232,7 @@ def _verdict(near: float, far: float) -> Verdict:
 
 def _panels(table: pd.DataFrame) -> dict[str, Panel]:
     return {
-        name: Panel(problem=case.problem, sweep=case.sweep, cells=_of(table, name))
-        for name, case in whole().items()
+        name: Panel(sweep=case.sweep, cells=_of(table, name)) for name, case in whole().items()
     }
 
 
@@ -395,7 +394,7 @@ def _misplaced(table: pd.DataFrame) -> int:
     wrong = 0
     for name, case in cases().items():
         design, cells = case.sweep.design, _of(table, name)
-        there = cells[[axis.field for axis in design.axes]].to_numpy(float)
-        here = np.array([design.case(number) for number in cells["number"]], dtype=float)
-        wrong += int(np.sum(~np.isclose(there, here.reshape(there.shape), rtol=1e-9)))
+        for number, row in zip(cells["number"], cells.to_dict("records"), strict=True):
+            here = design.values_of(number)
+            wrong += not np.allclose([row[name] for name in here], [*here.values()], rtol=1e-9)
     return wrong

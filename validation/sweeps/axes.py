@@ -93,6 +93,11 @@ class Axis:
         last = (self.size or 1) - 1
         return self.values[index] if self.values else self.between(index / max(1, last))
 
+    @property
+    def grid(self) -> list[Any]:
+        """All values on a grid."""
+        return [self.at(index) for index in range(self.size or 0)]
+
     def draw(self, part: float) -> Value:
         """Value of a random number from 0 to 1; each of a list is as probable."""
         if not self.values:
@@ -175,21 +180,17 @@ class Design:
         """Number of values along each axis of a grid."""
         return tuple(axis.size or 0 for axis in self.axes)
 
-    def case(self, index: int) -> tuple[Value, ...]:
-        """Values of the axes in a case, from 0 to `size` - 1."""
+    def values_of(self, index: int) -> dict[str, Value]:
+        """Values of the axes in a case, from 0 to `size` - 1, by the names of their fields."""
         if self.layout == "grid":
-            found: list[Value] = []
+            found: dict[str, Value] = {}
             for axis in reversed(self.axes):
                 index, place = divmod(index, axis.size or 1)
-                found.insert(0, axis.at(place))
-            return tuple(found)
+                found[axis.field] = axis.at(place)
+            return dict(reversed(found.items()))
         block, row = (0, index) if self._is_whole else divmod(index, _BLOCK)
         parts = _drawn(self, block)[row].tolist()
-        return tuple(axis.draw(part) for axis, part in zip(self.axes, parts, strict=True))
-
-    def values_of(self, index: int) -> dict[str, Value]:
-        """The same by the names of the fields."""
-        return dict(zip([axis.field for axis in self.axes], self.case(index), strict=True))
+        return {axis.field: axis.draw(part) for axis, part in zip(self.axes, parts, strict=True)}
 
 
 @lru_cache(maxsize=2)
@@ -239,7 +240,7 @@ def axis_from(field: str, told: Any) -> Axis:
     # A friction law of one's own is called module:Class.
     if ":" not in told or is_text(name):
         return Axis(field=name, values=tuple(told.split(",")))
-    parts = _RANGE.fullmatch(told)
+    parts: Any = _RANGE.fullmatch(told)
     if parts is None:
         raise ValueError(
             f"axis {name} must be first:last:count, with :log behind it or not, got {told!r}"
@@ -247,8 +248,8 @@ def axis_from(field: str, told: Any) -> Axis:
     first, last, count, log = parts.groups()
     return Axis(
         field=name,
-        first=read_value(name, first),  # type: ignore[arg-type]
-        last=read_value(name, last),  # type: ignore[arg-type]
+        first=first,
+        last=last,
         count=int(count) if count else None,
         log=bool(log),
     )

@@ -2,10 +2,9 @@
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 from analysis.data.checks import choice, whole
 from analysis.data.names import ArgumentError
@@ -19,8 +18,7 @@ _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Pool:
+class Pool(NamedTuple):
     """Workers for the cases of a sweep.
 
     Parameters
@@ -30,29 +28,12 @@ class Pool:
         others; their cases are run again, each by itself, in a process of this machine.
     workers : int
     is_lost : callable
-        Whether it takes no further calls.
+        Whether it takes no further calls, as a `RuntimeError` of `executor.submit` says, too.
     """
 
     executor: Executor
     workers: int
     is_lost: Callable[[], bool] = lambda: False
-
-    def check(self) -> None:
-        """Raise `OSError` if the workers are lost."""
-        if self.is_lost():
-            raise _lost()
-
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
-        """Call a function in a worker; `OSError` if the workers are lost."""
-        try:
-            return self.executor.submit(function, *arguments)
-        except RuntimeError as error:
-            # How executors of this interface say that they are broken or shut down.
-            raise _lost() from error
-
-
-def _lost() -> OSError:
-    return OSError("the workers are lost; what is done is stored, and the same command goes on")
 
 
 @contextmanager
@@ -84,20 +65,18 @@ def open_pool(
     if scheduler is not None and kind != "dask":
         raise ArgumentError("scheduler", f"needs --executor dask, got {kind}")
     workers = os.cpu_count() or 1 if workers is None else whole("workers", workers)
-    if kind == "dask":
-        with _dask(workers, scheduler) as pool:
-            yield pool
-        return
-    if kind == "processes":
-        pool = Pool(Processes(workers), workers)
-    else:
-        pool = _mpi() if kind == "mpi" else _own(kind, workers)
-    with pool.executor:
-        try:
-            yield pool
-        except BaseException:
-            pool.executor.shutdown(wait=False, cancel_futures=True)
-            raise
+    with ExitStack() as stack:
+        if kind == "dask":
+            pool = _dask(workers, scheduler, stack)
+        elif kind == "mpi":
+            pool = _mpi()
+        else:
+            pool = (
+                Pool(Processes(workers), workers) if kind == "processes" else _own(kind, workers)
+            )
+        if kind != "dask":
+            stack.callback(pool.executor.shutdown, cancel_futures=True)
+        yield pool
 
 
 def _own(name: str, workers: int) -> Pool:
@@ -130,23 +109,21 @@ def _mpi() -> Pool:
     return Pool(executor, executor.num_workers)
 
 
-@contextmanager
-def _dask(workers: int, scheduler: str | None) -> Iterator[Pool]:
+def _dask(workers: int, scheduler: str | None, stack: ExitStack) -> Pool:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
         raise ValueError(
             "the executor dask needs the extra: pip install 'tippedisk[dask]'"
         ) from None
-    with ExitStack() as stack:
-        if scheduler is None:
-            # The engine and the watch over hung cases want a process for each case.
-            how = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
-            scheduler = stack.enter_context(LocalCluster(**how)).scheduler_address
-        try:
-            client = stack.enter_context(Client(scheduler, timeout=_PATIENCE))
-        except (OSError, ValueError) as error:
-            raise OSError(f"the Dask scheduler {scheduler} does not answer: {error}") from None
-        client.wait_for_workers(1, timeout=60)
-        executor = client.get_executor(pure=False)
-        yield Pool(executor, sum(client.ncores().values()), lambda: client.status != "running")
+    if scheduler is None:
+        # The engine and the watch over hung cases want a process for each case.
+        how = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
+        scheduler = stack.enter_context(LocalCluster(**how)).scheduler_address
+    try:
+        client = stack.enter_context(Client(scheduler, timeout=_PATIENCE))
+    except (OSError, ValueError) as error:
+        raise OSError(f"the Dask scheduler {scheduler} does not answer: {error}") from None
+    client.wait_for_workers(1, timeout=60)
+    executor, count = client.get_executor(pure=False), sum(client.ncores().values())
+    return Pool(executor, count, lambda: client.status != "running")

@@ -66,13 +66,18 @@ class Results(OutcomeTable):
         ValueError
             If the cases are drawn, and lie on no grid.
         """
-        design, column = self.sweep.design, self.columns[name]
-        if design.layout != "grid":
-            raise ValueError(f"layout must be grid, got {design.layout}: these cases lie on none")
-        is_words = column.dtype == object
-        values = np.full(design.size, None if is_words else np.nan, object if is_words else float)
-        values[self.columns["number"]] = column
-        return values.reshape(design.shape)
+        if (layout := self.sweep.design.layout) != "grid":
+            raise ValueError(f"layout must be grid, got {layout}: these cases lie on none")
+        found: Column = self._gridded(self.columns[name])
+        return found
+
+    def _gridded(self, rows: Any) -> Any:
+        """Values of the rows, shape (n, ...), in the shape of the grid."""
+        design, is_words = self.sweep.design, rows.dtype == object
+        shape, gap = (design.size, *rows.shape[1:]), None if is_words else np.nan
+        values = np.full(shape, gap, object if is_words else float)
+        values[self.columns["number"]] = rows
+        return values.reshape(*design.shape, *rows.shape[1:])
 
     def series(self, case: int) -> dict[str, Array]:
         """What `Plan.keep` names of a case, and the "time" of its samples.
@@ -123,27 +128,22 @@ class Results(OutcomeTable):
             If the series take more than `LARGEST_STORAGE`.
         """
         held, design, plan = super().to_xarray(), self.sweep.design, self.sweep.plan
-        over: tuple[str, ...] = ("number",)
-        if design.layout == "grid":
-            over = self.axes
-            places = {
-                each.field: [each.at(i) for i in range(each.size or 0)] for each in design.axes
-            }
-            data = {name: (over, self.on_grid(name), held[name].attrs) for name in held.data_vars}
-            held = type(held)(data, coords=places)
         if plan.keep:
-            numbers = range(design.size) if over == self.axes else self.columns["number"].tolist()
-            rows = {number: row for row, number in enumerate(numbers)}
-            check_storage("to_xarray", len(rows) * plan.times.size, 1 + len(plan.keep))
-            kept = {
-                name: np.full((len(rows), plan.times.size), np.nan) for name in (TIME, *plan.keep)
-            }
+            names, samples = (TIME, *plan.keep), plan.times.size
+            rows = {number: row for row, number in enumerate(self.columns["number"].tolist())}
+            check_storage("to_xarray", design.size * samples, len(names))
+            kept = {name: np.full((len(rows), samples), np.nan) for name in names}
             for number, found in self._series(0, design.size):
-                for name, series in found.items():
-                    kept[name][rows[number], : series.size] = series
-            shape = (*(held.sizes[name] for name in over), plan.times.size)
-            for name, values in kept.items():
-                held[name] = ((*over, "sample"), values.reshape(shape))
+                # More may have come in since the rows were read.
+                for name, values in found.items() if number in rows else ():
+                    kept[name][rows[number], : values.size] = values
+            held = held.assign({name: (("number", "sample"), kept[name]) for name in names})
+        if design.layout == "grid":
+            data = {
+                name: ((*self.axes, *each.dims[1:]), self._gridded(each.values), each.attrs)
+                for name, each in held.data_vars.items()
+            }
+            held = type(held)(data, coords={each.field: each.grid for each in design.axes})
         return held
 
 

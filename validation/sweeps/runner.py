@@ -183,7 +183,7 @@ class _Work:
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], list[int]] = {}
         self._processes: Processes | None = None
-        self._lost: OSError | None = None
+        self._lost = False
         # Of a case; the first chunk tells how long one takes.
         self._seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
         self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
@@ -193,23 +193,28 @@ class _Work:
 
         `OSError` if they are lost, as soon as nothing is running any more.
         """
-        try:
-            self._pool.check()
-            while self._lost is None and len(self._chunks) < 2 * self._pool.workers:
-                size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
-                chunk = list(islice(todo, size))
-                if not chunk:
-                    break
-                future = self._pool.submit(run_chunk, self._sweep, chunk, *self._limits)
+        executor, workers, is_lost = self._pool
+        while not self._lost and len(self._chunks) < 2 * workers:
+            size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
+            chunk = list(islice(todo, size))
+            if not chunk:
+                break
+            try:
+                future = executor.submit(run_chunk, self._sweep, chunk, *self._limits)
+            except RuntimeError:
+                self._lost = True
+            else:
                 self._chunks[future] = chunk
-        except OSError as error:
-            self._lost = error
+        if self._lost or is_lost():
+            self._lost = True
             # The case over which they were lost would be in the way of the next call, too.
             for chunk in self._chunks.values():
                 self._run_alone(chunk)
             self._chunks.clear()
-        if self._lost is not None and not self._alone:
-            raise self._lost
+        if self._lost and not self._alone:
+            raise OSError(
+                "the workers are lost; what is done is stored, and the same command goes on"
+            )
         return bool(self._chunks or self._alone)
 
     def collect(self) -> list[CaseRow]:

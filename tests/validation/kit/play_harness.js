@@ -7,5 +7,5 @@ const scope = createContext({ atob });
 const code = [...page.matchAll(/<script>(.*?)<\/script>/gs)].map((each) => each[1]).join("\n");
 new Script(`${code}\nvar found = (settings, chosen) => spunDisk(settings, diskEquations, chosen);`)
   .runInContext(scope);
-const { times, column, ending } = scope.found(JSON.parse(settings), JSON.parse(process.argv[3]));
-console.log(JSON.stringify({ times, column, ending }));
+const { times, columns, ending } = scope.found(JSON.parse(settings), JSON.parse(process.argv[3]));
+console.log(JSON.stringify({ times, columns, ending }));

@@ -38,15 +38,14 @@ function pen(drawn) {
 
 const bare = createContext({ atob });
 new Script(code).runInContext(bare);
-const motion = new Script("diskMotion").runInContext(bare)(JSON.parse(text));
+const pose = new Script("diskPoses").runInContext(bare)(JSON.parse(text));
 const found = process.argv.slice(3).map((each) => {
   const drawn = [];
   const document = element(drawn);
   const window = { devicePixelRatio: 1, matchMedia: () => ({ matches: true }) };
   const scope = { atob, document, window, location: { hash: `#t=${each}` }, ...window,
-    Option: function () {}, ResizeObserver: class { observe() {} }, requestAnimationFrame() {} };
+    Option: function () {}, Path2D: function () {}, ResizeObserver: class { observe() {} }, requestAnimationFrame() {} };
   new Script(code).runInContext(createContext(scope));
-  const { centre, contact, spin, ex, ey, ez, beta, gamma, height } = motion.pose(+each);
-  return { centre, contact, spin, ex, ey, ez, beta, gamma, height, drawn };
+  return { ...pose(+each), drawn };
 });
 console.log(JSON.stringify(found));

@@ -17,7 +17,7 @@ def git(folder: Path, *arguments: str) -> str:
     return answer.stdout.strip()
 
 
-def test_commit_is_that_of_the_working_copy_and_tells_of_changes(tmp_path: Path) -> None:
+def test_commit_is_that_of_the_working_copy_and_of_none_around_it(tmp_path: Path) -> None:
     git(tmp_path, "init", "-q")
     (tmp_path / "file").write_text("1")
     git(tmp_path, "add", "file")
@@ -26,10 +26,6 @@ def test_commit_is_that_of_the_working_copy_and_tells_of_changes(tmp_path: Path)
     assert commit(tmp_path) == head
     (tmp_path / "file").write_text("2")
     assert commit(tmp_path) == f"{head}+changes"
-
-
-def test_commit_of_an_enclosing_working_copy_is_not_taken_for_ours(tmp_path: Path) -> None:
-    git(tmp_path, "init", "-q")
     inner = tmp_path / "site-packages"
     inner.mkdir()
     assert commit(inner) == ""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, pi, sqrt
+from math import asin, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -18,9 +18,7 @@ from validation.kit.references import Reference, deviation, ending_error, energy
 from validation.kit.ways import StepLimit, Way, WorkLimitError
 
 TREE = Way("engine", "contact-tree", "RK67")
-EULER = Way("engine", "euler-tree", "TrapezoidalIndex2")
 DOP853 = Way("in-house", "index-1", "DOP853")
-RADAU = Way("in-house", "index-1", "Radau")
 TIMES = np.linspace(0.0, 0.1, 11)
 BY_CONTACT = SmoothCoulomb(load="contact")
 
@@ -36,11 +34,7 @@ def inverted() -> Reference:
     return reference(Scenario(), np.array((0.0, 1.0)), stop_when="inverted")
 
 
-@pytest.mark.parametrize(
-    ("way", "by"),
-    [(TREE, "DOP853"), (DOP853, "LSODA"), (RADAU, "DOP853")],
-    ids=str,
-)
+@pytest.mark.parametrize(("way", "by"), [(TREE, "DOP853"), (DOP853, "LSODA")], ids=str)
 def test_a_run_is_held_against_another_method(way: Way, by: str, easy: Reference) -> None:
     run = way.run(Scenario(), TIMES, tolerance=1e-6)
     assert easy.beside(run).method["method"] == by
@@ -72,7 +66,7 @@ def test_a_damper_that_meets_the_table_has_a_reference_by_short_steps() -> None:
     assert 0.0 < known.doubt < 1e-7
 
 
-@pytest.mark.parametrize("way", [TREE, EULER, DOP853], ids=lambda way: way.name)
+@pytest.mark.parametrize("way", [TREE, DOP853], ids=lambda way: way.name)
 def test_a_run_that_takes_all_its_steps_says_so(way: Way) -> None:
     count = StepLimit(7)
     with pytest.raises(WorkLimitError, match=r"7 steps taken, the last pass at t = 0\.0"), count:
@@ -89,18 +83,16 @@ def test_steps_count_over_all_passes_and_longer_motions_may_take_more() -> None:
     assert [StepLimit(100, end).most for end in (0.1, 30.0)] == [100, 3000]
 
 
-def test_runs_are_compared_over_what_they_have_in_common() -> None:
-    fast = Scenario(start=Start(spin=300.0))
-    run = DOP853.run(fast, np.linspace(0.0, 0.1, 21), tolerance=1e-8)
-    rows = run.times.size - 3
+def test_runs_are_compared_over_what_they_have_in_common(easy: Reference) -> None:
+    run, rows = easy.first, 8
     names = ("times", "coordinates", "rates", "multipliers")
     cut = {name: getattr(run, name)[:rows].copy() for name in names}
     cut["coordinates"][-1] += 1.0
-    ending = Ending(reason="other", time=float(run.times[rows - 1]), value=0.0)
     # The last sample is that of an ending, and not one asked for.
+    ending = Ending(reason="other", time=float(run.times[rows - 1]), value=0.0)
     unlike = replace(run, **cut, ending=ending)
     assert deviation(unlike, run) == 0.0
-    assert ending_error(unlike, run) == ending_error(replace(run, ending=None), run) == inf
+    assert ending_error(unlike, run) == inf
 
 
 def test_energy_is_compared_relative_to_its_largest_value(easy: Reference) -> None:
@@ -165,24 +157,14 @@ def passes_zero(state: Any) -> float:
     return -float(state.coordinates[5])
 
 
-def leaves_first(state: Any) -> float:
-    return float(np.cos(state.coordinates[5]) - 0.9)
-
-
-@pytest.mark.parametrize(
-    ("conditions", "reason", "angle"),
-    [
+def test_a_condition_is_located_where_it_is_met_first() -> None:
+    for conditions, reason, angle in (
         ((passes_zero, "inverted"), "passes_zero", 0.0),
-        (("inverted",), "inverted", float(np.arcsin(0.9))),
-        ((leaves_first,), "leaves_first", float(np.arccos(0.9))),
-    ],
-)
-def test_a_condition_is_located_where_it_is_met_first(
-    conditions: tuple[Any, ...], reason: str, angle: float
-) -> None:
-    found = not_none(located(made(pi / 2), conditions))
-    assert found.reason == reason
-    assert found.time == pytest.approx(0.5 + 0.5 * angle, abs=1e-12)
+        (("inverted",), "inverted", asin(0.9)),
+    ):
+        found = not_none(located(made(pi / 2), conditions))
+        assert found.reason == reason
+        assert found.time == pytest.approx(0.5 + 0.5 * angle, abs=1e-12)
     assert located(made(0.5), ("inverted",)) is None
 
 

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from math import log
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import MODELS, Scenario
+from analysis import MODELS, STEEL_DISK, Scenario
 from analysis.data.checks import Array
 from analysis.stability.printed import critical_speed
 from tests.bodies import ELLIPSE
@@ -19,8 +18,8 @@ from tests.calls import run
 from tests.sweeps import direct
 from validation.maps import panel as room
 from validation.maps import problems
-from validation.maps.panel import cell, run_panel
-from validation.maps.problems import PROBLEMS, critical_points, judged, panels
+from validation.maps.panel import cell, judged, run_panel
+from validation.maps.problems import PROBLEMS, critical_points, panels
 from validation.maps.refinement import refine
 from validation.maps.uncertainty import (
     DISTANCES,
@@ -30,10 +29,18 @@ from validation.maps.uncertainty import (
     uncertainty,
 )
 from validation.sweeps.results import Results
+from validation.sweeps.sweep import Sweep
 
 REDUCED = Scenario(constraints=MODELS[4])
 SPIN_FRICTION = PROBLEMS["spin-friction"]
 SIZE = 65
+BARRIER = 9.81 * STEEL_DISK.mass * (STEEL_DISK.radius - STEEL_DISK.eccentricity)
+
+
+def grid(name: str = "spin-friction", scenario: Scenario = REDUCED, **more: Any) -> Sweep:
+    """The first panel of a small map."""
+    how = {"cells": 2, "levels": 0, "end": 0.05, "witnesses": 0} | more
+    return panels(PROBLEMS[name], scenario, **how)[0]
 
 
 def refined(levels: int, inside: Callable[[int, int], bool]) -> set[int]:
@@ -67,35 +74,25 @@ def test_shape_that_cannot_be_halved_is_refused() -> None:
         refine((16, 17), 2, lambda _: [])
 
 
-@pytest.mark.parametrize(
-    ("row", "expected"),
-    [
-        ({"inversion": "inverted"}, "inverted"),
-        ({"inversion": "not inverted"}, "not inverted"),
-        ({"inversion": "not inverted", "ending": "flat"}, "flat"),
-        ({"inversion": "not inverted", "ending": "contact would pull"}, "pulls"),
-        ({"status": "crashed"}, "failed"),
-        ({"status": "refused"}, "refused"),
-    ],
-)
-def test_outcomes_are_told_apart(row: dict[str, Any], expected: str) -> None:
+JUDGED: list[tuple[bool, dict[str, Any], str]] = [
+    (False, {"inversion": "inverted"}, "inverted"),
+    (False, {"inversion": "not inverted"}, "not inverted"),
+    (False, {"inversion": "not inverted", "ending": "flat"}, "flat"),
+    (False, {"inversion": "not inverted", "ending": "contact would pull"}, "pulls"),
+    (False, {"status": "crashed"}, "failed"),
+    (False, {"status": "refused"}, "refused"),
+    # Upright with the centre of gravity low, the disk has the least energy in which both faces
+    # meet.
+    (True, {"energy_end": 1.001 * BARRIER, "face_end": 0.9}, "not decided"),
+    (True, {"energy_end": 0.999 * BARRIER, "face_end": 0.9}, "upper face"),
+    (True, {"energy_end": 0.999 * BARRIER, "face_end": -0.9}, "lower face"),
+]
+
+
+@pytest.mark.parametrize(("to_rest", "row", "expected"), JUDGED)
+def test_outcomes_are_told_apart(to_rest: bool, row: dict[str, Any], expected: str) -> None:
     done = {"status": "done", "ending": None}
-    assert judged(Scenario(), done | row, to_rest=False) == expected
-
-
-def test_face_is_decided_once_the_energy_cannot_lift_the_disk_on_its_rim() -> None:
-    scenario = Scenario()
-    disk = scenario.disk
-    # Upright with the centre of gravity low, the least energy in which both faces meet.
-    barrier = disk.mass * 9.81 * (disk.radius - disk.eccentricity)
-
-    def face(energy: float, up: float) -> str:
-        row = {"status": "done", "ending": None, "energy_end": energy, "face_end": up}
-        return judged(scenario, row, to_rest=True)
-
-    assert face(1.001 * barrier, 0.9) == "not decided"
-    assert face(0.999 * barrier, 0.9) == "upper face"
-    assert face(0.999 * barrier, -0.9) == "lower face"
+    assert judged(Scenario(), done | row, to_rest=to_rest) == expected
 
 
 @pytest.mark.parametrize(
@@ -105,9 +102,9 @@ def test_face_is_decided_once_the_energy_cannot_lift_the_disk_on_its_rim() -> No
 def test_run_that_the_other_side_cannot_make_counts_as_unlike(
     other: str | None, seen: bool, alike: bool
 ) -> None:
-    (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=1, levels=0, end=1.0, witnesses=0)
     row = {"number": 0, "status": "done", "inversion": "inverted", "inverted_at": 0.5}
-    found = cell(sweep, row | {"seconds": 0.1, "other_inversion": other}, to_rest=False)
+    row |= {"seconds": 0.1, "other_inversion": other}
+    found = cell(grid(), row, to_rest=False)
     assert (found["seen"], found["alike"]) == (seen, alike)
 
 
@@ -115,20 +112,16 @@ def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(problems, "THEORY_SAMPLES", 3)
-    how: Any = {"cells": 2, "levels": 0, "end": 1.5, "witnesses": 0}
-    (sweep,) = panels(SPIN_FRICTION, REDUCED, **how)
-    points = critical_points(sweep)
+    points = critical_points(grid())
     np.testing.assert_allclose(points[:, 0], critical_speed(REDUCED).spin, rtol=1e-9)
-    assert points[0, 1] == 0.02
-    assert points[-1, 1] == 0.6
-    assert critical_points(panels(PROBLEMS["attitude"], REDUCED, **how)[0]).size == 0
+    assert points[[0, -1], 1].tolist() == [0.02, 0.6]
+    assert critical_points(grid("attitude")).size == critical_points(grid("rest")).size == 0
 
 
 def test_map_of_another_body_runs_where_it_can_be_built_and_has_no_critical_speed() -> None:
-    how: Any = {"cells": 2, "levels": 0, "end": 1.5, "witnesses": 0}
-    (sweep,) = panels(SPIN_FRICTION, Scenario(disk=ELLIPSE), **how)
-    assert sweep.plan.source == "in-house"
-    assert critical_points(sweep).size == 0
+    other = grid(scenario=Scenario(disk=ELLIPSE))
+    assert other.plan.source == "in-house"
+    assert critical_points(other).size == 0
 
 
 def test_each_model_runs_where_it_is_quickest() -> None:
@@ -142,7 +135,7 @@ def test_each_model_runs_where_it_is_quickest() -> None:
 
 
 def test_gaps_take_the_outcome_of_the_nearest_run() -> None:
-    (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=1, levels=2, end=0.05, witnesses=0)
+    sweep = grid(cells=1, levels=2)
     cells = pd.DataFrame({"number": [0, 4, 20, 24], "outcome": ["a", "b", "a", "a"]})
     filled = room.Panel(sweep=sweep, cells=cells).outcomes
     assert filled[1].tolist() == ["a", "a", filled[1][2], "b", "b"]
@@ -152,14 +145,14 @@ def test_gaps_take_the_outcome_of_the_nearest_run() -> None:
 def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (sweep,) = panels(SPIN_FRICTION, REDUCED, cells=2, levels=1, end=0.05, witnesses=0)
+    sweep = grid(levels=1)
     monkeypatch.setattr(room, "judged", lambda _, row, **__: str(row["start.spin"] > 45.0))
     path = tmp_path / "a.db"
-    panel = run_panel(SPIN_FRICTION, sweep, path, direct(), levels=1)
+    panel = run_panel(sweep, path, direct(), to_rest=False, levels=1)
     spins = panel.values[1][panel.places(panel.cells)[:, 1]]
     # Left of 40 rad/s the coarse grid alone, on the right every value.
     assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
-    again = run_panel(SPIN_FRICTION, sweep, path, direct(), levels=1)
+    again = run_panel(sweep, path, direct(), to_rest=False, levels=1)
     pd.testing.assert_frame_equal(again.cells, panel.cells)
     assert Results.load(path).columns["number"].size == 3 + 3 * 5
 
@@ -186,17 +179,19 @@ def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
 
 def test_pairs_are_the_same_starts_shifted() -> None:
     first, *others = shifted_sweeps(PROBLEMS["rest"], Scenario(), number=20, end=1.0)
-    base = np.array([first.design.case(index) for index in range(20)])
+
+    def starts(sweep: Sweep) -> Array:
+        return np.array([[*sweep.design.values_of(index).values()] for index in range(20)])
+
     for distance, other in zip(DISTANCES, others, strict=True):
-        moved = np.array([other.design.case(index) for index in range(20)])
-        np.testing.assert_allclose(moved - base, [[12.0 * distance, 0.0]] * 20, atol=1e-12)
+        moved = starts(other) - starts(first)
+        np.testing.assert_allclose(moved, [[12.0 * distance, 0.0]] * 20, atol=1e-12)
 
 
 def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None:
-    problem = replace(SPIN_FRICTION, right=("start.gamma", -1.5, 1.5), up=("start.beta", 0.9, 2.2))
-    sweeps = shifted_sweeps(problem, REDUCED, number=40, end=0.03)
+    sweeps = shifted_sweeps(PROBLEMS["attitude"], REDUCED, number=10, end=0.03)
     # Too short to tell, so that there is no exponent.
-    assert run_pairs(problem, sweeps, tmp_path, direct(), time_limit=1.0) is None
+    assert run_pairs(sweeps, tmp_path, direct(), to_rest=False, time_limit=1.0) is None
     assert len(list(tmp_path.glob("pairs-*.db"))) == 1 + len(DISTANCES)
     outcomes = [["a", "a", "b", "a"], ["b", "not decided", "b", "failed"]]
     assert pairs_that_differ(outcomes).tolist() == [[True, False]]

@@ -1,27 +1,27 @@
 """Sweeps: outcomes of the cases, the store, and workers that fail."""
 
-import csv
 import re
 import sqlite3
-import tracemalloc
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import closing, nullcontext
 from functools import partial
+from itertools import count
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from analysis import MODELS, Scenario
-from analysis.data.outcomes import DONE, Row
+from analysis.data.outcomes import DONE
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.processes import Here
 from validation.kit.sources import digest
 from validation.run import run
-from validation.sweeps import case, runner
+from validation.sweeps import runner
 from validation.sweeps.case import run_case
 from validation.sweeps.outcomes import COLUMNS
 from validation.sweeps.pools import open_pool
@@ -33,6 +33,7 @@ from validation.sweeps.sweep import Sweep, look_ahead
 WAYWARD = Scenario(friction=Wayward())
 OWN_LAW = Scenario(constraints=MODELS[4], friction=Wayward())
 SPINS = ("spin=30:40:3", "mu=0.2,0.3")
+WANTED = sweep(*SPINS)
 REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-6}
 
 
@@ -71,22 +72,20 @@ def test_failed_case_is_a_row_with_its_reason(
 # --- Witnesses -----------------------------------------------------------------------------------
 
 
-def test_witness_is_the_other_side_with_its_difference() -> None:
+def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
     row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1, None)
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
-
-
-def test_witness_is_as_accurate_as_it_is_told_to_be() -> None:
-    def method(**how: Any) -> Any:
+    told: list[tuple[dict[str, Any], dict[str, Any]]] = [
+        ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2}),
+        ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
+    ]
+    for how, run_as in told:
         wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
         motion = wanted.plan.witness.motion(wanted.scenario_of(0), time_limit=None)
         assert motion.source == "engine"
-        return motion.method
-
-    assert method(witness_tolerance=1e-2)["tolerance"] == 1e-2
-    assert {"tolerance": None, "step": 5e-3}.items() <= method(witness_step=5e-3).items()
+        assert run_as.items() <= motion.method.items()
 
 
 def test_witnesses_are_spread_evenly() -> None:
@@ -117,42 +116,45 @@ def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_pat
     assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
 
 
-@pytest.mark.parametrize(
-    ("key", "other"),
-    [
-        ("plan.end", sweep(*SPINS, end=0.06)),
-        ("design.axes.0.last", sweep("spin=30:41:3", "mu=0.2,0.3")),
-        ("scenario.friction", sweep(*SPINS, scenario=OWN_LAW, formulation="reduced")),
-    ],
-)
-def test_store_of_another_sweep_is_refused(key: str, other: Sweep, tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    swept(sweep(*SPINS), path, numbers=[0])
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """Store of `WANTED` that holds its first case."""
+    swept(WANTED, tmp_path / "a.db", numbers=[0])
+    return tmp_path / "a.db"
+
+
+OTHERS = {
+    "plan.end": sweep(*SPINS, end=0.06),
+    "design.axes.0.last": sweep("spin=30:41:3", "mu=0.2,0.3"),
+    "scenario.friction": sweep(*SPINS, scenario=OWN_LAW, formulation="reduced"),
+}
+
+
+@pytest.mark.parametrize("key", OTHERS)
+def test_store_of_another_sweep_is_refused(key: str, path: Path) -> None:
     before = path.read_bytes()
     with pytest.raises(ValueError, match=f"results of another sweep: {key}"):
-        Store(path, other)
+        Store(path, OTHERS[key])
     assert path.read_bytes() == before
 
 
 def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_accepted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    swept(wanted, path, numbers=[0])
-    code = wanted.code()
+    code = WANTED.code()
     monkeypatch.setattr(Sweep, "code", lambda _: code | {"exudyn": "0.1"})
     with pytest.raises(ValueError, match=r"results of other sources: exudyn is .* 0\.1 here"):
-        Store(path, wanted)
+        Store(path, WANTED)
     for number in (1, 2):
-        with Store(path, wanted, accept_other_code=number == 1) as kept:
-            run_cases(wanted, kept, direct(), numbers=[number])
+        with Store(path, WANTED, accept_other_code=number == 1) as kept:
+            run_cases(WANTED, kept, direct(), numbers=[number])
     first, second, third = Results.load(path).columns["code"].tolist()
     assert first != second == third
 
 
 def test_identity_of_the_code_knows_a_law_of_ones_own_and_no_comments(tmp_path: Path) -> None:
     own = sweep(*SPINS, scenario=WAYWARD)
-    assert own.code()["sources"] != sweep(*SPINS).code()["sources"]
+    assert own.code()["sources"] != WANTED.code()["sources"]
     found = []
     for text in (
         "def double(x):\n    return 2 * x\n",
@@ -179,77 +181,56 @@ DAMAGES: dict[str | bytes, str] = {
 
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda text: str(text[:50]))
 def test_damaged_or_foreign_file_is_blamed_and_neither_read_nor_written(
-    damage: str | bytes, tmp_path: Path
+    damage: str | bytes, path: Path
 ) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    swept(wanted, path)
     if isinstance(damage, str):
         with closing(sqlite3.connect(path)) as file, file:
             file.execute(damage)
     else:
         path.write_bytes(damage or path.read_bytes()[:-4096])
-    before = path.read_bytes()
-    for call in (Results.load, partial(swept, wanted)):
-        with pytest.raises(
-            (ValueError, OSError), match=rf"^{re.escape(str(path))}:? {DAMAGES[damage]}"
-        ):
+    before, said = path.read_bytes(), rf"^{re.escape(str(path))}:? {DAMAGES[damage]}"
+    for call in (Results.load, partial(swept, WANTED)):
+        with pytest.raises((ValueError, OSError), match=said):
             call(path)
     assert path.read_bytes() == before
 
 
-def test_second_writer_is_refused_and_readers_are_not(tmp_path: Path) -> None:
-    wanted, path = sweep(*SPINS), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), numbers=[0])
+def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
+    with Store(path, WANTED) as kept:
+        run_cases(WANTED, kept, direct(), numbers=[1])
         with pytest.raises(OSError, match="is being written to by another process"):
-            Store(path, wanted)
-        assert Results.load(path).columns["number"].tolist() == [0]
-        run_cases(wanted, kept, direct(), numbers=[1])
-    assert Results.load(path).columns["number"].tolist() == [0, 1]
+            Store(path, WANTED)
+        assert Results.load(path).columns["number"].tolist() == [0, 1]
 
 
 # --- Results -------------------------------------------------------------------------------------
 
 
-def test_csv_holds_every_row_in_full_precision(tmp_path: Path) -> None:
-    path, text = tmp_path / "a.db", tmp_path / "a.csv"
-    columns = swept(sweep("spin=30:40:3", "mu=0.2,-1"), path).columns
-    assert write_csv(path, text) == 6
-    with text.open() as lines:
-        rows = list(csv.DictReader(lines))
-    assert list(rows[0]) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
-    found = [float(row["force_least"] or "nan") for row in rows]
-    np.testing.assert_array_equal(found, columns["force_least"])
-
-
-def test_column_on_the_grid_leaves_gaps_where_no_row_is(tmp_path: Path) -> None:
-    results = swept(sweep(*SPINS), tmp_path / "a.db", numbers=[0, 3])
-    gaps = [[0.05, np.nan], [np.nan, 0.05], [np.nan, np.nan]]
-    np.testing.assert_array_equal(results.on_grid("end"), gaps)
-    assert results.on_grid("ending").tolist() == [[None] * 2] * 3
-
-
-@pytest.mark.slow
-def test_memory_of_a_sweep_does_not_grow_with_its_cases(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_grid(
+    tmp_path: Path,
 ) -> None:
-    def quick(_wanted: Sweep, index: int, _limit: float | None) -> Row:
-        return {"number": index, "start.spin": 1.0, "status": DONE, "seconds": 1e-3}
+    pytest.importorskip("xarray")
+    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
+    results = swept(wanted, path, numbers=range(5))
+    frame, cube = results.to_dataframe(), results.to_xarray()
+    assert write_csv(path, tmp_path / "a.csv") == 5
+    written = pd.read_csv(tmp_path / "a.csv")
+    assert list(written) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
+    np.testing.assert_allclose(written["force_least"], frame["force_least"], rtol=1e-15)
+    assert frame["status"].tolist() == [DONE, "refused", DONE, "refused", DONE]
+    picked = cube["energy_end"].sel({"start.spin": 35.0, "friction.coefficient": 0.2})
+    assert float(picked) == frame.loc[2, "energy_end"]
+    np.testing.assert_array_equal(results.on_grid("end"), [[0.05, np.nan]] * 3)
+    assert results.on_grid("status").tolist() == [*[[DONE, "refused"]] * 2, [DONE, None]]
 
-    monkeypatch.setattr(case, "run_case", quick)
-    monkeypatch.setattr(runner, "LARGEST_CHUNK", 50)
-    monkeypatch.setattr(runner, "_LOOK", 200)
-    wanted = sweep("spin=0:60:4000")
-    with Store(tmp_path / "many.db", wanted) as kept:
-        tracemalloc.start()
-        run_cases(wanted, kept, direct(), numbers=range(1000))
-        few = tracemalloc.get_traced_memory()[1]
-        tracemalloc.reset_peak()
-        run_cases(wanted, kept, direct(), numbers=range(4000))
-        many = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-    # Whatever is kept of a case takes some 30 bytes or more.
-    assert many - few < 16 * 7000
+
+def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
+    def enough(_new: int, _failed: int) -> None:
+        raise LookupError
+
+    # Whoever wanted all numbers first would never begin.
+    with pytest.raises(LookupError):
+        swept(sweep("spin=0:60:40"), tmp_path / "a.db", numbers=count(), told=enough)
 
 
 # --- Workers -------------------------------------------------------------------------------------
@@ -261,10 +242,8 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
 ) -> None:
     monkeypatch.setattr(runner, "GRACE", 0.0)
     wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02)
-    path = tmp_path / "a.db"
-    with Store(path, wanted) as kept, open_pool("processes", workers=1) as pool:
-        run_cases(wanted, kept, pool, time_limit=0.3)
-    table = Results.load(path).columns
+    with open_pool("processes", workers=1) as pool:
+        table = swept(wanted, tmp_path / "a.db", pool, time_limit=0.3).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
 
@@ -277,9 +256,7 @@ def test_quick_cases_go_out_in_larger_and_larger_chunks(tmp_path: Path) -> None:
             sizes.append(len(given[1]))
             return super().submit(function, *given, **named)
 
-    wanted = sweep("spin=30:40:40")
-    with Store(tmp_path / "a.db", wanted) as kept:
-        run_cases(wanted, kept, direct(executor=Counting()))
+    swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(executor=Counting()))
     assert sum(sizes) == 40
     assert max(sizes) > 8 * sizes[0]
 
@@ -292,10 +269,9 @@ def one_worker() -> ProcessPoolExecutor:
 @pytest.mark.slow
 def test_executor_that_breaks_leaves_a_store_that_the_same_call_finishes(tmp_path: Path) -> None:
     wanted, path = sweep(f"mu={CRASHES},0.1,0.2", scenario=WAYWARD, end=0.02), tmp_path / "a.db"
-    with Store(path, wanted) as kept:
-        for lost in (pytest.raises(OSError, match="the workers are lost"), nullcontext()):
-            with lost, open_pool(f"{__name__}:one_worker", workers=1) as pool:
-                run_cases(wanted, kept, pool)
+    for lost in (pytest.raises(OSError, match="the workers are lost"), nullcontext()):
+        with lost, open_pool(f"{__name__}:one_worker", workers=1) as pool:
+            swept(wanted, path, pool)
     assert Results.load(path).columns["status"].tolist() == ["crashed", DONE, DONE]
 
 

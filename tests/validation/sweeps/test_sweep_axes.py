@@ -1,5 +1,6 @@
 """What varies in a sweep: axes, layouts, and what is no axis."""
 
+import re
 import tracemalloc
 from itertools import product
 from math import pi
@@ -7,8 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from validation.sweeps.axes import LAYOUTS, Axis, Design, axis_from, axis_from_text
@@ -19,15 +18,12 @@ def design(*texts: str, **how: Any) -> Design:
 
 
 def points(found: Design) -> Any:
-    return np.array([found.case(index) for index in range(found.size)])
+    return np.array([[*found.values_of(index).values()] for index in range(found.size)])
 
 
-@given(st.lists(st.integers(1, 4), min_size=1, max_size=4))
-def test_grid_holds_all_combinations_with_the_last_axis_fastest(sizes: list[int]) -> None:
-    fields = ("spin", "mu", "beta", "x")[: len(sizes)]
-    values = [[0.1 * (k + 1) for k in range(size)] for size in sizes]
-    texts = [f"{name}={str(each)[1:-1]}" for name, each in zip(fields, values, strict=True)]
-    assert list(map(tuple, points(design(*texts)))) == list(product(*values))
+def test_grid_holds_all_combinations_with_the_last_axis_fastest() -> None:
+    found = points(design("spin=1,2,3", "mu=0.1", "beta=0.5:0.75:2"))
+    assert list(map(tuple, found)) == list(product((1.0, 2.0, 3.0), (0.1,), (0.5, 0.75)))
 
 
 def test_ends_of_a_range_are_exact_and_steps_even() -> None:
@@ -71,7 +67,7 @@ def test_sobol_points_go_on_over_blocks_as_one_sequence() -> None:
     found = design("spin=0:1", "gamma=0:1", layout="sobol", number=10_000, seed=3)
     whole = qmc.Sobol(2, rng=3).random(8192 * 2)
     for index in (0, 4095, 4096, 8191, 9999):
-        assert found.case(index) == tuple(whole[index])
+        assert [*found.values_of(index).values()] == whole[index].tolist()
 
 
 def test_memory_does_not_grow_with_the_number_of_cases() -> None:
@@ -81,26 +77,36 @@ def test_memory_does_not_grow_with_the_number_of_cases() -> None:
         design("spin=0:60", "gamma=0:1", layout="random", number=10**12),
     ):
         for index in (0, found.size // 2, found.size - 1):
-            found.case(index)
+            found.values_of(index)
     assert tracemalloc.get_traced_memory()[1] < 500_000
     tracemalloc.stop()
 
 
-BAD_AXES: dict[str, str] = {
-    "spim=0:1:2": "got 'spim'; did you mean spin?",
-    "spin": "axis must be field=first:last:count",
-    "spin=1:2:0": "count of axis start.spin must be at least 1, got 0",
-    "spin=1,1.0": "axis start.spin must hold each value once",
-    "mu=0:1:3:log": "must be positive to be logarithmic, got 0 to 1",
-    "model=1:4:4": "axis model takes a list",
-    "model=5,1": "model must be one of 1, 2, 3, 4, got '5'",
+REFUSED: dict[tuple[str, ...], str] = {
+    ("spim=0:1:2",): "got 'spim'; did you mean spin?",
+    ("spin",): "axis must be field=first:last:count",
+    ("spin=1:2:0",): "count of axis start.spin must be at least 1, got 0",
+    ("spin=1,1.0",): "axis start.spin must hold each value once",
+    ("mu=0:1:3:log",): "must be positive to be logarithmic, got 0 to 1",
+    ("model=1:4:4",): "axis model takes a list",
+    ("model=5,1",): "model must be one of 1, 2, 3, 4, got '5'",
+    (): "axes must be at least one",
+    ("spin=1:2:3", "start.spin=4,5"): "axis start.spin is given twice",
+    ("spin=1:2",): "axis start.spin needs a count on a grid",
 }
 
 
-@pytest.mark.parametrize("text", BAD_AXES)
-def test_what_is_no_axis_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match=BAD_AXES[text]):
-        axis_from_text(text)
+@pytest.mark.parametrize("texts", REFUSED)
+def test_what_is_no_axis_or_no_grid_is_refused(texts: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError, match=re.escape(REFUSED[texts])):
+        design(*texts)
+
+
+def test_drawn_points_want_a_number_that_memory_holds() -> None:
+    with pytest.raises(ValueError, match="number must be a whole number, got None"):
+        design("spin=1:2", layout="sobol")
+    with pytest.raises(ValueError, match="limited by memory, got 1000000000"):
+        design("spin=1:2", layout="latin-hypercube", number=10**9)
 
 
 def test_axis_of_the_wrong_type_is_refused() -> None:
@@ -108,20 +114,3 @@ def test_axis_of_the_wrong_type_is_refused() -> None:
         axis_from("load", [1, 2])
     with pytest.raises(ValueError, match="either values, or first and last"):
         Axis(field="spin", values=(1.0,), first=0.0, last=1.0)
-
-
-@pytest.mark.parametrize(
-    ("axes", "how", "message"),
-    [
-        ((), {}, "axes must be at least one"),
-        (("spin=1:2:3", "start.spin=4,5"), {}, r"axis start\.spin is given twice"),
-        (("spin=1:2",), {}, r"axis start\.spin needs a count on a grid"),
-        (("spin=1:2",), {"layout": "sobol"}, "number must be a whole number"),
-        (("spin=1:2",), {"layout": "latin-hypercube", "number": 10**9}, "limited by memory"),
-    ],
-)
-def test_axes_that_do_not_fit_are_refused(
-    axes: tuple[str, ...], how: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        design(*axes, **how)

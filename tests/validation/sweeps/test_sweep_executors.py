@@ -15,8 +15,6 @@ from analysis.data.outcomes import DONE
 from tests.sweeps import sweep, swept
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store
 
 ROOT = Path(__file__).parents[3]
 AXIS = "spin=30:45:60"
@@ -54,12 +52,9 @@ def test_dask_finishes_a_sweep_though_a_worker_is_killed(tmp_path: Path) -> None
                 killed.append(cluster.workers[0].pid)
                 os.kill(killed[0], signal.SIGKILL)
 
-        with (
-            Store(path, WANTED) as kept,
-            open_pool("dask", workers=2, scheduler=cluster.scheduler_address) as pool,
-        ):
+        with open_pool("dask", workers=2, scheduler=cluster.scheduler_address) as pool:
             assert pool.workers == 2
-            run_cases(WANTED, kept, pool, told=told)
+            swept(WANTED, path, pool, told=told)
     assert killed
     check_complete(path, tmp_path)
 
@@ -75,35 +70,20 @@ def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
             closing.append(threading.Thread(target=cluster.close))
             closing[0].start()
 
-    with pytest.raises(OSError, match="the workers are lost"), Store(path, WANTED) as kept:  # noqa: SIM117
+    with pytest.raises(OSError, match="the workers are lost"):  # noqa: SIM117
         with open_pool("dask", workers=1, scheduler=cluster.scheduler_address) as pool:
-            run_cases(WANTED, kept, pool, told=told)
+            swept(WANTED, path, pool, told=told)
     closing[0].join()
     assert 0 < Results.load(path).columns["number"].size < 60
 
 
 def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
     pytest.importorskip("mpi4py")
-    beside = str(Path(sys.executable).parent)
-    found = shutil.which("mpiexec") or shutil.which("mpiexec", path=beside)
-    if found is None:
-        pytest.skip("needs mpiexec")
+    places = os.pathsep.join((os.environ["PATH"], str(Path(sys.executable).parent)))
+    found = shutil.which("mpiexec", path=places) or pytest.skip("needs mpiexec")
     path = tmp_path / "a.db"
     call = [found, "-n", "3", sys.executable, "-m", "mpi4py.futures", "-m", "validation", "sweep"]
     call += [AXIS, *OPTIONS.split(), str(path)]
     done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False, timeout=300)
     assert done.stdout == f"{path}: 60 cases\n", done.stderr
     check_complete(path, tmp_path)
-
-
-def test_tables_of_other_packages_hold_the_columns(tmp_path: Path) -> None:
-    pytest.importorskip("pandas")
-    pytest.importorskip("xarray")
-    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
-    results = swept(wanted, path)
-    frame, cube = results.to_dataframe(), results.to_xarray()
-    assert frame.loc[4, "start.spin"] == 40.0
-    assert frame["status"].tolist() == [DONE, "refused"] * 3
-    assert cube["energy_end"].dims == ("start.spin", "friction.coefficient")
-    picked = cube["energy_end"].sel({"start.spin": 35.0, "friction.coefficient": 0.2})
-    assert float(picked) == frame.loc[2, "energy_end"]

@@ -10,10 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers import is_running
-from tests.sweeps import direct, sweep, swept
-from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store
+from tests.helpers import is_running, not_none
+from tests.sweeps import sweep, swept
 
 ROOT = Path(__file__).parents[3]
 
@@ -34,13 +32,12 @@ with Store(sys.argv[1], wanted) as kept:
 
 
 def test_store_outlives_its_killed_writer(tmp_path: Path) -> None:
-    path, lines = tmp_path / "a.db", 3
+    path = tmp_path / "a.db"
     call = [sys.executable, "-c", WRITER, str(path)]
-    writer = subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    assert writer.stdout is not None
-    said = [writer.stdout.readline() for _ in range(lines)]
-    writer.send_signal(signal.SIGKILL)
-    said += writer.communicate()[0].splitlines()
+    with subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, text=True) as writer:
+        said = [not_none(writer.stdout).readline() for _ in range(3)]
+        writer.kill()
+        said += writer.communicate()[0].splitlines()
     with closing(sqlite3.connect(path)) as file:
         assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         ends = [end for (end,) in file.execute('SELECT "end" FROM cases ORDER BY number')]
@@ -65,8 +62,8 @@ def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> N
             signal.raise_signal(signal.SIGINT)
         done.append(new)
 
-    with pytest.raises(KeyboardInterrupt), Store(path, wanted) as kept:
-        run_cases(wanted, kept, direct(), told=told)
+    with pytest.raises(KeyboardInterrupt):
+        swept(wanted, path, told=told)
     assert [rows(path)] == done
 
 

@@ -20,7 +20,7 @@ def drawn(wanted: Sweep, folder: Path) -> tuple[Figure, Results]:
     return draw(results), results
 
 
-def test_one_axis_is_drawn_as_curves_of_the_outcomes(tmp_path: Path) -> None:
+def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) -> None:
     figure, results = drawn(sweep("mu=-0.1,0.1,0.4"), tmp_path)
     outcomes, _, spins, forces = figure.axes
     assert [each.get_text() for each in outcomes.get_yticklabels()] == ["not inverted", "refused"]
@@ -29,27 +29,20 @@ def test_one_axis_is_drawn_as_curves_of_the_outcomes(tmp_path: Path) -> None:
     for line, name in zip(forces.lines, ("force_least", "force_largest"), strict=True):
         np.testing.assert_array_equal(line.get_ydata(), results.columns[name])
     assert forces.get_xlabel() == "friction coefficient μ"
-
-
-def test_drawn_axis_is_put_in_order(tmp_path: Path) -> None:
-    wanted = sweep("spin=30:40", layout={"layout": "random", "number": 4})
-    figure, _ = drawn(wanted, tmp_path)
+    random = sweep("spin=30:40", layout={"layout": "random", "number": 4})
+    figure = draw(swept(random, tmp_path / "b.db"))
     assert np.all(np.diff(np.asarray(figure.axes[0].lines[0].get_xdata(), dtype=float)) > 0.0)
 
 
 def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Path) -> None:
     wanted = sweep("mu=0.1:0.4:2:log", "gamma=0:0.5:2", end=1.5, tolerance=1e-3)
-    figure, _ = drawn(wanted, tmp_path)
-    axes = figure.axes[0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == (
-        "γ at the start in rad",
-        "friction coefficient μ",
-    )
+    axes = drawn(wanted, tmp_path)[0].axes[0]
+    assert axes.get_xlabel() == "γ at the start in rad"
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
 
 
 @pytest.mark.parametrize(
-    ("texts", "layout"),
+    ("axes", "how"),
     [
         (("spin=30:44:2", "mu=-0.1,0.3", "gamma=-1.5,-1"), {}),
         (
@@ -59,31 +52,27 @@ def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Pa
     ],
 )
 def test_several_axes_are_drawn_in_pairs(
-    texts: tuple[str, ...], layout: dict[str, Any], tmp_path: Path
+    axes: tuple[str, ...], how: dict[str, Any], tmp_path: Path
 ) -> None:
-    wanted = sweep(*texts, layout=layout, end=1.0, tolerance=1e-2)
-    figure, results = drawn(wanted, tmp_path)
-    refused = results.columns["status"] == "refused"
-    assert 0 < np.count_nonzero(refused) < refused.size
+    figure, _ = drawn(sweep(*axes, layout=how, end=1.0, tolerance=1e-2), tmp_path)
     shares, below = figure.axes[0], figure.axes[3]
     assert below.get_ylabel() == "friction coefficient\nμ"
     # A case that is refused counts in no share; where nothing else is, there is a cross.
     crosses = np.asarray(below.lines[0].get_ydata(), dtype=float)
-    assert np.all(crosses < 0.0)
     points = np.asarray(below.collections[0].get_offsets())
-    assert np.all(points[:, 1] > 0.0)
-    assert len(crosses) + len(points) == (6 if layout else 4)
+    assert crosses.max() < 0.0 < points[:, 1].min()
+    assert len(crosses) + len(points) == (6 if how else 4)
     assert np.all(np.isfinite(np.asarray(shares.lines[0].get_ydata(), dtype=float)))
 
 
-@pytest.mark.parametrize(
-    ("axes", "message"),
-    [
-        (("spin=30:40:2", "mu=0.1"), "several axes can be drawn if each has two values"),
-        (("constraints=contact,contact+no-slip",), "axis constraints cannot be drawn"),
-        (tuple(f"{name}=0.1:0.2:2" for name in NINE), "at most 8 axes can be drawn, got 9"),
-    ],
-)
-def test_sweep_without_a_picture_is_refused(axes: tuple[str, ...], message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+UNDRAWN: dict[tuple[str, ...], str] = {
+    ("spin=30:40:2", "mu=0.1"): "several axes can be drawn if each has two values",
+    ("constraints=contact,contact+no-slip",): "axis constraints cannot be drawn",
+    tuple(f"{name}=0.1:0.2:2" for name in NINE): "at most 8 axes can be drawn, got 9",
+}
+
+
+@pytest.mark.parametrize("axes", UNDRAWN)
+def test_sweep_without_a_picture_is_refused(axes: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError, match=UNDRAWN[axes]):
         check_drawable(sweep(*axes))

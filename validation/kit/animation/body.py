@@ -1,9 +1,9 @@
 """What is drawn of a body: the one description for the player, the GIF and pictures."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from analysis import Body, Disk, EllipticDisk
 from analysis.data.checks import Array
@@ -16,50 +16,53 @@ _MASS = 0.05
 
 
 class Shape(NamedTuple):
-    """Outlines and points of a plate in its x and y axes, or lines on a solid, in m.
+    """Outlines, lines and points of a body in m, of a plate in its x and y axes alone.
 
     Parameters
     ----------
-    face : list of ndarray, shape (n, 2)
-        The edge of a plate, counterclockwise, and those of its holes, clockwise.
-    heavy : list of ndarray, shape (n, 2)
-        The same of the half that holds the centre of gravity; none where that is the middle.
+    areas : list of ndarray, shape (n, k)
+        Outlines that cover the body: one of a plate, counterclockwise, from which the eye goes to
+        its holes and around them clockwise; many of a solid, which overlap.
+    lines : list of ndarray, shape (n, k)
+        Closed lines that are drawn on it: the edge and those of holes, or all of a solid.
     cog, mark : tuple of 2 float
         Centre of gravity, and a point of the edge by which the eye sees the body turn.
+    heavy : list of ndarray, shape (n, 2)
+        Outline of the half that holds the centre of gravity; none where that is the middle.
     masses : list of ndarray, shape (n, 2)
         Outlines of small masses on a plate.
-    lines : list of ndarray, shape (n, 3)
-        Closed lines on the surface of a solid, which has no face; together they fill its outline.
+    solid : bool
+        Whether it hides half of its lines, and has no two faces.
     """
 
-    face: list[Array]
-    heavy: list[Array]
+    areas: list[Array]
+    lines: list[Array]
     cog: tuple[float, float]
     mark: tuple[float, float]
-    masses: tuple[Array, ...] = ()
-    lines: tuple[Array, ...] = ()
+    heavy: Sequence[Array] = ()
+    masses: Sequence[Array] = ()
+    solid: bool = False
 
 
 def shape(body: Body) -> Shape:
     """Shape of a body: a disk with its holes and masses, an ellipse, or a solid."""
-    cog = (body.eccentricity, 0.0)
+    cog, masses = (body.eccentricity, 0.0), []
     if isinstance(body, Disk):
-        holes, masses = body.outline()
+        holes, added = body.outline()
         edges = [circle(body.radius)]
         edges += [circle(hole.radius, hole.x, hole.y)[::-1] for hole in holes]
-        mark = (body.radius, 0.0)
-        added = [circle(_MASS * body.radius, each.x, each.y) for each in masses]
+        masses = [circle(_MASS * body.radius, each.x, each.y) for each in added]
     elif isinstance(body, EllipticDisk):
         c, s = np.cos(body.long_axis), np.sin(body.long_axis)
         straight = circle(1.0) * (body.radius, body.other_radius)
-        edges, added = [straight @ np.array([[c, s], [-s, c]])], []
-        mark = float(body.radius * c), float(body.radius * s)
+        edges = [straight @ np.array([[c, s], [-s, c]])]
     else:
-        top = body.lowest_point((-1.0, 0.0, 0.0))
-        return Shape(face=[], heavy=[], cog=cog, mark=(top[0], top[1]), lines=tuple(surface(body)))
-    right = [edge.clip(min=(0.0, -np.inf)) for edge in edges]
-    heavy = right if body.eccentricity else []
-    return Shape(face=edges, heavy=heavy, cog=cog, mark=mark, masses=tuple(added))
+        lines, top = surface(body), body.lowest_point((-1.0, 0.0, 0.0))
+        return Shape(lines, lines, cog, mark=(top[0], top[1]), solid=True)
+    area = np.vstack([part for edge in edges for part in (edge, edges[0][:1])])
+    heavy = [area.clip(min=(0.0, -np.inf))] if body.eccentricity else []
+    mark = float(edges[0][0, 0]), float(edges[0][0, 1])
+    return Shape([area], edges, cog, mark, heavy, masses)
 
 
 def circle(radius: float, x: float = 0.0, y: float = 0.0) -> Array:
@@ -80,12 +83,6 @@ def surface(body: Body) -> list[Array]:
         for side in np.radians(np.arange(0.0, 180.0, 20.0))
     ]
     return [np.column_stack(body.lowest_point(each.T)) for each in (*around, *through)]
-
-
-def hull(points: Array) -> Array:
-    """Outline of the points of a picture, shape (n, 2)."""
-    found: Array = points[ConvexHull(points).vertices]
-    return found
 
 
 def in_sight(line: Array, middle: Array, eye: Array) -> Array:

@@ -6,8 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.text import Text
 from PIL import Image
 
 from analysis.data.checks import Array, within
@@ -89,89 +87,51 @@ def write(
     """
     within("width", width, 100, WIDEST_PICTURE)
     times, shown = frame_times(poses, speed=speed, fps=fps)
-    picture = _Picture(poses, width)
-    # One palette for all frames, from a few of them, keeps the colours from flickering.
-    sample = [picture.draw(time) for time in np.linspace(times[0], times[-1], 8)]
-    palette = Image.fromarray(np.vstack(sample)).quantize(128)
+    low, high = poses.contact_points.min(axis=0), poses.contact_points.max(axis=0)
+    rolls_away = bool(np.max(high - low) > 1.5 * poses.disk.radius)
+    middle = None if rolls_away else 0.5 * (low + high)
+
+    figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
     def frame(time: float) -> Image.Image:
-        image = Image.fromarray(picture.draw(time))
-        return image.quantize(palette=palette, dither=Image.Dither.NONE)
+        return Image.fromarray(_pixels(axes, poses, time, middle))
 
-    rest = counted(times[1:], "frames")
-    frame(times[0]).save(
-        stream,
-        format="GIF",
-        save_all=True,
-        append_images=(frame(time) for time in rest),
-        duration=10 * shown,
-        loop=0,
+    # One palette for all frames, from a few of them, keeps the colours from flickering.
+    sample = [np.asarray(frame(time)) for time in np.linspace(times[0], times[-1], 8)]
+    palette = Image.fromarray(np.vstack(sample)).quantize(128)
+    frames = (
+        frame(time).quantize(palette=palette, dither=Image.Dither.NONE)
+        for time in counted(times, "frames")
     )
+    told: dict[str, Any] = {"format": "GIF", "save_all": True, "duration": 10 * shown, "loop": 0}
+    next(frames).save(stream, append_images=frames, **told)
     return times.size
 
 
-class _Picture:
-    """A figure whose disk is drawn anew for each frame, over what stays: the story below."""
-
-    def __init__(self, poses: Keyframes, width: int) -> None:
-        self.poses, self.scale = poses, width / 480
-        self.figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
-        canvas: Any = FigureCanvasAgg(self.figure)  # its methods carry no types
-        self.canvas = canvas
-        self.scene = picture.scene(self.figure.add_axes((0.0, 0.24, 1.0, 0.76)))
-        self.cursor = self._draw_strip(self.figure.add_axes((0.1, 0.08, 0.86, 0.12)))
-        self.canvas.draw()
-        self.background = self.canvas.copy_from_bbox(self.figure.bbox)
-        low, high = poses.contact_points.min(axis=0), poses.contact_points.max(axis=0)
-        self.follows = bool(np.max(high - low) > 2.0 * poses.disk.radius)
-        self.middle = 0.5 * (low + high)
-
-    def _draw_strip(self, axes: Axes) -> Line2D:
-        """Height of the centre of gravity over time; returns the cursor."""
-        poses, size, thin = self.poses, 8.0 * self.scale, 0.8 * self.scale
-        axes.plot(poses.times, 1e3 * poses.positions[:, 2], color="#999999", linewidth=thin)
-        axes.plot(poses.times, 1e3 * poses.cog_height, color="#222222", linewidth=1.5 * thin)
-        axes.set_xlim(poses.times[0], poses.times[-1])
-        title = "height of the COG in mm (grey: of the centre) over time in s"
-        axes.set_title(title, loc="left", pad=2.0 * self.scale, fontsize=size)
-        axes.tick_params(labelsize=size, length=2.0 * self.scale, pad=2.0 * self.scale)
-        axes.spines[["top", "right"]].set_visible(False)
-        return axes.axvline(
-            poses.times[0], color="#d00000", linewidth=1.2 * self.scale, animated=True
-        )
-
-    def draw(self, time: float) -> np.ndarray:
-        """Pixels at a time in s, shape (width, width, 3)."""
-        self.canvas.restore_region(self.background)
-        self.cursor.set_xdata([time, time])
-        renderer = self.canvas.get_renderer()
-        self.cursor.draw(renderer)
-        pose, radius = self.poses.at(np.array([time])), self.poses.disk.radius
-        middle = pose.positions[0, :2] if self.follows else self.middle
-        camera = Camera(np.append(middle, 0.75 * radius), _AZIMUTH, radius, self.scale)
-        readout = Text(-1.95, 1.78, _readout(pose), va="top", fontsize=9.0 * self.scale)
-        for artist in (*picture.artists(pose, camera, self._trail(time)), readout):
-            artist.set_figure(self.figure)
-            artist.set_transform(self.scene.transData)
-            artist.set_clip_box(self.scene.bbox)
-            artist.draw(renderer)
-        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
-
-    def _trail(self, now: float) -> Array:
-        """Contact points of the last moments, shape (n, 2)."""
-        times = self.poses.times
-        since = max(float(times[0]), now - _TRAIL)
-        inside = times[(times > since) & (times < now)]
-        return self.poses.at(np.concatenate(([since], inside, [now]))).contact_points
+def _pixels(axes: Axes, poses: Keyframes, now: float, middle: Array | None) -> np.ndarray:
+    """Picture at a time in s, of a place or else of the disk, shape (width, width, 3)."""
+    for artist in (*axes.lines, *axes.patches, *axes.texts):
+        artist.remove()
+    figure: Any = axes.figure
+    canvas: Any = FigureCanvasAgg(figure)  # its methods carry no types
+    radius, scale = poses.disk.radius, canvas.get_width_height()[0] / 480
+    before = poses.times[(poses.times > now - _TRAIL) & (poses.times < now)]
+    pose, trail = poses.at(np.array([now])), poses.at(np.append(before, now)).contact_points
+    target = np.append(pose.positions[0, :2] if middle is None else middle, 0.75 * radius)
+    picture.draw(axes, pose, Camera(target, _AZIMUTH, 1.5 * radius, scale), trail)
+    axes.text(-1.25, 1.7, _readout(pose), va="top", fontsize=9.0 * scale)
+    canvas.draw()
+    pixels: np.ndarray = np.asarray(canvas.buffer_rgba())[:, :, :3]
+    return pixels
 
 
 def _readout(pose: Keyframes) -> str:
-    lift = 1e3 * float(pose.cog_height[0] - pose.positions[0, 2])
     sine, cosine, up = pose.rotations[0, 2]
     gamma = "–" if np.hypot(sine, cosine) < 1e-3 else f"{np.arctan2(sine, cosine):.2f} rad"
-    beta = np.arccos(np.clip(up, -1.0, 1.0))
+    beta, lift = np.arccos(np.clip(up, -1.0, 1.0)), 1e3 * pose.disk.eccentricity * sine
     return (
         f"t = {pose.times[0]:.3f} s,  β = {beta:.2f} rad,  γ = {gamma},  "
-        f"spin {pose.spins[0]:.1f} rad/s\n"
+        f"spin {pose.table[0, -1]:.1f} rad/s\n"
         f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
     )

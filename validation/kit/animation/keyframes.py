@@ -1,25 +1,26 @@
 """Poses of the disk over time, as an animation needs them, from either kind of stored motion."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.data import frames
 from analysis.data.body import Body
-from analysis.data.checks import Array, within
+from analysis.data.checks import Array, ToleranceError, within
 from analysis.data.limits import MOST_KEYFRAMES
 from analysis.data.names import ArgumentError
 
-_TURN_BETWEEN = 0.25
-"""Angle in rad the disk may turn between keyframes taken from co-rotating coordinates."""
+_TURN_BETWEEN = 0.2
+"""Angle in rad the disk may turn between keyframes."""
+
+_COARSEST = {Trajectory: 1e3, SpatialMotion: 3.0}
+"""Error in rad that interpolation between samples may have, by an estimate ten times too large.
+
+The angles of a trajectory tell how often the disk turns between two samples, quaternions do not.
+"""
 
 _ATTITUDE = slice(3, 7)
-
-_LARGEST_TURN = 0.9 * np.pi
-"""Beyond this angle in rad between samples, a quaternion no longer tells the way round."""
-
 
 COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
 """Of `Keyframes.table`, as the player calls them."""
@@ -62,116 +63,79 @@ class Keyframes:
         return self.table[:, 7:9]
 
     @property
-    def spins(self) -> Array:
-        """Vertical angular velocity in rad/s, shape (n,)."""
-        return self.table[:, 9]
-
-    @property
     def rotations(self) -> Array:
         """Rotation matrices, whose columns are the body axes, shape (n, 3, 3)."""
         return frames.rotations(self.table[:, _ATTITUDE])
-
-    @property
-    def cog_height(self) -> Array:
-        """Height of the centre of gravity in m, shape (n,)."""
-        result: Array = self.positions[:, 2] + self.disk.eccentricity * self.rotations[:, 2, 0]
-        return result
 
     def at(self, times: Array) -> "Keyframes":
         """Keyframes at other times within the range, shape (m,).
 
         Linear in all values, with quaternions brought back to unit length, as in the player.
         """
-        row = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
-        begin, end = self.times[row], self.times[row + 1]
-        part = ((times - begin) / (end - begin))[:, None]
-        table = self.table[row] + part * (self.table[row + 1] - self.table[row])
+        table = np.column_stack([np.interp(times, self.times, each) for each in self.table.T])
         table[:, _ATTITUDE] /= np.linalg.norm(table[:, _ATTITUDE], axis=1)[:, None]
         return replace(self, times=times, table=table)
 
-    def between(self, begin: float | None = None, end: float | None = None) -> "Keyframes":
-        """Those from `begin` to `end` in s, by default the first and the last.
 
-        Raises
-        ------
-        ValueError
-            If the range is empty or reaches outside the data.
-        """
-        first, last = float(self.times[0]), float(self.times[-1])
-        begin = first if begin is None else within("begin", begin, first, last)
-        end = last if end is None else within("end", end, first, last)
-        if begin >= end:
-            raise ArgumentError("begin", f"must lie before {end:g}, got {begin:g}")
-        inside = self.times[(self.times > begin) & (self.times < end)]
-        cut = self.at(np.concatenate(([begin], inside, [end])))
-        marks = tuple((name, time) for name, time in self.marks if begin <= time <= end)
-        return replace(cut, marks=marks)
-
-
-def keyframes(motion: StoredRun) -> Keyframes:
+def keyframes(
+    motion: StoredRun, begin: float | None = None, end: float | None = None
+) -> Keyframes:
     """Keyframes of a motion, dense enough for interpolation.
 
-    A trajectory may be sampled coarsely: its unwrapped angles and their rates tell how often the
-    disk turned between two samples.
+    Parameters
+    ----------
+    motion : Trajectory or SpatialMotion
+        It may be sampled coarsely, as `resampled` interpolates it.
+    begin, end : float, optional
+        Part of it in s, by default all.
 
     Raises
     ------
     ValueError
-        If the disk of a spatial motion turns by about half a turn between samples, or a
-        trajectory needs more than `MOST_KEYFRAMES`.
+        If the part is empty or reaches outside the motion, its samples are too far apart to tell
+        the motion between them, or it needs more than `MOST_KEYFRAMES`.
     """
+    first, last = motion.times[[0, -1]].tolist()
+    begin = first if begin is None else within("begin", begin, first, last)
+    end = last if end is None else within("end", end, first, last)
+    if begin >= end:
+        raise ArgumentError("begin", f"must lie before {end:g}, got {begin:g}")
     if isinstance(motion, SpatialMotion):
-        _check_turns(motion)
-        found, told = motion.phases, "on a unilateral contact"
-        starts = {each.name.replace("_", " "): getattr(found, each.name) for each in fields(found)}
+        phases, told = asdict(motion.phases), "on a unilateral contact"
+        starts = {name.replace("_", " "): time for name, time in phases.items()}
     else:
         form = motion.method.get("formulation") or motion.method.get("form")
         told = f"{motion.scenario.name}, {form}" if form else motion.scenario.name
         starts = {"inversion": motion.inversion_time}
-        motion = _dense(motion)
+    marks = [(name, time) for name, time in starts.items() if time is not None]
+    inside = motion.times[(motion.times > begin) & (motion.times < end)]
+    times = _dense(motion, np.concatenate(([begin], inside, [end])))
+    try:
+        motion = motion.resampled(times, tolerance=_COARSEST[type(motion)])
+    except ToleranceError as error:
+        raise ValueError(f"the motion cannot be animated: {error}") from None
     positions, rotations, _, angular_velocities = motion.poses
     contact, spins = motion.contact_points[:, :2], angular_velocities[:, 2]
     return Keyframes(
-        times=motion.times,
-        table=np.column_stack((positions, _continuous(rotations), contact, spins)),
+        times=times,
+        table=np.column_stack((positions, frames.quaternions(rotations), contact, spins)),
         disk=motion.scenario.disk,
-        marks=tuple((name, time) for name, time in starts.items() if time is not None),
+        marks=tuple(mark for mark in marks if begin <= mark[1] <= end),
         source=f"{motion.source}, {told}",
     )
 
 
-def _dense(trajectory: Trajectory) -> Trajectory:
-    """Trajectory whose angles change little from sample to sample; its forces are left out."""
-    turns = np.sum(np.abs(np.diff(trajectory.coordinates[:, 3:], axis=0)), axis=1)
-    parts = max(1, int(np.ceil(np.max(turns) / _TURN_BETWEEN)))
-    samples = trajectory.times
-    if parts * samples.size > MOST_KEYFRAMES:
+def _dense(motion: StoredRun, times: Array) -> Array:
+    """Times with as many others between them as the fastest turning or rolling needs."""
+    angles = np.max(np.diff(times)) * np.abs(motion.poses.angular_velocities)
+    ways = np.abs(np.diff(motion.contact_points, axis=0)) / motion.scenario.disk.radius
+    turn = max(float(np.max(angles)), float(np.max(ways)))
+    if not turn / _TURN_BETWEEN * times.size < MOST_KEYFRAMES:
         raise ValueError(
-            f"the disk turns by {np.max(turns):.3g} rad between two samples, which would take "
-            f"{parts * samples.size} keyframes; at most {MOST_KEYFRAMES} are made"
+            f"the disk turns by {turn:.3g} rad between two samples, which would take more than "
+            f"{MOST_KEYFRAMES} keyframes"
         )
-    inner = samples[:-1, None] + np.diff(samples)[:, None] * np.arange(parts) / parts
-    times = np.append(inner.ravel(), samples[-1])
-    spline = CubicHermiteSpline(samples, trajectory.coordinates, trajectory.rates)
-    forces = np.zeros((times.size, trajectory.multipliers.shape[1]))
-    made = {"coordinates": spline(times), "rates": spline(times, 1), "multipliers": forces}
-    return replace(trajectory, times=times, **made)
-
-
-def _check_turns(motion: SpatialMotion) -> None:
-    speed = np.linalg.norm(motion.angular_velocities, axis=1)
-    turns = np.diff(motion.times) * np.maximum(speed[1:], speed[:-1])
-    if np.max(turns) > _LARGEST_TURN:
-        raise ValueError(
-            f"the samples are too far apart to be animated: the disk turns by {np.max(turns):.2g} "
-            f"rad between two of them at t = {motion.times[np.argmax(turns)]:g} s"
-        )
-
-
-def _continuous(rotations: Array) -> Array:
-    """Quaternions, each of the sign nearer to the one before, shape (n, 4)."""
-    quaternions = frames.quaternions(rotations)
-    turned = np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0
-    signs = np.cumprod(np.append(1.0, np.where(turned, -1.0, 1.0)))
-    result: Array = signs[:, None] * quaternions
-    return result
+    parts = max(1, int(np.ceil(turn / _TURN_BETWEEN)))
+    rows = np.arange(parts * (times.size - 1) + 1)
+    dense: Array = np.interp(rows / parts, np.arange(times.size), times)
+    return dense

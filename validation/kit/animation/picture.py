@@ -7,17 +7,16 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path
+from matplotlib.patches import Polygon
 
 from analysis.data.checks import Array
-from validation.kit.animation.body import circle, hull, in_sight, shape
+from validation.kit.animation.body import circle, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes
 
 FRONT, BACK = ("#8cc6ee", "#0b5c97"), ("#f7cf86", "#b85300")
 """Light and heavy half of each face, as in the player."""
 
-_PATH = "#00795b"
+_PATH, _INK, _SHADOW = "#00795b", "#222222", "#d3d3d1"
 _ELEVATION = np.radians(14.0)
 
 
@@ -41,85 +40,71 @@ class Camera(NamedTuple):
     scale: float = 1.0
 
     @property
-    def to_eye(self) -> Array:
-        """Direction to the eye, shape (3,)."""
+    def axes(self) -> Array:
+        """Directions to the right, up and to the eye, shape (3, 3)."""
         c, s = np.cos(self.azimuth), np.sin(self.azimuth)
         level, up = np.cos(_ELEVATION), np.sin(_ELEVATION)
-        return np.array((level * c, level * s, up))
+        return np.array([(-s, c, 0.0), (-up * c, -up * s, level), (level * c, level * s, up)])
 
     def project(self, points: Array) -> Array:
         """Orthographic picture coordinates, shape (n, 2), of points in m, shape (n, 3)."""
-        x, y, z = ((np.atleast_2d(points) - self.target) / self.radius).T
-        c, s = np.cos(self.azimuth), np.sin(self.azimuth)
-        up = np.cos(_ELEVATION) * z - np.sin(_ELEVATION) * (c * x + s * y)
-        return np.column_stack((c * y - s * x, up))
+        result: Array = (points - self.target) / self.radius @ self.axes[:2].T
+        return result
 
 
-def scene(axes: Axes) -> Axes:
-    """Empty axes of the size that `artists` fill."""
-    axes.set_axis_off()
-    axes.set(xlim=(-2.04, 2.04), ylim=(-1.25, 1.85))
-    return axes
-
-
-def artists(pose: Keyframes, camera: Camera, trail: Array | None = None) -> Iterator[Artist]:
-    """What is seen of one instant, the farthest first.
+def draw(axes: Axes, pose: Keyframes, camera: Camera, trail: Array | None = None) -> None:
+    """Draw one instant into axes of which nothing else is seen.
 
     Parameters
     ----------
+    axes : Axes
     pose : Keyframes
         One alone.
     camera : Camera
     trail : ndarray, shape (n, 2), optional
         Contact points of the last moments in m.
     """
+    axes.set_axis_off()
+    axes.set(xlim=(-1.35, 1.35), ylim=(-0.95, 1.75), aspect="equal")
+    for order, artist in enumerate(_artists(pose, camera, trail)):
+        axes.add_artist(artist).set_zorder(order)
+
+
+def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[Artist]:
+    """What is seen of one instant, the farthest first."""
     place, scale, body = pose.positions[0], camera.scale, shape(pose.disk)
-    axes = pose.rotations[0].T
+    turned, project, eye = pose.rotations[0].T, camera.project, camera.axes[2]
 
     def placed(outline: Array) -> Array:
-        points: Array = place + outline @ axes[: outline.shape[1]]
+        points: Array = place + outline @ turned[: outline.shape[1]]
         return points
 
-    def seen(outlines: list[Array]) -> list[Array]:
-        return [camera.project(placed(outline)) for outline in outlines]
-
-    def area(outlines: list[Array]) -> list[Array]:
-        """What a solid covers is the hull of its lines."""
-        return [hull(np.vstack(outlines))] if body.lines else outlines
-
     yield from _table(camera)
-    shadow = [camera.project(placed(each) * (1.0, 1.0, 0.0)) for each in (*body.face, *body.lines)]
-    yield _filled(area(shadow), "#000000", alpha=0.13)
+    for area in body.areas:
+        yield _filled(project(placed(area) * (1.0, 1.0, 0.0)), _SHADOW)
     if trail is not None:
-        yield _line(camera.project(np.pad(trail, ((0, 0), (0, 1)))), _PATH, 1.6 * scale)
-    # The body's x axis turns into its y axis counterclockwise if its z axis points to the eye.
-    counterclockwise = np.linalg.det(camera.project(camera.target + axes[:2])) > 0.0
-    light, heavy = FRONT if counterclockwise or body.lines else BACK
-    whole = seen(body.face)
-    yield _filled(area(seen([*body.face, *body.lines])), light)
-    if body.heavy:
-        yield _filled(seen(body.heavy), heavy)
-    for number, outline in enumerate(whole):
-        yield _line(outline, heavy, (0.8 if number else 2.0) * scale)
-    for mass in seen([*body.masses]):
-        yield _filled([mass], "#222222")
-    for line in body.lines:
-        visible = in_sight(placed(line), place, camera.to_eye)
-        yield _line(camera.project(visible), FRONT[1], 0.8 * scale)
+        yield _line(project(np.pad(trail, ((0, 0), (0, 1)))), _PATH, 1.6 * scale)
+    light, heavy = FRONT if body.solid or turned[2] @ eye > 0.0 else BACK
+    for areas, colour in ((body.areas, light), (body.heavy, heavy), (body.masses, _INK)):
+        for area in areas:
+            yield _filled(project(placed(area)), colour)
+    for line in map(placed, body.lines):
+        visible = in_sight(line, place, eye) if body.solid else line
+        yield _line(project(visible), heavy, 1.2 * scale)
     for point, marker, inner, edge in (
-        (body.mark, "o", "white", "#222222"),
+        (body.mark, "o", "white", _INK),
         (body.cog, "o", "black", "white"),
-        ((0.0, 0.0), "+", "none", "#222222"),
+        ((0.0, 0.0), "+", "none", _INK),
     ):
         look: dict[str, Any] = {"ms": 7 * scale, "mew": scale, "mfc": inner, "mec": edge}
-        yield Line2D(*seen([np.array([point])])[0].T, marker=marker, **look)
+        yield Line2D(*project(placed(np.array([point]))).T, marker=marker, **look)
 
 
 def _table(camera: Camera) -> Iterator[Artist]:
     """A round piece of the table, with lines by which the eye sees it pass."""
     reach, cell = 3.0 * camera.radius, 0.5 * camera.radius
     middle = camera.target * (1.0, 1.0, 0.0)
-    yield _filled([camera.project(np.pad(circle(reach), ((0, 0), (0, 1))) + middle)], "#f3f3f0")
+    yield _filled(camera.project(np.pad(circle(reach), ((0, 0), (0, 1))) + middle), "#f3f3f0")
     lines = []
     for axis in (0, 1):
         lowest = np.ceil((middle[axis] - reach) / cell)
@@ -132,10 +117,8 @@ def _table(camera: Camera) -> Iterator[Artist]:
     yield _line(camera.project(np.vstack(lines)), "#d9d9d4", 0.7 * camera.scale)
 
 
-def _filled(outlines: list[Array], colour: str, alpha: float = 1.0) -> Artist:
-    """Area within outlines, shape (n, 2) each; those that turn the other way are holes."""
-    path = Path.make_compound_path(*(Path(outline, closed=True) for outline in outlines))
-    return PathPatch(path, color=colour, alpha=alpha, linewidth=0.0)
+def _filled(outline: Array, colour: str) -> Artist:
+    return Polygon(outline, color=colour, linewidth=0.0)
 
 
 def _line(points: Array, colour: str, width: float) -> Artist:

@@ -1,22 +1,18 @@
 // Motion of the disk for what the sliders say, by the classic Runge-Kutta method.
-// `settings` and `equations` come from play.py; `chosen` holds the values of the sliders in SI units.
+// `settings` and `equations` come from play.py; `chosen` holds the values of the sliders.
 function spunDisk(settings, equations, chosen) {
   "use strict";
-  const distances = settings.disks.map((_, k) => settings.holes[k]);
-  const nearest = distances.reduce((best, distance, k) =>
-    Math.abs(distance - chosen.hole_distance) < Math.abs(distances[best] - chosen.hole_distance)
-      ? k : best, 0);
-  const disk = settings.disks[nearest];
+  const DURATION = 5, SHOWN = 4e-3; // s that are played, and between two poses that are kept
+  const disk = settings.disks[chosen.hole];
   const friction = equations.perSpeed([chosen.coefficient, chosen.smoothing]);
-  const functions = {
+  const derivative = equations.derivative(disk.numbers, {
     sin: Math.sin, cos: Math.cos, sqrt: Math.sqrt, speed: Math.hypot,
     per_speed: (speed) => friction([speed])[0],
-  };
-  const derivative = equations.derivative(disk.numbers, functions);
+  });
   const pose = equations.pose(disk.numbers);
+  // A step is 1 ms, or 1.5 times the time in which friction brakes slip.
   const braking = disk.braking * chosen.coefficient / chosen.smoothing;
-  const parts = Math.ceil(settings.shown / Math.min(settings.step, settings.stable / braking));
-  const step = settings.shown / parts;
+  const parts = Math.ceil(SHOWN / Math.min(1e-3, 1.5 / braking)), step = SHOWN / parts;
 
   const ahead = (state, rate, time) => state.map((value, k) => value + time * rate[k]);
   function advance(state) {
@@ -25,22 +21,18 @@ function spunDisk(settings, equations, chosen) {
     return state.map((value, k) => value + step / 6 * (a[k] + 2 * (b[k] + c[k]) + d[k]));
   }
 
-  const times = [], column = Object.fromEntries(settings.columns.map((name) => [name, []]));
-  const keep = (time, state) => {
-    times.push(time);
-    pose(state).forEach((value, k) => column[settings.columns[k]].push(value));
-  };
+  const times = [], columns = Object.fromEntries(settings.columns.map((name) => [name, []]));
   let state = equations.start(disk.numbers)([chosen.beta, settings.gamma, chosen.spin]);
   let ending = "";
-  keep(0, state);
-  for (let n = 1; n <= Math.round(settings.duration / settings.shown); n++) {
+  for (let n = 0; n <= Math.round(DURATION / SHOWN) && !ending; n++) {
+    times.push(n * SHOWN);
+    pose(state).forEach((value, k) => columns[settings.columns[k]].push(value));
     for (let k = 0; k < parts; k++) state = advance(state);
     // The multiplier of the contact follows the derivative: the force of the table on the disk.
-    if (!(derivative(state)[12] > 0)) { ending = "the table would have to hold the disk down"; break; }
-    if (!(Math.sin(state[4]) > 0.02)) { ending = "the disk lies nearly flat"; break; }
-    keep(n * settings.shown, state);
+    if (!(derivative(state)[12] > 0)) ending = "the table would have to hold the disk down";
+    else if (!(Math.sin(state[4]) > 0.02)) ending = "the disk lies nearly flat";
   }
-  return { disk, times, column, ending };
+  return { disk, times, columns, ending };
 }
 
 if (typeof document !== "undefined") {
@@ -52,18 +44,15 @@ if (typeof document !== "undefined") {
   const spin = () => {
     const chosen = Object.fromEntries(inputs.map((input) => [input.name, +input.value]));
     inputs.forEach((input) => {
-      const shown = +(input.dataset.factor * input.value).toPrecision(3);
-      input.closest("label").querySelector("output").textContent = shown;
+      input.closest("label").querySelector("output").textContent = +input.value;
     });
-    const { disk, times, column, ending } = spunDisk(settings, diskEquations, chosen);
-    const about = { radius: disk.radius, shape: disk.shape, marks: [], speed: 0.2, slow: 0.1,
-      slowUntil: null };
-    const motion = diskPoses(disk.shape, times, column);
-    if (replace) replace(about, motion); else replace = diskPlayer(figure, about, motion);
-    const heights = times.map((t) => motion.pose(t)).map(({ height, centre }) => height - centre[2]);
-    const e = disk.shape.cog[0], over = heights.findIndex((height) => height > 0.9 * e);
-    told.textContent = (e === 0 ? "A disk without eccentricity has no upside." : over < 0 ?
-      "It does not turn over." : `Upside down after ${times[over].toFixed(2)} s.`) +
+    const { disk, times, columns, ending } = spunDisk(settings, diskEquations, chosen);
+    const data = { ...disk, times, columns, marks: [], speed: 0.2, slow: 0.1, slowUntil: null };
+    if (replace) replace(data); else replace = diskPlayer(figure, data);
+    const e = disk.shape.cog[0], motion = diskPoses(data);
+    const over = times.find((t) => motion(t).lift > 0.9 * e);
+    told.textContent = (e === 0 ? "A disk without eccentricity has no upside." :
+      over === undefined ? "It does not turn over." : `Upside down after ${over.toFixed(2)} s.`) +
       (ending ? ` Ends at ${times[times.length - 1].toFixed(2)} s: ${ending}.` : "");
   };
   inputs.forEach((input) => input.addEventListener("input", spin));

@@ -1,13 +1,9 @@
 """A player for any motion of the disk, as a part of a page or as a page of its own.
 
-The page needs no network and no other file. The motion lies in it as 16-bit integers: each
-column (three of the position, four of the quaternion, two of the contact point, the spin) is
-rounded to a 65535th of its range. That is at most 0.5 / 65535 of the range off, so 1 µm in a
-motion 0.13 m wide, and at most 7e-5 rad in attitude. Times are 32-bit floats, counted from the
-first, and good to 6e-8 of the duration.
+The page needs no network and no other file. Lengths in it are rounded to 10 µm, attitudes to some
+2e-5 rad.
 """
 
-import base64
 import html
 import json
 import os
@@ -16,7 +12,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from jinja2 import Environment
 
 from analysis import StoredRun
@@ -27,8 +22,8 @@ from analysis.data.names import ArgumentError
 from validation.kit.animation.body import shape
 from validation.kit.animation.keyframes import COLUMNS, Keyframes, keyframes
 
-LEVELS = 65535
-"""Largest integer of a column."""
+DIGITS = 5
+"""Decimal places of numbers in a page."""
 
 SHORT = 5.0
 """Longest motion in s that is played slowly from begin to end."""
@@ -63,14 +58,15 @@ class Page:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Animation:
+class Animation(Page):
     """A player that is ready to be put on a page, to be shown in a notebook or to be saved.
+
+    Its text is that of a page of its own, which begins to play when it is opened.
 
     Parameters
     ----------
-    name : str
-        Used for its file and as the identifier of its element.
-    title : str
+    title, text, height
+        As in `Page`.
     fragment : str
         HTML element with everything the player needs; several may share a page.
     poses : Keyframes
@@ -79,27 +75,9 @@ class Animation:
         As in `player`.
     """
 
-    name: str
-    title: str
     fragment: str = field(repr=False)
     poses: Keyframes = field(repr=False)
     speed: float | None = None
-
-    @property
-    def page(self) -> str:
-        """The player as an HTML page of its own, which begins to play when it is opened."""
-        fragment = self.fragment.replace("<figure ", "<figure data-alone ", 1)
-        return (
-            '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">'
-            f"<title>{html.escape(self.title)}</title>"
-            "<style>body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; "
-            "max-width: 50rem; margin: 1rem auto; padding: 0 1rem; }</style></head><body>"
-            f"{fragment}</body></html>\n"
-        )
-
-    def _repr_html_(self) -> str:
-        return Page(title=self.title, text=self.page)._repr_html_()
 
     def save(self, path: str | os.PathLike[str], **how: Any) -> str:
         """Write a page, or a GIF where the name ends in .gif; returns what was written, in words.
@@ -124,7 +102,7 @@ class Animation:
             raise ArgumentError(name, f"needs a file that ends in .gif, got {path}")
         with whole_file(path) as stream:
             if suffix == ".html":
-                size = stream.write(self.page.encode())
+                size = stream.write(self.text.encode())
                 return f"{size / 1024:.0f} KB; open it in a browser"
             from validation.kit.animation import gif  # noqa: PLC0415 - it loads matplotlib
 
@@ -162,63 +140,55 @@ def player(
     if speed is not None:
         within("speed", speed, *PLAYBACK_SPEEDS)
     poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
-    # Within a script element, only "</" could end it early.
-    told = encode(poses) | _playback(poses, speed)
-    data = json.dumps(told, default=lambda outline: outline.round(6).tolist())
     fragment = frame(
         name=name,
         title=title,
         caption=caption,
         source=poses.source,
         is_heavy=bool(poses.disk.eccentricity),
-        data=data.replace("</", "<\\/"),
+        data=_motion(poses) | _playback(poses, speed),
     )
-    return Animation(name=name, title=title, fragment=fragment, poses=poses, speed=speed)
+    text = page(title, fragment)
+    return Animation(title=title, text=text, fragment=fragment, poses=poses, speed=speed)
 
 
-def frame(*, name: str, title: str, **about: Any) -> str:
+def frame(**told: Any) -> str:
     """Element with the player, for a motion or, without `data`, for what a page's code gives it.
 
     Parameters
     ----------
-    name, title : str
-        As in `player`.
-    **about
-        What else `player.html` names.
+    **told
+        What `player.html` names.
     """
-    template = Environment(autoescape=True).from_string(asset("player.html"))
-    return template.render(
-        name=name,
-        title=title,
-        style=asset("player.css"),
-        script=asset("player.js"),
-        **about,
-    )
+    return render("player.html", style=asset("player.css"), script=asset("player.js"), **told)
 
 
-def encode(poses: Keyframes) -> dict[str, object]:
-    """The motion as JSON holds it.
+def page(title: str, body: str) -> str:
+    """A page of its own, of which the player begins to play when it is opened."""
+    alone = body.replace("<figure ", "<figure data-alone ", 1)
+    return render("page.html", title=title, body=alone)
 
-    Returns
-    -------
-    dict
-        `begin` in s; `times`, base64 of little-endian 32-bit floats from there; `columns`, base64
-        of little-endian 16-bit integers, one of `COLUMNS` after the other; `low` and `step`, so
-        that a value is low + step * integer; `radius` in m; `shape`, that of `body.shape`;
-        `marks`.
-    """
-    table = poses.table
-    low, step = table.min(axis=0), np.ptp(table, axis=0) / LEVELS
-    integers = np.rint((table - low) / np.where(step > 0.0, step, 1.0))
+
+def render(template: str, **told: Any) -> str:
+    """Text of a template beside this module."""
+    environment = Environment(autoescape=True)
+    environment.filters["data"] = _script_data
+    return environment.from_string(asset(template)).render(**told)
+
+
+def _script_data(value: Any) -> str:
+    """JSON for a script element, within which only "</" could end it early."""
+    text = json.dumps(value, default=lambda array: array.round(DIGITS).tolist())
+    return text.replace("</", "<\\/")
+
+
+def _motion(poses: Keyframes) -> dict[str, object]:
     return {
-        "begin": float(poses.times[0]),
-        "times": _base64((poses.times - poses.times[0]).astype("<f4")),
-        "columns": _base64(integers.T.astype("<u2")),
-        "low": dict(zip(COLUMNS, low.tolist(), strict=True)),
-        "step": dict(zip(COLUMNS, step.tolist(), strict=True)),
+        "times": poses.times,
+        "columns": dict(zip(COLUMNS, poses.table.T, strict=True)),
         "radius": poses.disk.radius,
         "shape": shape(poses.disk)._asdict(),
-        "marks": [list(mark) for mark in poses.marks],
+        "marks": poses.marks,
     }
 
 
@@ -230,10 +200,6 @@ def _playback(poses: Keyframes, speed: float | None) -> dict[str, object]:
     if speed is None and until is None:
         speed = SLOW if short else 1.0
     return {"speed": speed, "slow": SLOW, "slowUntil": until}
-
-
-def _base64(values: np.ndarray) -> str:
-    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
 
 
 def asset(name: str) -> str:
