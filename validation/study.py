@@ -245,7 +245,7 @@ def _run(
                 rows_of,
                 task.study.measure,
                 task.case,
-                limit=task.study.limit if task.study.limit < inf else None,
+                limit=task.study.limit,
             ): task
             for task in tasks
         }

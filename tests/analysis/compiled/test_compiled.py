@@ -133,7 +133,7 @@ def test_compiled_and_pure_reduced_systems_are_the_same_under_every_law(
     symbols = [*system.derivatives, system.endings["contact would pull"]]
     pure = [reduced.solver(scenario, 3.0)(*x)[:4] for x in states.tolist()]
     assert_rows_close(values(symbols, system, scenario, states), pure, relative=1e-12)
-    read = np.hstack(pose(scenario, "reduced").expand(np.zeros(100), states))
+    read = np.hstack(pose(scenario, "reduced", {}).expand(np.zeros(100), states))
     found = values(system.readings[:17], system, scenario, states)
     assert_rows_close(found, read, relative=1e-12)
 

@@ -105,13 +105,15 @@ def present(rows: Rows) -> Content:
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
-    told = {"title": "The whole way to rest", "caption": f"In-house: sliding, {SHOWN}."}
+    title, caption = "The whole way to rest", f"In-house: sliding, {SHOWN}."
     tilt, spacing = runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING
     return Content(
         numbers=numbers(runs),
         tables={"phases": phases(table, differences(runs)), "budget": budget(table)},
         figures={"story": figures.story(shown, tilt, spacing)},
-        animations={"animation": player(shown, name="rest-animation", **told)},
+        animations={
+            "animation": player(shown, name="rest-animation", title=title, caption=caption)
+        },
         checks=checks(runs),
         verdicts=[verdict(runs)],
     )
