@@ -105,7 +105,7 @@ def present(rows: Rows) -> Content:
     shown = SpatialMotion(
         scenario=made.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
-    told = {"title": "The whole way to rest", "caption": f"In-house: sliding, {SHOWN}."}
+    told: Any = {"title": "The whole way to rest", "caption": f"In-house: sliding, {SHOWN}."}
     tilt, spacing = runs[ENGINE[SHOWN]]["tilt"], made.EVERY * made.SPACING
     return Content(
         numbers=numbers(runs),
