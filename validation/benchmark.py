@@ -1,4 +1,4 @@
-"""Speed and memory of single runs, sweeps and ensembles: `python -m validation.benchmark`.
+"""Speed of single runs, sweeps and ensembles: `python -m validation.benchmark`.
 
 Every time is the median processor time of repeats after a warm-up, in one thread; what is
 compared is called in turns. Single runs are whole calls of a `simulate` function for Table 3 over
@@ -7,7 +7,6 @@ DOP853 with a local tolerance of 3e-14, which differs by less than 1e-12 rad fro
 """
 
 import argparse
-import resource
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -296,8 +295,7 @@ def main() -> int:
             bound = "" if limit == inf else f"  at most {limit:g}: {show(reached)}"
             print(f"{name:66}{show(value, 3):>9}{bound}", flush=True)
             missed += not reached
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(f"\nLargest memory of this process: {memory:.0f} MB. Machine: {machine()}.")
+    print(f"\nMachine: {machine()}.")
     if missed:
         print(f"{missed} of these miss what they should reach.")
     return 1 if missed else 0

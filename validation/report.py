@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from analysis.data.files import whole_file
 from analysis.data.trajectory import versions
 from validation import study as kit
 from validation.kit.animation import play
@@ -327,15 +326,10 @@ def _write(
     for name in (earlier - files.keys()) if whole else ():
         (folder / name).unlink(missing_ok=True)
     contents = files.keys() | (set() if whole else earlier)
-    _put(folder / _CONTENTS, "\n".join(sorted(contents)).encode())
+    kit.put(folder / _CONTENTS, "\n".join(sorted(contents)))
     for name, content in files.items():
-        _put(folder / name, content)
+        kit.put(folder / name, content)
     return folder / str(shown[0]["path"])
-
-
-def _put(path: Path, content: bytes) -> None:
-    with whole_file(path) as stream:
-        stream.write(content)
 
 
 def _earlier(folder: Path) -> set[str]:

@@ -210,9 +210,8 @@ class Kept:
             if not partly:
                 return
         folder.mkdir(parents=True, exist_ok=True)
-        with whole_file(self.path) as stream:
-            whole = [head, *(json.dumps(each) for each in self.rows.items())]
-            stream.write("".join(f"{line}\n" for line in whole).encode())
+        whole = [head, *(json.dumps(each) for each in self.rows.items())]
+        put(self.path, "".join(f"{line}\n" for line in whole))
 
     def add(self, task: Task, rows: list[Row]) -> None:
         """Keep the rows of a task."""
@@ -347,10 +346,14 @@ def write(
     shown = table.assign(
         **{name: table[name].map(json.dumps) for name, kind in kinds.items() if kind == "list"}
     )
-    with whole_file(folder / f"{study.name}.csv") as stream:
-        stream.write(shown.to_csv(index=False, lineterminator="\n").encode())
-    with whole_file(folder / f"{study.name}.json") as stream:
-        stream.write(f"{json.dumps(about, indent=1, ensure_ascii=False)}\n".encode())
+    put(folder / f"{study.name}.csv", shown.to_csv(index=False, lineterminator="\n"))
+    put(folder / f"{study.name}.json", f"{json.dumps(about, indent=1, ensure_ascii=False)}\n")
+
+
+def put(path: Path, content: str | bytes) -> None:
+    """Write a file, whole or not at all."""
+    with whole_file(path) as stream:
+        stream.write(content.encode() if isinstance(content, str) else content)
 
 
 def _kind(values: pd.Series) -> str:

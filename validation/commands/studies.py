@@ -11,8 +11,8 @@ _WIDTH = 98
 
 def report(options: argparse.Namespace) -> int:
     """Write the report and print its verdicts and the checks that fail, or all of them."""
-    from analysis.data.files import whole_file
     from validation.report import as_text, make
+    from validation.study import put
 
     made = make(output_folder("out", options.out), only=options.only or (), fresh=options.fresh)
     for section in made.sections:
@@ -28,8 +28,7 @@ def report(options: argparse.Namespace) -> int:
                 print(_indented(f"{word}: {check.name}: {compared}"))
         print()
     if options.text is not None:
-        with whole_file(options.text) as stream:
-            stream.write(as_text(made).encode())
+        put(options.text, as_text(made))
     failed = sum(not check.holds for check in made.checks)
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:

@@ -93,9 +93,8 @@ STUDIES = (STUDY,)
 
 
 class Law(NamedTuple):
-    """1 / beta² = offset + rate * t, and the largest relative deviation behind the fit."""
+    """Rate k of 1 / beta² in 1/s, and the largest relative deviation behind the fit."""
 
-    offset: float
     rate: float
     error: float
 
@@ -111,7 +110,7 @@ def fit(times: Array, tilts: Array) -> Law:
     rate, offset = np.polyfit(times[fitted], tilts[fitted] ** -2, 1)
     predicted = (offset + rate * times[checked]) ** -0.5
     error = largest(np.abs(tilts[checked] / predicted - 1.0).tolist())
-    return Law(float(offset), float(rate), error)
+    return Law(float(rate), error)
 
 
 def present(rows: Rows) -> Content:

@@ -43,15 +43,13 @@ def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figur
     return figure
 
 
-def draw_story(motion: SpatialMotion, axes: Any = None) -> Figure:
-    """Draw tilt, COG height, spin, energies and contact force, into five axes if given."""
-    axes = figures.new_figure(5, height=11.0)[1] if axes is None else axes
-    times, force = motion.times, motion.normal_force
-    lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, None, force)
-    for panel, values in zip(axes, lines, strict=True):
-        if values is not None:
-            width = 0.5 if values is force else 1.5
-            panel.plot(times, values, color=figures.COLOURS[0], linewidth=width)
+def draw_story(motion: SpatialMotion) -> Figure:
+    """Tilt, COG height, spin, energies and contact force over time."""
+    figure, axes = figures.new_figure(5, height=11.0)
+    times = motion.times
+    lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, motion.normal_force)
+    for row, values, width in zip((0, 1, 2, 4), lines, (1.5, 1.5, 1.5, 0.5), strict=True):
+        axes[row].plot(times, values, color=figures.COLOURS[0], linewidth=width)
     # Room above for the names of the phases.
     axes[0].set(ylabel="tilt β in °", ylim=(0, 250), yticks=range(0, 181, 45))
     axes[1].set(ylabel="COG height in mm", ylim=(0, None))
@@ -66,7 +64,6 @@ def draw_story(motion: SpatialMotion, axes: Any = None) -> Figure:
     axes[3].set(ylabel="energy in J")
     figures.legend_above(axes[3], size=8)
     _mark_phases(motion.phases, axes, times[-1])
-    figure: Figure = axes[0].figure
     return figure
 
 

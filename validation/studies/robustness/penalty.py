@@ -7,11 +7,10 @@ import numpy as np
 import pandas as pd
 
 import analysis
-import mbs_models
 from analysis import LOADS, STEEL_DISK, Load, PenaltyContact, Scenario, SmoothCoulomb
-from mbs_models import Scene
 from validation.kit.limits import largest
 from validation.kit.references import deviation
+from validation.kit.ways import Way
 from validation.page.content import Content
 from validation.study import Row, Study, at_most
 
@@ -41,12 +40,8 @@ def measure(case: tuple[float, Load]) -> list[Row]:
     times = np.linspace(0.0, 0.5, 51)
     truth = analysis.simulate(ideal, times, tolerance=1e-10)
     contact = PenaltyContact.damped(stiffness, STEEL_DISK)
-    run = mbs_models.simulate(
-        Scene(replace(ideal, contact=contact), "euler-tree"),
-        times,
-        tolerance=max(TOLERANCE, 1e-3 / stiffness),
-        integrator="RK44",
-    )
+    way, tolerance = Way("engine", "euler-tree", "RK44"), max(TOLERANCE, 1e-3 / stiffness)
+    run = way.run(replace(ideal, contact=contact), times, tolerance=tolerance)
     force = np.abs(run.normal_force - truth.normal_force)[times >= SETTLED]
     return [
         {

@@ -125,18 +125,13 @@ def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
     best = cheapest(held, ["problem"])
     own = cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
-    ladders = held[held["kind"] == "step"]
+    failed = held[held["kind"] == "step"].groupby("scheme")["failed"].agg(["sum", "size"])
+    careful = to_goals.groupby("setting", sort=False)[["over", "excess"]].median()
     return {
         "topology": (best["seconds"] / free).dropna(),
         "won": {g: ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
-        "failing": {
-            scheme: (int(group["failed"].sum()), len(group))
-            for scheme, group in ladders.groupby("scheme")
-        },
-        "careful": {
-            setting: (1.0 / group["over"].median(), group["excess"].median())
-            for setting, group in to_goals.groupby("setting", sort=False)
-        },
+        "failing": failed.T.to_dict("list"),
+        "careful": careful.assign(over=1.0 / careful["over"]).T.to_dict("list"),
         "stiff": _stiff(runs),
         "own": ranked(own["scheme"]),
     }
