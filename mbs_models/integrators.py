@@ -153,10 +153,18 @@ class Integrator:
 
     def __post_init__(self) -> None:
         choice("integrator", self.name, INTEGRATORS)
-        self._fill("newton", self.implicit, Newton())
-        self._fill("spectral_radius", self.name == "GeneralizedAlpha", 0.9)
         usual = None if self.steps_accelerations else 1e-8
-        self._fill("local_tolerance", self.controls_step, usual)
+        for option, applies, default in (
+            ("newton", self.implicit, Newton()),
+            ("spectral_radius", self.name == "GeneralizedAlpha", 0.9),
+            ("local_tolerance", self.controls_step, usual),
+        ):
+            value = getattr(self, option)
+            if value is None and applies:
+                object.__setattr__(self, option, default)
+            elif value is not None and not applies:
+                fault = f"{option} is no option of integrator {self.name!r}, got {value!r}"
+                raise ValueError(fault)
         if self.spectral_radius is not None:
             radius = number("spectral_radius", self.spectral_radius)
             if not 0.0 <= radius <= 1.0:
@@ -164,14 +172,6 @@ class Integrator:
         if self.local_tolerance is not None:
             least = FINEST_LOCAL if self.steps_accelerations else 0.0
             one_step("local_tolerance", self.local_tolerance, least)
-
-    def _fill(self, option: str, applies: bool, default: object) -> None:
-        """Fill in the default of an option; raise if it is given but does not apply."""
-        value = getattr(self, option)
-        if value is None and applies:
-            object.__setattr__(self, option, default)
-        if value is not None and not applies:
-            raise ValueError(f"{option} is no option of integrator {self.name!r}, got {value!r}")
 
     @property
     def implicit(self) -> bool:

@@ -7,6 +7,7 @@ A body that turns by w moves its lowest point over its surface by p' - w x p = K
 level. K is symmetric: minus the derivative of p by the direction of the vertical.
 """
 
+from collections.abc import Iterator
 from math import cos, hypot, pi, sin, sqrt
 from typing import Any
 
@@ -104,6 +105,22 @@ class Loads:
         if self._last is None or self._last[0] != state:
             self._last = (state, self._new(*state))
         return self._last[1]
+
+    def over(
+        self, place: Array, rotation: Array, velocity: Array, angular: Array
+    ) -> Iterator[tuple["Loading", float]]:
+        """What acts at each sample of a motion, and the speed over the surface in m/s.
+
+        Parameters
+        ----------
+        place, velocity, angular : ndarray, shape (n, 3)
+            As in `at`, in inertial components.
+        rotation : ndarray, shape (n, 3, 3)
+        """
+        matrices: Any = map(tuple, rotation.reshape(-1, 9).tolist())
+        states = zip(place[:, 2].tolist(), velocity.tolist(), angular.tolist(), strict=True)
+        for matrix, (height, v, w) in zip(matrices, states, strict=True):
+            yield self.at(height, matrix, v, w), hypot(*self.contour(matrix, w))
 
     @property
     def last(self) -> "Loading":
@@ -332,14 +349,9 @@ def _dot(a: Triple, b: Triple) -> float:
 
 def forces_on(scenario: Scenario, z: Array, u: Array) -> Array:
     """Normal force in N, shape (n,), of coordinates z and rates u, shape (n, 6) each."""
-    loads, found = loads_of(scenario), []
-    states = (*frames.poses(z), *frames.twists(z, u))
-    for place, rotation, velocity, angular in zip(
-        *(each.tolist() for each in states), strict=True
-    ):
-        matrix = (*rotation[0], *rotation[1], *rotation[2])
-        found.append(loads.at(place[2], matrix, tuple(velocity), tuple(angular)).force[2])
-    return np.array(found)
+    (place, rotation), (velocity, angular) = frames.poses(z), frames.twists(z, u)
+    loadings = loads_of(scenario).over(place, rotation, velocity, angular)
+    return np.array([load.force[2] for load, _ in loadings])
 
 
 def largest_lever(body: Body, leaning: float, half_thickness: float) -> float:

@@ -95,8 +95,6 @@ class Probe:
     def __init__(self, model: Model) -> None:
         self._model, self._system = model, model.system
         self._pace = _pace(model.start.coordinates, model.start.rates)
-        data = model.system.systemData
-        self._place = np.array(data.GetODE2Coordinates()), np.array(data.GetODE2Coordinates_t())
         self._solver = exu.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(self._system, quiet())
         self._size = self._solver.GetODE2size()
@@ -117,7 +115,6 @@ class Probe:
         data = self._system.systemData
         data.SetODE2Coordinates(position)
         data.SetODE2Coordinates_t(velocity)
-        self._place = np.array(position), np.array(velocity)
 
     def check_start(self, tolerance: float = 1e-9) -> None:
         """Raise `ValueError` if the model's start breaks a constraint.
@@ -305,7 +302,8 @@ class Probe:
         turns the disk by no more than `STEP`, and tilts it by no more than this part of the way to
         lying flat, where the direction of the contact is singular.
         """
-        data, path = self._system.systemData, self._model.path(*self._place)
+        data = self._system.systemData
+        path = self._model.path(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
         length, weights = (QUICK_STEP, (30,)) if quick else (STEP, (45, -9, 1))
         step = length / self._pace
 

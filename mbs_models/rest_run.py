@@ -284,21 +284,14 @@ def states_of(records: Array) -> Array:
 
 def readings(scenario: Scenario, states: Array) -> dict[str, Any]:
     """Arrays of a `SpatialMotion` from states."""
-    disk, loads = scenario.disk, loads_of(scenario)
+    disk = scenario.disk
     place, rotation, velocity, angular = spatial(states)
-    rows: list[tuple[float, ...]] = []
-    matrix: Any
-    for height, matrix, v, w in zip(
-        place[:, 2].tolist(),
-        map(tuple, rotation.reshape(-1, 9).tolist()),
-        velocity.tolist(),
-        angular.tolist(),
-        strict=True,
-    ):
-        load = loads.at(height, matrix, v, w)
-        contour = hypot(*loads.contour(matrix, w))
-        rows.append((*load.point, load.slip, contour, load.force[2], load.elastic))
-    values = np.array(rows)
+    values = np.array(
+        [
+            (*load.point, load.slip, contour, load.force[2], load.elastic)
+            for load, contour in loads_of(scenario).over(place, rotation, velocity, angular)
+        ]
+    )
     cog = place + disk.eccentricity * rotation[:, :, 0]
     potential = -disk.mass * cog @ np.array(scenario.table.vector)
     return {

@@ -186,16 +186,8 @@ class ContactTree(_Tree):
         add, xdd, ydd, bdd, gdd = second_derivatives.tolist()
         beta, bd = coordinates[4], rates[4]
         sb, cb = sin(beta), cos(beta)
-        return np.array(
-            (
-                xdd,
-                ydd - r * (sb * bdd + cb * bd * bd),
-                r * (cb * bdd - sb * bd * bd),
-                add,
-                bdd,
-                gdd,
-            )
-        )
+        back, rise = r * (sb * bdd + cb * bd * bd), r * (cb * bdd - sb * bd * bd)
+        return np.array((xdd, ydd - back, rise, add, bdd, gdd))
 
     def multipliers(
         self, ahead: Array, algebraic: Array, coordinates: Array, rates: Array
