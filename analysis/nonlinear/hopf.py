@@ -16,19 +16,22 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eig
 
 from analysis.data.checks import Array, real_array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.dual import Dual, dual
 from analysis.nonlinear import flow
+from analysis.nonlinear.motions import PeriodicMotion
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 
 HopfKind = Literal["supercritical", "subcritical", "degenerate"]
 
 _NOTHING = 1e-9
+
+_SMALL = 1.05
+"""Largest amplitude in rad of the cycles from which the growth is fitted."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,26 +136,25 @@ class Growth(NamedTuple):
     exponent_error: float
 
 
-def fitted_growth(spins: npt.ArrayLike, amplitudes: npt.ArrayLike, critical: float) -> Growth:
-    """Fit how the spin of cycles leaves the critical speed.
+def fitted_growth(cycles: Sequence[PeriodicMotion], critical: float) -> Growth | None:
+    """Fit how the spin of small cycles leaves the critical speed.
 
     Parameters
     ----------
-    spins, amplitudes : array_like, shape (n,)
-        Of cycles, n > 4, in rad/s and rad.
+    cycles : sequence of PeriodicMotion
+        Symmetric ones.
     critical : float
         Spin of the Hopf point in rad/s.
 
-    Raises
-    ------
-    ValueError
-        If there are too few, or they do not leave the critical speed on one side.
+    Returns
+    -------
+    Growth or None
+        None if there are less than 5 small cycles, or their spins lie on both sides of it.
     """
-    a, away = real_array("amplitudes", amplitudes), real_array("spins", spins) - critical
-    if a.size < 5 or a.shape != away.shape:
-        raise ValueError(f"spins and amplitudes must be 5 or more each, got {away.size}, {a.size}")
-    if np.any(a <= 0.0) or not (np.all(away < 0.0) or np.all(away > 0.0)):
-        raise ValueError("spins must all lie on one side of the critical speed")
+    small = [(each.value, each.spin - critical) for each in cycles if each.value < _SMALL]
+    if len(small) < 5 or len({np.sign(off) for _, off in small}) > 1:
+        return None
+    a, away = np.transpose(small)
     # Each cycle is known to the same part of its amplitude squared.
     terms, errors = _least_squares(np.stack((a**0, a**2, a**3, a**4), axis=1), away / a**2)
     logs = np.stack((np.log(a), a**0, a**2, a**4), axis=1)

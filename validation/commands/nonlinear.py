@@ -123,8 +123,7 @@ def _followed(scenario: Scenario) -> Family:
 def _symmetric(scenario: Scenario) -> Result:
     family, normal = _followed(scenario), hopf_type(scenario)
     rows = _rows(family)
-    spins, amplitudes = tables.small_cycles(rows)
-    growth = fitted_growth(spins, amplitudes, normal.spin) if len(spins) > 4 else None
+    growth = fitted_growth(family.motions, normal.spin)
     told = _told(
         rows,
         family,

@@ -35,14 +35,7 @@ def _values(motions: Sequence[Motion], name: str) -> Array:
     return np.array([each[name] for each in motions], dtype=float)
 
 
-def lines(
-    axes: Any,
-    motions: Sequence[Motion],
-    values: Array,
-    *,
-    over: str = "spin",
-    first: tuple[float, float] | None = None,
-) -> None:
+def lines(axes: Any, motions: Sequence[Motion], values: Array, over: str = "spin") -> None:
     """Draw values of motions over their spins, solid where stable and dashed where not.
 
     Parameters
@@ -52,14 +45,9 @@ def lines(
     values : ndarray, shape (n,)
     over : str
         Name of what they are drawn over.
-    first : tuple of 2 floats, optional
-        Spin and value where they begin.
     """
     places = _values(motions, over)
     stable = np.array([each["stable"] is None or bool(each["stable"]) for each in motions])
-    if first is not None:
-        places, values = np.append(first[0], places), np.append(first[1], values)
-        stable = np.append(stable[0], stable)
     for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
         # A piece takes the kind of its farther end, so that the curve has no gaps.
         shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
@@ -87,7 +75,6 @@ def diagram(
     *,
     over: tuple[str, str] = ("spin", SPIN),
     log: bool = False,
-    first: Mapping[str, float] | None = None,
     marks: Mapping[str, float] | None = None,
 ) -> Any:
     """What is told of motions over their spin or another number, one below the other.
@@ -101,8 +88,6 @@ def diagram(
         Name and heading of what they are drawn over.
     log : bool
         Whether that has a logarithmic axis.
-    first : mapping, optional
-        Where lines begin, by the same names.
     marks : mapping, optional
         From labels to what is marked on the horizontal axis.
     """
@@ -110,9 +95,8 @@ def diagram(
     panels = np.atleast_1d(axes)
     for each, name in zip(panels, names, strict=True):
         values = _values(motions, name)
-        begin = (first[over[0]], first[name]) if first and name in first else None
         shown = values / np.log(10.0) if name == "log_strong" else values
-        lines(each, motions, shown, over=over[0], first=begin)
+        lines(each, motions, shown, over[0])
         for label, place in (marks or {}).items():
             each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
         each.set(ylabel=HEADS[name])

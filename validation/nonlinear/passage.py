@@ -83,12 +83,11 @@ class SlowPair:
         grid = np.linspace(np.min(spins) - 0.01, np.max(spins) + 0.01, 200)
         values = np.linalg.eigvals(matrices_over_spin(self.scenario)(grid)).astype(complex)
         swings = values.real >= _DAMPED
+        away = np.abs(values.imag - self.frequency)
+        away = np.where(swings & (values.imag >= 0.0), away, np.inf)
         # A pair that has become two real eigenvalues grows as its faster one.
-        away = np.where(
-            swings & (values.imag >= 0.0), np.abs(values.imag - self.frequency), np.inf
-        )
-        nearest = np.argmin(away, axis=1)[:, None]
-        growth = np.interp(spins, grid, np.take_along_axis(values.real, nearest, axis=1)[:, 0])
+        slow = away <= np.min(away, axis=1, keepdims=True)
+        growth = np.interp(spins, grid, np.max(np.where(slow, values.real, -np.inf), axis=1))
         fastest = np.max(np.where(swings, values.imag, 0.0), axis=1)
         fast = None
         if np.all(fastest >= 2.0 * self.frequency):

@@ -51,9 +51,6 @@ _CHANGES = {
     "period-doubling": "their period doubles",
 }
 
-_SMALL = 1.05
-"""Largest amplitude in rad of the cycles from which the growth is fitted."""
-
 
 def motion_table(
     rows: Sequence[Motion], kind: Kind = "symmetric", first: tuple[str, str] | None = None
@@ -98,12 +95,6 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
         note=f"{none}The larger multiplier{stretch} lies between {min(values):.4g} and "
         f"{max(values):.4g}; {meaning}.",
     )
-
-
-def small_cycles(rows: Sequence[Motion]) -> tuple[list[float], list[float]]:
-    """Spins and amplitudes of the cycles from which the growth near the Hopf point is fitted."""
-    small = [row for row in rows if row["amplitude"] < _SMALL]
-    return [row["spin"] for row in small], [row["amplitude"] for row in small]
 
 
 def hopf_table(normal: HopfType, growth: Growth | None) -> Table:

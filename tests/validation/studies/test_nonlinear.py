@@ -129,10 +129,9 @@ def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(
 
 
 def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
-    axes, stable = new_figure()[1], (True, True, False, False)
+    axes, stable = new_figure()[1], (True, True, True, False, False)
     cycles = [{"spin": 30.0, "stable": each} for each in stable]
-    values = np.array((0.5, 1.2, 1.7, 1.9))
-    figures.lines(axes, cycles, values, first=(30.9, 0.0))
+    figures.lines(axes, cycles, np.array((0.0, 0.5, 1.2, 1.7, 1.9)))
     (solid,), (dashed,) = (
         [line for line in axes.get_lines() if line.get_linestyle() == style]
         for style in ("-", "--")

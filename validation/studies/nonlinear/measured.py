@@ -18,7 +18,7 @@ from analysis.nonlinear.heteroclinic import (
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.slow_manifold import slow_cycle
 from validation.nonlinear import passage
-from validation.nonlinear.tables import prediction, small_cycles
+from validation.nonlinear.tables import prediction
 from validation.studies.nonlinear.delay import slowed
 from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
 from validation.study import Row, Study
@@ -61,7 +61,8 @@ def _swinging() -> list[Row]:
     found = cycle_family(PAPER)
     motions = _whole(found)
     normal = hopf_type(PAPER)
-    fitted = fitted_growth(*small_cycles(motions), normal.spin)._asdict()
+    growth = fitted_growth(found.motions, normal.spin)
+    fitted = {} if growth is None else growth._asdict()
     connection = heteroclinic_connection(PAPER)
     off = abs(found.motions[-1].spin - connection.spin)
     return [

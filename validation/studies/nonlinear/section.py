@@ -118,8 +118,8 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
 def _family(cycles: list[Row], hopf: CriticalSpeed, connection: Row, *names: str) -> Any:
     """What is told of cycles over their spins, from the Hopf point to the connection."""
     born = {"spin": hopf.spin, "amplitude": 0.0, "period": 2.0 * np.pi / hopf.frequency}
-    first = {**born, "multiplier": 1.0}
-    return figures.diagram(cycles, names, first=first, marks={"heteroclinic": connection["spin"]})
+    born |= {"multiplier": 1.0, "log_strong": np.nan, "stable": cycles[0]["stable"]}
+    return figures.diagram([born, *cycles], names, marks={"heteroclinic": connection["spin"]})
 
 
 def _bifurcations(

@@ -207,7 +207,7 @@ MEETING = {
 
 INSIDE = "inside"
 
-GRADIENTS = np.geomspace(0.3, 30.0, 121)
+GRADIENTS = np.geomspace(0.3, 30.0, 81)
 """Friction gradients in s/m at which Hopf points are looked for."""
 
 
