@@ -1,7 +1,8 @@
 """What `tippedisk completion` does: what the parsers know, as a script for a shell."""
 
-from argparse import Action, Namespace
+from argparse import Action
 from collections.abc import Iterator
+from typing import Annotated, Literal
 
 from validation.parser.commands import COMMANDS
 
@@ -21,15 +22,21 @@ complete -o default -F _tippedisk tippedisk
 _ZSH = "autoload -U +X compinit bashcompinit && compinit && bashcompinit\n"
 
 
-def completion(options: Namespace) -> int:
-    """Print the script that teaches a shell the command line."""
-    if options.shell == "fish":
+def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHELL"}]) -> int:
+    """Completion of commands, options and their values in a shell.
+
+    Print a script that teaches it the command line:
+      bash, zsh   source <(tippedisk completion bash), or zsh
+      fish        tippedisk completion fish | source
+    It stays if the line stands in ~/.bashrc, ~/.zshrc or ~/.config/fish/config.fish.
+    """
+    if shell == "fish":
         for line in _fish():
             print(f"complete -c tippedisk {line}")
         return 0
     commands, cases = " ".join(each.name for each in COMMANDS), "\n".join(_bash())
     told = _BASH.format(commands=commands, cases=cases)
-    print(_ZSH + told if options.shell == "zsh" else told, end="")
+    print(_ZSH + told if shell == "zsh" else told, end="")
     return 0
 
 

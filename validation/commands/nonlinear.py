@@ -1,6 +1,5 @@
-"""What the commands on nonlinear dynamics do."""
+"""The commands on nonlinear dynamics: `cycles`, `heteroclinic` and `passage`."""
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from math import pi
@@ -23,13 +22,15 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.stability.printed import critical_speed
-from validation.commands.options import chosen_end, parse_spins, run_options
+from validation.commands.options import checked_end, parse_spins
 from validation.commands.output import Result
-from validation.commands.scenarios import chosen_scenario
+from validation.commands.scenarios import Problem
 from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
 from validation.nonlinear import tables
 from validation.nonlinear.tables import Motion
+from validation.parser.kinds import AnyProblem, Over, PlainProblem, SomeSpins
+from validation.parser.runs import Source
 
 _ALWAYS = ("period", "multiplier", "log_strong")
 """What is drawn of a family of any kind."""
@@ -41,23 +42,49 @@ _SIDE = 0.05
 # --- Periodic motions ---------------------------------------------------------------------------
 
 
-def cycles(options: argparse.Namespace) -> Result:
-    """Tell the periodic motions: some at given spins, a family, or one over a parameter."""
-    spins = None if options.spin is None else parse_spins(options.spin).tolist()
-    chosen = [name for name in ("rotating", "asymmetric", "over") if getattr(options, name)]
+def cycles(
+    *,
+    problem: PlainProblem,
+    spin: SomeSpins = None,
+    rotating: bool = False,
+    asymmetric: bool = False,
+    over: Over = None,
+    amplitude: float | None = None,
+) -> Result:
+    """Periodic motions of the reduced system, with their multipliers.
+
+    Follow the periodic motions of the reduced system (Model 4) from the Hopf point of inverted
+    spinning to their end, with period, Floquet multipliers and bifurcations; or find those at
+    given spins; or follow others: one table of motions, and one of what happens along them.
+
+    Parameters
+    ----------
+    spin
+        Only the cycles at spins in rad/s: values, with commas or not, or first:last:number.
+    rotating
+        Instead, the motions beyond the heteroclinic end, in which gamma turns round.
+    asymmetric
+        Instead, the cycles without mirror symmetry, where symmetric ones lose it.
+    amplitude
+        Of the cycle that --over follows, in rad.
+    """
+    spins = None if spin is None else parse_spins(spin).tolist()
+    given = {"rotating": rotating, "asymmetric": asymmetric, "over": over is not None}
+    chosen = [name for name, is_given in given.items() if is_given]
     if len(chosen) > 1:
         raise ArgumentError(chosen[1], f"does not go together with {chosen[0]}")
-    if chosen in (["rotating"], ["asymmetric"]) and spins is not None:
+    if (rotating or asymmetric) and spins is not None:
         raise ArgumentError("spin", f"does not go together with {chosen[0]}: a family has many")
-    if chosen != ["over"] and options.amplitude is not None:
+    if over is None and amplitude is not None:
         raise ArgumentError("amplitude", "belongs to --over; a family goes through all amplitudes")
-    scenario = _reduced(options)
-    if chosen == ["over"]:
-        return _over(options, scenario, spins)
+    scenario = _reduced(problem)
+    if over is not None:
+        return _over(over, scenario, spins, amplitude)
     if spins is not None:
         return _at(scenario, spins)
-    find = {"rotating": _rotating, "asymmetric": _asymmetric}
-    return find[chosen[0]](scenario) if chosen else _symmetric(scenario)
+    if rotating:
+        return _rotating(scenario)
+    return _asymmetric(scenario) if asymmetric else _symmetric(scenario)
 
 
 def _figures() -> Any:
@@ -149,19 +176,21 @@ def _asymmetric(scenario: Scenario) -> Result:
     return _told(_rows(family), family, ("amplitude", "lowest"))
 
 
-def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | None) -> Result:
-    if (spins is None) == (options.amplitude is None) or (spins is not None and len(spins) > 1):
+def _over(
+    over: str, scenario: Scenario, spins: list[float] | None, amplitude: float | None
+) -> Result:
+    if (spins is None) == (amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    axis, values, scenarios = _varied(options, scenario)
-    held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
+    axis, values, scenarios = _varied(over, scenario)
+    held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
     rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
-    over = (axis.field, _head(axis))
+    first = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")
     return Result(
-        tables=[tables.motion_table(rows, first=over)],
+        tables=[tables.motion_table(rows, first=first)],
         values={"motions": rows, "events": [], "reason": found.reason},
-        draw=lambda: _figures().diagram(rows, names, over=over, log=axis.log),
+        draw=lambda: _figures().diagram(rows, names, over=first, log=axis.log),
         notes=_ending(found),
     )
 
@@ -169,11 +198,16 @@ def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | 
 # --- The connection -----------------------------------------------------------------------------
 
 
-def heteroclinic(options: argparse.Namespace) -> Result:
-    """Tell the heteroclinic connection."""
-    scenario = _reduced(options)
-    if options.over is not None:
-        return _connections_over(options, scenario)
+def heteroclinic(*, problem: PlainProblem, over: Over = None) -> Result:
+    """The heteroclinic connection in which the cycles end.
+
+    Find the spin at which the motion that leaves noninverted spinning ends in it again, to 1e-9
+    rad/s, beside its prediction to first order on the slow manifold. The picture shows that motion
+    on either side of the connection.
+    """
+    scenario = _reduced(problem)
+    if over is not None:
+        return _connections_over(over, scenario)
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
 
@@ -193,8 +227,8 @@ def _of_connection(found: Connection) -> dict[str, float]:
     return {**asdict(found), "saddle_index": found.saddle_index}
 
 
-def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result:
-    axis, values, scenarios = _varied(options, scenario)
+def _connections_over(over: str, scenario: Scenario) -> Result:
+    axis, values, scenarios = _varied(over, scenario)
     ends = [_ends(each) for each in counted(scenarios, axis.field)]
     rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
     table = Table.of(
@@ -251,9 +285,7 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
 # --- Over a parameter ---------------------------------------------------------------------------
 
 
-def _varied(
-    options: argparse.Namespace, scenario: Scenario
-) -> tuple[Any, list[float], list[Scenario]]:
+def _varied(over: str, scenario: Scenario) -> tuple[Any, list[float], list[Scenario]]:
     """What --over goes through, its values, and the scenario with each of them.
 
     That is a number of the scenario but for its start, with a count.
@@ -261,7 +293,7 @@ def _varied(
     from validation.sweeps.axes import axis_from_text
 
     try:
-        axis = axis_from_text(options.over)
+        axis = axis_from_text(over)
     except ValueError as error:
         raise ArgumentError("over", f"tells no axis: {error}") from None
     field = axis.field
@@ -289,13 +321,30 @@ def _head(axis: Any) -> str:
 # --- Passage ------------------------------------------------------------------------------------
 
 
-def passage(options: argparse.Namespace) -> Result:
-    """Tell when an inverted disk is lost."""
+def passage(
+    *,
+    problem: AnyProblem,
+    source: Source = "in-house",
+    end: float = 22.0,
+    rest: bool = False,
+) -> Result:
+    """When an inverted disk is lost as its spin decays.
+
+    Run a scenario, by default Model 1 from the paper's start, and tell when its falling spin
+    passes the Hopf point of inverted spinning, when the inversion is lost, and when it should be
+    by the eigenvalues alone.
+
+    Parameters
+    ----------
+    end
+        Longest time in s.
+    rest
+        Start from the defaults of `tippedisk rest`.
+    """
     from validation.nonlinear.passage import SPACING, follow, passage_table
 
-    end = chosen_end(options, SPACING)
-    scenario = chosen_scenario(options, rest=options.rest)
-    found = follow(scenario, end, run_options(options)["source"])
+    checked_end(end, SPACING)
+    found = follow(problem.scenario(rest=rest), end, source)
     named = [(found.pair.scenario.name, found)]
     own = ("crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(
@@ -306,8 +355,6 @@ def passage(options: argparse.Namespace) -> Result:
     )
 
 
-def _reduced(options: argparse.Namespace) -> Scenario:
-    """Scenario of the options, of Model 4 unless they say otherwise."""
-    if options.model is None and options.constraints is None and options.scenario is None:
-        options.model = 4
-    return chosen_scenario(options)
+def _reduced(problem: Problem) -> Scenario:
+    """Scenario of the options, of Model 4 unless they or a file say otherwise."""
+    return problem.scenario(model=4 if problem.file is None else None)
