@@ -5,7 +5,7 @@ from pathlib import Path
 import validation
 from validation.commands.output import name_of, write_whole
 from validation.commands.scenarios import stored_runs
-from validation.parser.kinds import AnimationOut, Body, Law, PageOut, Run
+from validation.parser.kinds import AnimationOut, Own, PageOut, Run
 
 
 def animate(
@@ -17,8 +17,7 @@ def animate(
     speed: float | None = None,
     fps: float | None = None,
     width: int | None = None,
-    law: Law = None,
-    body: Body = None,
+    own: Own,
 ) -> int:
     """Turn a stored motion into a page that plays it, or a GIF.
 
@@ -44,7 +43,7 @@ def animate(
     """
     out = out or file.with_suffix(".html")
     of_gif = {"fps": fps, "width": width}
-    (run,) = stored_runs([file], law, body)
+    (run,) = stored_runs([file], **own)
     title = f"The tippedisk: {name_of(file)}"
     shown = validation.animate(run, begin=begin, end=end, speed=speed, title=title)
     given = {name: value for name, value in of_gif.items() if value is not None}

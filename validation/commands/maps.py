@@ -14,15 +14,7 @@ from validation.maps.panel import Panel, run_panel
 from validation.maps.problems import PROBLEMS, Problem, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
-from validation.parser.kinds import (
-    AnyProblem,
-    Executor,
-    Folder,
-    Numbers,
-    Scheduler,
-    TimeLimit,
-    Workers,
-)
+from validation.parser import kinds
 from validation.parser.paths import PICTURES
 from validation.sweeps.pools import open_pool
 from validation.sweeps.sweep import Sweep, look_ahead
@@ -37,19 +29,17 @@ def map(  # noqa: A001 - the command's name
         {"metavar": "MAP"},
     ],
     *,
-    out: Folder = "maps",
+    out: kinds.Folder = "maps",
     cells: int = 8,
     levels: int = 2,
     end: float | None = None,
     witnesses: int = 8,
     compiled: bool = False,
     pairs: int = 0,
-    problem: AnyProblem,
-    workers: Workers = None,
-    executor: Executor = "processes",
-    scheduler: Scheduler = None,
-    time_limit: TimeLimit = 60.0,
-) -> Numbers:
+    problem: kinds.AnyProblem,
+    pool: kinds.Pool,
+    time_limit: float = 60.0,
+) -> kinds.Numbers:
     """Draw what becomes of the disk over two parameters.
 
     Run a map of what becomes of the disk over two parameters, and draw it:
@@ -80,6 +70,8 @@ def map(  # noqa: A001 - the command's name
         Run compiled, in batches, to 1e-6 rad; needs tippedisk[fast].
     pairs
         Random starts, each run at 4 small distances as well: how fine the map is.
+    time_limit
+        Of each run, processor time in s.
     """
     mapped = PROBLEMS[name]
     positive("time_limit", time_limit)
@@ -96,18 +88,18 @@ def map(  # noqa: A001 - the command's name
     shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
     # Workers that cannot be had are not announced, and leave no folder behind.
     with (
-        open_pool(executor, workers=workers, scheduler=scheduler) as pool,
+        open_pool(**pool) as opened,
         bar(name, unit="cases") as shown,
     ):
         folder = output_folder("out", out)
         runs = [(sweep, expected_cases(cells, levels)) for sweep in wanted]
-        _announce([*runs, *((sweep, sweep.design.size) for sweep in shifted)], pool.workers)
+        _announce([*runs, *((sweep, sweep.design.size) for sweep in shifted)], opened.workers)
         each = {"time_limit": time_limit, "told": lambda new, _: shown.update(new)}
         done = []
         for index, sweep in enumerate(wanted, 1):
             path = folder / f"{name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(mapped, sweep, path, pool, levels=levels, **each))
-        fineness = run_pairs(mapped, shifted, folder, pool, **each) if pairs else None
+            done.append(run_panel(mapped, sweep, path, opened, levels=levels, **each))
+        fineness = run_pairs(mapped, shifted, folder, opened, **each) if pairs else None
     return Result(
         tables=[_table(mapped, done, "" if fineness is None else _fineness(fineness))],
         notes=[str(_draw(folder / name, done))],

@@ -29,7 +29,7 @@ from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
 from validation.nonlinear import tables
 from validation.nonlinear.tables import Motion
-from validation.parser.kinds import AnyProblem, Over, PlainProblem, SomeSpins
+from validation.parser.kinds import AnyProblem, Axis, PlainProblem, SomeSpins
 from validation.parser.runs import Source
 
 _ALWAYS = ("period", "multiplier", "log_strong")
@@ -48,7 +48,7 @@ def cycles(
     spin: SomeSpins = None,
     rotating: bool = False,
     asymmetric: bool = False,
-    over: Over = None,
+    over: Axis = None,
     amplitude: float | None = None,
 ) -> Result:
     """Periodic motions of the reduced system, with their multipliers.
@@ -65,6 +65,9 @@ def cycles(
         Instead, the motions beyond the heteroclinic end, in which gamma turns round.
     asymmetric
         Instead, the cycles without mirror symmetry, where symmetric ones lose it.
+    over
+        Go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1,
+        hole-radius=0.01:0.02:4.
     amplitude
         Of the cycle that --over follows, in rad.
     """
@@ -198,12 +201,18 @@ def _over(
 # --- The connection -----------------------------------------------------------------------------
 
 
-def heteroclinic(*, problem: PlainProblem, over: Over = None) -> Result:
+def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
     """The heteroclinic connection in which the cycles end.
 
     Find the spin at which the motion that leaves noninverted spinning ends in it again, to 1e-9
     rad/s, beside its prediction to first order on the slow manifold. The picture shows that motion
     on either side of the connection.
+
+    Parameters
+    ----------
+    over
+        Go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1,
+        hole-radius=0.01:0.02:4.
     """
     scenario = _reduced(problem)
     if over is not None:
@@ -336,6 +345,8 @@ def passage(
 
     Parameters
     ----------
+    source
+        Who computes.
     end
         Longest time in s.
     rest

@@ -11,7 +11,8 @@ from validation.commands.output import Result
 from validation.kit.progress import progress_bar
 from validation.kit.tables import Cell, Table
 from validation.parser.kinds import AnyProblem, MotionOut
-from validation.parser.options import OfRun
+from validation.parser.options import Group
+from validation.parser.runs import RunOptions
 from validation.run import REST_SPACING, rest_effort, run_to_rest
 
 
@@ -19,7 +20,7 @@ def rest(
     *,
     problem: AnyProblem,
     how: Annotated[
-        dict[str, Any], OfRun("source", "tolerance", "step", "stop_when", "time_limit")
+        dict[str, Any], Group(RunOptions, "source", "tolerance", "step", "stop_when", "time_limit")
     ],
     end: float = 80.0,
     out: MotionOut = None,
@@ -43,6 +44,8 @@ def rest(
         Engine only: a single run of fixed steps in s instead.
     end
         Longest time in s.
+    out
+        Store the motion, .npz or -.
     """
     checked_end(end, REST_SPACING)
     scenario = problem.scenario(rest=True)

@@ -7,14 +7,13 @@ from analysis import StoredRun
 from validation.commands.output import CsvOut, PictureOut, Result, name_of, pictured, write
 from validation.commands.scenarios import stored_runs
 from validation.kit.differences import difference_table, fields_table
-from validation.parser.kinds import Body, Law, Runs
+from validation.parser.kinds import Own, Runs
 
 
 def show(
     files: Runs,
     *,
-    law: Law = None,
-    body: Body = None,
+    own: Own,
     json: bool = False,
     csv: CsvOut = None,
     plot: PictureOut = None,
@@ -31,8 +30,14 @@ def show(
     ----------
     files
         Written by simulate or rest.
+    json
+        Print everything as JSON in place of the table.
+    csv
+        Write the table with all digits, .csv or -.
+    plot
+        Draw it, .png, .svg, .pdf or -.
     """
-    runs = list(zip(map(name_of, files), stored_runs(files, law, body), strict=True))
+    runs = list(zip(map(name_of, files), stored_runs(files, **own), strict=True))
     apart, alone = fields_table(runs), len(runs) == 1
     notes = [f"{name}: {run!r}" for name, run in runs] if csv is None else []
     if not json and csv is None and plot is None and not _opened(runs):

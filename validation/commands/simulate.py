@@ -12,15 +12,15 @@ from validation.commands.options import announce, checked_end
 from validation.commands.output import Result, pictured
 from validation.kit.progress import progress_bar
 from validation.parser.kinds import AnyProblem, MotionOut
-from validation.parser.options import OfRun
-from validation.parser.runs import OPTIONS
+from validation.parser.options import Group
+from validation.parser.runs import RunOptions
 from validation.run import run, run_effort
 
 
 def simulate(
     *,
     problem: AnyProblem,
-    how: Annotated[dict[str, Any], OfRun(*OPTIONS)],
+    how: Annotated[dict[str, Any], Group(RunOptions)],
     end: float = 2.0,
     samples: int = 201,
     out: MotionOut = None,
@@ -38,6 +38,8 @@ def simulate(
         End of the simulation in s.
     samples
         Number of evenly spaced samples.
+    out
+        Store the motion, .npz or -.
     """
     whole("samples", samples, least=2)
     scenario = problem.scenario()

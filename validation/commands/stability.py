@@ -16,18 +16,17 @@ from validation.commands.options import parse_spins
 from validation.commands.output import Result, write
 from validation.kit.progress import counted
 from validation.kit.tables import Table
-from validation.parser.kinds import PlainProblem, Side, Spins, System
+from validation.parser.kinds import PlainProblem, Spectrum, Spins
 from validation.parser.runs import Formulation, Source
 
-_MODELS: dict[str | None, int] = {"full": 1, "reduced": 4}
+_MODELS = {"full": 1, "reduced": 4}
 """That a system stands for unless constraints are given."""
 
 
 def eigenvalues(
     *,
     problem: PlainProblem,
-    system: System = None,
-    motion: Side = "inverted",
+    spectrum: Spectrum,
     source: Source = "in-house",
     formulation: Formulation | None = None,
     spin: Spins,
@@ -42,13 +41,15 @@ def eigenvalues(
 
     Parameters
     ----------
+    source
+        Who computes.
     formulation
         Engine only: how it is built (the most accurate).
     spin
         Spins in rad/s: values, with commas or not, or first:last:number.
     """
-    spins = parse_spins(spin)
-    scenario = problem.scenario(model=_MODELS.get(system))
+    spins, motion = parse_spins(spin), spectrum["motion"]
+    scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
     if source == "engine":
         from validation.studies.stability.eigenvalue_check import engine_matrices
 
@@ -60,7 +61,7 @@ def eigenvalues(
     elif formulation is not None:
         raise ArgumentError("formulation", "needs --source engine")
     else:
-        found = spectra.branches(scenario, spins, system, motion)
+        found = spectra.branches(scenario, spins, **spectrum)
     rows = [
         {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
         for spin, values in zip(found.spins.tolist(), found.values, strict=True)
@@ -75,8 +76,7 @@ def eigenvalues(
 def critical(
     *,
     problem: PlainProblem,
-    system: System = None,
-    motion: Side = "inverted",
+    spectrum: Spectrum,
     spin: Spins = ("0:60",),
 ) -> Result:
     """Spins at which the spinning is stable, and at which eigenvalues cross.
@@ -91,16 +91,16 @@ def critical(
         From the least to the largest of spins in rad/s: values, with commas or not, or
         first:last:number.
     """
-    scenario = problem.scenario(model=_MODELS.get(system))
-    spins = parse_spins(spin)
+    scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
+    spins, motion = parse_spins(spin), spectrum["motion"]
     ends = (float(spins[0]), float(spins[-1]))
-    found = critical_speeds(scenario, ends, system, motion)
+    found = critical_speeds(scenario, ends, **spectrum)
     closed = critical_speed(scenario, motion)
     crossings = _critical_table(found, _closed_form(closed))
 
     def picture() -> Any:
         helpers = spectra.helper_spins(*ends)
-        branches = spectra.branches(scenario, helpers, system, motion)
+        branches = spectra.branches(scenario, helpers, **spectrum)
         return _draw(branches, f"{motion} spinning, {scenario.name},", found)
 
     return Result(

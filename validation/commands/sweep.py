@@ -15,17 +15,9 @@ from analysis.data.scenario_file import read_toml
 from validation.commands.options import PATIENCE, checked_end
 from validation.commands.output import PictureOut, Result
 from validation.kit.progress import bar, duration, say
-from validation.parser.kinds import (
-    AnyProblem,
-    Axes,
-    Executor,
-    Scheduler,
-    StoreOut,
-    TimeLimit,
-    Toml,
-    Workers,
-)
-from validation.parser.options import OfRun
+from validation.parser import kinds
+from validation.parser.options import Group
+from validation.parser.runs import RunOptions
 from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
@@ -36,20 +28,21 @@ from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 
 
 def sweep(
-    varied: Axes,
+    varied: kinds.Axes,
     *,
-    axes: Toml = None,
+    axes: kinds.Toml = None,
     layout: Literal["grid", "random", "latin-hypercube", "sobol"] | None = None,
     number: int | None = None,
     seed: int | None = None,
-    out: StoreOut,
+    out: kinds.StoreOut,
     retry: bool = False,
     accept_other_code: bool = False,
     most: int = 10_000_000,
-    problem: AnyProblem,
+    problem: kinds.AnyProblem,
     how: Annotated[
         dict[str, Any],
-        OfRun(
+        Group(
+            RunOptions,
             *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
             "stop_when",
             source="in-house",
@@ -60,10 +53,8 @@ def sweep(
     witnesses: int = 0,
     keep: Annotated[str, {"metavar": "NAMES"}] = "",
     rest: bool = False,
-    workers: Workers = None,
-    executor: Executor = "processes",
-    scheduler: Scheduler = None,
-    time_limit: TimeLimit = 60.0,
+    pool: kinds.Pool,
+    time_limit: float = 60.0,
     plot: PictureOut = None,
 ) -> Result:
     """Run a scenario many times with some of its fields varied.
@@ -116,6 +107,10 @@ def sweep(
         Series to keep of each run at its samples, such as beta,gamma,normal_force.
     rest
         Run until the disk lies still, as `tippedisk rest`.
+    time_limit
+        Of each run, processor time in s.
+    plot
+        Draw it, .png, .svg, .pdf or -.
     """
     positive("time_limit", time_limit)
     given = {"layout": layout, "number": number, "seed": seed}
@@ -142,15 +137,15 @@ def sweep(
     ahead = look_ahead(wanted)
     # The workers first: where there are none, no store is made.
     with (
-        open_pool(executor, workers=workers, scheduler=scheduler) as pool,
+        open_pool(**pool) as opened,
         Store(out, wanted, accept_other_code=accept_other_code) as store,
         _interrupted(store, wanted),
         _counter(wanted.design.size, store.count()) as told,
     ):
         if left := wanted.design.size - store.count():
-            _announce(wanted, ahead, left, pool.workers)
+            _announce(wanted, ahead, left, opened.workers)
         how = {"time_limit": time_limit, "retry": retry, "told": told}
-        run_cases(wanted, store, pool, **how)
+        run_cases(wanted, store, opened, **how)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(

@@ -21,14 +21,7 @@ _MODULES = (
 """In the order of the help."""
 
 
-_LIGHT = (
-    "pathlib",
-    "typing",
-    "validation.commands.output",
-    "validation.parser.kinds",
-    "validation.parser.options",
-    "validation.parser.runs",
-)
+_LIGHT = ("pathlib", "typing", "validation.commands.output", "validation.parser")
 """Modules from which signatures have their names."""
 
 

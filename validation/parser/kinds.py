@@ -1,15 +1,16 @@
 """Types of what commands take: behind each stands what `argparse` needs to know of it.
 
 A parameter with such a type, or a plain one, is an option of the command line; what it means is
-said by the command's docstring, or here where several commands share it.
+said by the command's docstring. What several commands share is a group.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from analysis.data.quantities import SECTIONS
 from validation.commands.output import Result
-from validation.parser.options import OfScenario
+from validation.parser.options import Group, OfScenario
 from validation.parser.paths import existing, file, filled, store, writable
 
 if TYPE_CHECKING:
@@ -23,30 +24,28 @@ NamedProblem = Annotated["Problem", OfScenario(tuple(SECTIONS), "scenario")]
 PlainProblem = Annotated["Problem", OfScenario(("", "disk", "friction", "table"))]
 """On the ideal contact, from whatever start."""
 
-Numbers = Annotated[Result, "json", "csv"]
+Numbers = Annotated[Result, Group(Result.deliver, "json", "csv")]
 """A result without a picture."""
 
 Run = Annotated[Path, file(existing(".npz"))]
 Runs = Annotated[list[Path], file(existing(".npz"), nargs="+")]
 Toml = Annotated[Path | None, file(existing())]
-MotionOut = Annotated[Path | None, file(writable(".npz"), help="store the motion, .npz or -")]
+MotionOut = Annotated[Path | None, file(writable(".npz"))]
 StoreOut = Annotated[Path, file(store)]
 AnimationOut = Annotated[Path | None, file(writable(".html", ".gif"))]
 PageOut = Annotated[Path, file(writable(".html"))]
 TextOut = Annotated[Path | None, file(writable(".md"))]
-Sections = Annotated[
-    list[str] | None,
-    {
-        "action": "append",
-        "metavar": "SECTION",
-        "choices": (
-            *("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps"),
-            *("crosscheck", "work-precision", "robustness", "lean", "numbers"),
-        ),
-    },
-]
 Folder = Annotated[str, file(filled, "DIR")]
 OtherFolder = Annotated[str | None, file(filled, "DIR")]
+
+Section = Literal[
+    "modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps",
+    "crosscheck", "work-precision", "robustness", "lean", "numbers",
+]  # fmt: skip
+Sections = Annotated[
+    list[Section] | None,
+    {"action": "append", "choices": get_args(Section), "metavar": "SECTION"},
+]
 
 _SPINS = {"nargs": "+", "type": str, "metavar": "SPIN"}
 Spins = Annotated[tuple[str, ...], _SPINS]
@@ -54,48 +53,63 @@ SomeSpins = Annotated[tuple[str, ...] | None, _SPINS]
 """In rad/s: values, with commas or not, or `first:last:number`."""
 
 Axes = Annotated[list[str], {"nargs": "*", "type": str, "metavar": "AXIS"}]
-Over = Annotated[
-    str | None,
-    {
-        "metavar": "AXIS",
-        "help": "go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1, "
-        "hole-radius=0.01:0.02:4",
-    },
-]
+Axis = Annotated[str | None, {"metavar": "AXIS"}]
+_OwnClass = Annotated[str | None, {"metavar": "MODULE:CLASS"}]
 
-System = Annotated[
-    Literal["full", "reduced", "numeric"] | None,
-    {
-        "help": "full and reduced stand for Models 1 and 4, unless constraints are given (that of "
-        "the constraints, numeric if there is none)"
-    },
-]
-Side = Annotated[
-    Literal["inverted", "noninverted"],
-    {"help": "centre of gravity above or below the geometric centre"},
-]
 
-Law = Annotated[
-    str | None,
-    {
-        "metavar": "MODULE:CLASS",
-        "help": "friction law of one's own that the motion was run with: imports it",
-    },
-]
-Body = Annotated[
-    str | None,
-    {"metavar": "MODULE:CLASS", "help": "body of one's own that moved: imports it"},
-]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Own:
+    """Classes of one's own that a stored motion was run with.
 
-Workers = Annotated[int | None, {"help": "processes (one for each core)"}]
-Executor = Annotated[
-    str,
-    {
-        "help": "processes, dask, mpi, or module:function of your own that returns a "
-        "concurrent.futures.Executor"
-    },
-]
-Scheduler = Annotated[
-    str | None, {"metavar": "ADDRESS", "help": "of Dask (a cluster of this machine)"}
-]
-TimeLimit = Annotated[float, {"help": "of each run, processor time in s"}]
+    Parameters
+    ----------
+    law : str, optional
+        Friction law of one's own that the motion was run with: imports it.
+    body : str, optional
+        Body of one's own that moved: imports it.
+    """
+
+    law: _OwnClass = None
+    body: _OwnClass = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Spectrum:
+    """Whose eigenvalues are meant.
+
+    Parameters
+    ----------
+    system : str, optional
+        Full and reduced stand for Models 1 and 4, unless constraints are given (that of the
+        constraints, numeric if there is none).
+    motion : str
+        Centre of gravity above or below the geometric centre.
+    """
+
+    system: Literal["full", "reduced", "numeric"] | None = None
+    motion: Literal["inverted", "noninverted"] = "inverted"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pool:
+    """Who computes many runs.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes (one for each core).
+    executor : str
+        Processes, dask, mpi, or module:function of your own that returns a
+        concurrent.futures.Executor.
+    scheduler : str, optional
+        Of Dask (a cluster of this machine).
+    """
+
+    workers: int | None = None
+    executor: str = "processes"
+    scheduler: Annotated[str | None, {"metavar": "ADDRESS"}] = None
+
+
+Own = Annotated[dict[str, Any], Group(_Own)]
+Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
+Pool = Annotated[dict[str, Any], Group(_Pool)]

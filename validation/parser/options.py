@@ -3,7 +3,6 @@
 import argparse
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from inspect import Parameter, cleandoc, signature
 from pathlib import Path
 from types import NoneType
@@ -13,7 +12,6 @@ from analysis.data.names import nearest
 from analysis.data.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
 from validation.commands.output import Result
 from validation.parser.paths import existing, file
-from validation.parser.runs import RunOptions
 
 _NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
 
@@ -53,22 +51,25 @@ class Parser(argparse.ArgumentParser):
         """Exit with code 2 and one line."""
         self.exit(2, f"{self.prog}: error: {message}\n")
 
-    def add(self, parameter: Parameter, told: Mapping[str, str]) -> None:
+    def add(self, parameter: Parameter, told: dict[str, str]) -> None:
         """Add the option for a parameter of a function, or the argument for a positional one.
 
         Parameters
         ----------
         parameter : Parameter
             Of a plain type, or one with keywords of `argparse` behind it, or a group.
-        told : mapping
+        told : dict
             What the parameters mean.
         """
         how = _keywords(parameter.annotation)
-        if isinstance(how, OfScenario | OfRun):
+        if isinstance(how, OfScenario | Group):
             how.add_to(self, told)
             return
         name, default = parameter.name, parameter.default
-        about = [how.get("help") or told.get(name, "")]
+        if any(each.dest == name for each in self.actions):
+            # A command takes an output itself.
+            return
+        about = [told.get(name, "")]
         if "metavar" in how and "choices" in how:
             about.append(", ".join(how["choices"]))
         text = ": ".join(filter(None, about))
@@ -83,6 +84,20 @@ class Parser(argparse.ArgumentParser):
             self.add_argument(flag, required=default is Parameter.empty, **how)
         else:
             self.add_argument(name, **how)
+
+
+def described(function: Callable[..., Any]) -> tuple[str, dict[str, str]]:
+    """What a docstring says, and what it says of each parameter, in a line."""
+    about, *sections = re.split(r"\n\n(?=\w+\n---)", cleandoc(function.__doc__ or ""))
+    entry = re.compile(r"^(\w+).*\n((?: {4}.*\n?)+)", re.MULTILINE)
+    entries = entry.findall("\n".join(sections))
+    return about, {name: _as_in_help(" ".join(text.split())) for name, text in entries}
+
+
+def _as_in_help(sentence: str) -> str:
+    """A sentence without capital and full stop, unless it begins with an abbreviation."""
+    first = sentence[:1] if sentence[1:2].isupper() else sentence[:1].lower()
+    return first + sentence[1:].removesuffix(".")
 
 
 def _keywords(kind: Any) -> Any:
@@ -115,7 +130,7 @@ class OfScenario(NamedTuple):
     tables: tuple[str, ...]
     flag: str = "--scenario"
 
-    def add_to(self, parser: Parser, _: Mapping[str, str]) -> None:
+    def add_to(self, parser: Parser, _: dict[str, str]) -> None:
         """Add the option for the file; those for the quantities stand at the end."""
         how: dict[str, Any] = {} if self.flag.startswith("-") else {"nargs": "?"}
         about = "scenario, .toml, or a stored run to repeat, .npz"
@@ -129,33 +144,40 @@ class OfScenario(NamedTuple):
         return Problem(file=given["scenario"], named=named)
 
 
-class OfRun:
-    """Group of options that tell how a run is made.
+class Group:
+    """Group of options that are parameters of a function, or fields of a data class.
 
     Parameters
     ----------
+    whole : callable
     *names : str
-        Fields of `RunOptions`.
+        Of the parameters; by default all.
     **defaults
-        Where they differ from those of `RunOptions`.
+        Where they differ from those of the parameters.
     """
 
-    def __init__(self, *names: str, **defaults: Any) -> None:
-        self.names, self._defaults = names, defaults
+    def __init__(self, whole: Callable[..., Any], *names: str, **defaults: Any) -> None:
+        known = signature(whole).parameters
+        self._told = described(whole)[1]
+        self._parameters = [
+            known[name].replace(default=defaults.get(name, known[name].default))
+            for name in names or known
+        ]
 
-    def add_to(self, parser: Parser, told: Mapping[str, str]) -> None:
-        """Add the options."""
-        known = signature(RunOptions).parameters
-        for name in self.names:
-            default = self._defaults.get(name, known[name].default)
-            parser.add(known[name].replace(default=default), told)
+    def add_to(self, parser: Parser, told: dict[str, str]) -> None:
+        """Add the options; what a command says of one itself comes first."""
+        for parameter in self._parameters:
+            parser.add(parameter, self._told | told)
 
     def value(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """What is told of how a run is made, by name."""
-        return {name: given[name] for name in self.names if given[name] is not None}
+        """What is given, by name."""
+        named = {each.name: given[each.name] for each in self._parameters}
+        return {name: value for name, value in named.items() if value is not None}
 
 
-@dataclass(frozen=True, slots=True)
+_OUTPUTS = Group(Result.deliver, "json", "csv", "plot")
+
+
 class Command:
     """A command.
 
@@ -167,52 +189,27 @@ class Command:
         With its name, its parameters and its docstring; it does nothing.
     """
 
-    module: str
-    function: Callable[..., Any]
-
-    @property
-    def name(self) -> str:
-        """As it is called."""
-        return self.function.__name__
-
-    @property
-    def about(self) -> str:
-        """What it does."""
-        return described(self.function)[0]
+    def __init__(self, module: str, function: Callable[..., Any]) -> None:
+        self.module, self.name = module, function.__name__
+        self.about, self._told = described(function)
+        told = signature(function)
+        self._kinds = {name: _keywords(each.annotation) for name, each in told.parameters.items()}
+        self._parameters = tuple(told.parameters.values())
+        found = _OUTPUTS if told.return_annotation is Result else _keywords(told.return_annotation)
+        self._outputs = found if isinstance(found, Group) else None
 
     @property
     def tables(self) -> tuple[str, ...]:
         """Tables of the scenario whose quantities are options."""
-        found = [each.tables for each in self._groups.values() if isinstance(each, OfScenario)]
-        return found[0] if found else ()
-
-    @property
-    def _parameters(self) -> Mapping[str, Parameter]:
-        return signature(self.function).parameters
-
-    @property
-    def _groups(self) -> dict[str, Any]:
-        found = {name: _keywords(each.annotation) for name, each in self._parameters.items()}
-        return {name: each for name, each in found.items() if not isinstance(each, dict)}
-
-    @property
-    def _outputs(self) -> dict[str, Parameter]:
-        """What becomes of its result."""
-        known = dict(signature(Result.deliver).parameters)
-        found = signature(self.function).return_annotation
-        names = tuple(known)[1:] if found is Result else get_args(found)[1:]
-        return {name: known[name] for name in names}
+        return next((e.tables for e in self._kinds.values() if isinstance(e, OfScenario)), ())
 
     def parser(self) -> Parser:
         """Parser of the command."""
         parser = Parser(prog=f"tippedisk {self.name}", description=self.about)
-        told = (
-            described(RunOptions)[1] | described(Result.deliver)[1] | described(self.function)[1]
-        )
-        outputs = self._outputs
-        own = (each for name, each in self._parameters.items() if name not in outputs)
-        for parameter in (*own, *outputs.values()):
-            parser.add(parameter, told)
+        for parameter in self._parameters:
+            parser.add(parameter, self._told)
+        if self._outputs:
+            self._outputs.add_to(parser, {})
         names = "".join(
             f" {each.metavar}{' ...' if each.nargs else ''}"
             for each in parser.actions
@@ -227,30 +224,13 @@ class Command:
 
     def call(self, function: Callable[..., Any], given: Mapping[str, Any]) -> int:
         """Exit code of the command, whose result goes where the options say."""
-        groups = self._groups
         found = function(
             **{
-                name: groups[name].value(given) if name in groups else given[name]
-                for name in self._parameters
+                name: given[name] if isinstance(kind, dict) else kind.value(given)
+                for name, kind in self._kinds.items()
             }
         )
-        if isinstance(found, Result):
-            return found.deliver(**{name: given[name] for name in self._outputs})
-        return int(found)
-
-
-def described(function: Callable[..., Any]) -> tuple[str, dict[str, str]]:
-    """What a docstring says, and what it says of each parameter, in a line."""
-    about, *sections = re.split(r"\n\n(?=\w+\n---)", cleandoc(function.__doc__ or ""))
-    entry = re.compile(r"^(\w+).*\n((?: {4}.*\n?)+)", re.MULTILINE)
-    entries = entry.findall("\n".join(sections))
-    return about, {name: _as_in_help(" ".join(text.split())) for name, text in entries}
-
-
-def _as_in_help(sentence: str) -> str:
-    """A sentence without capital and full stop, unless it begins with an abbreviation."""
-    first = sentence[:1] if sentence[1:2].isupper() else sentence[:1].lower()
-    return first + sentence[1:].removesuffix(".")
+        return int(found.deliver(**self._outputs.value(given)) if self._outputs else found)
 
 
 def _how(quantity: Quantity) -> dict[str, Any]:

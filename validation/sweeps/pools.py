@@ -57,13 +57,13 @@ def _lost() -> OSError:
 
 @contextmanager
 def open_pool(
-    kind: str, *, workers: int | None = None, scheduler: str | None = None
+    executor: str, *, workers: int | None = None, scheduler: str | None = None
 ) -> Iterator[Pool]:
     """Workers for the time of a context; where it fails, the calls that are being made are lost.
 
     Parameters
     ----------
-    kind : str
+    executor : str
         "processes", "dask", "mpi", or `module:function` of one's own that returns a
         `concurrent.futures.Executor`.
     workers : int, optional
@@ -79,19 +79,19 @@ def open_pool(
     ValueError
         If there is no such executor, or what it needs is not installed or not started.
     """
-    if not is_own(kind):
-        choice("executor", kind, (*KINDS, "module:function"))
-    if scheduler is not None and kind != "dask":
-        raise ArgumentError("scheduler", f"needs --executor dask, got {kind}")
+    if not is_own(executor):
+        choice("executor", executor, (*KINDS, "module:function"))
+    if scheduler is not None and executor != "dask":
+        raise ArgumentError("scheduler", f"needs --executor dask, got {executor}")
     workers = os.cpu_count() or 1 if workers is None else whole("workers", workers)
-    if kind == "dask":
+    if executor == "dask":
         with _dask(workers, scheduler) as pool:
             yield pool
         return
-    if kind == "processes":
+    if executor == "processes":
         pool = Pool(Processes(workers), workers)
     else:
-        pool = _mpi() if kind == "mpi" else _own(kind, workers)
+        pool = _mpi() if executor == "mpi" else _own(executor, workers)
     with pool.executor:
         try:
             yield pool
