@@ -1,7 +1,7 @@
 """The commands on nonlinear dynamics: `cycles`, `heteroclinic` and `passage`."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from math import pi
 from typing import Any
 
@@ -32,8 +32,13 @@ from validation.nonlinear.tables import Motion
 from validation.parser.kinds import AnyProblem, Axis, PlainProblem, SomeSpins
 from validation.parser.runs import Source
 
+_DRAWN = {
+    "symmetric": ("amplitude",),
+    "asymmetric": ("amplitude", "lowest"),
+    "rotating": ("largest_tilt", "tilt"),
+}
 _ALWAYS = ("period", "multiplier", "log_strong")
-"""What is drawn of a family of any kind."""
+"""What is drawn of a family, by its kind and of any."""
 
 _SIDE = 0.05
 """Distance in rad/s from the connection at which the picture shows motions."""
@@ -85,9 +90,13 @@ def cycles(
         return _over(over, scenario, spins, amplitude)
     if spins is not None:
         return _at(scenario, spins)
-    if rotating:
-        return _rotating(scenario)
-    return _asymmetric(scenario) if asymmetric else _symmetric(scenario)
+    what = "rotating motion" if rotating else "cycle"
+    with progress_bar(f"{what} {{n:.0f}} of {{total:.0f}}") as progress:
+        follow = families.rotating_family if rotating else families.cycle_family
+        family = follow(scenario, progress=progress)
+        if asymmetric:
+            family = families.first_asymmetric_family(family, progress=progress)
+    return _whole(family)
 
 
 def _figures() -> Any:
@@ -97,86 +106,52 @@ def _figures() -> Any:
     return figures
 
 
-def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any) -> Result:
-    """What is told of a family: its motions, what happens along it, and its picture.
+def _motions(rows: Sequence[Motion], family: Family | None = None, **told: Any) -> Result:
+    """What is told of periodic motions, or of a family of them and why it ends early.
 
     Parameters
     ----------
     rows : list of Motion
-        Its motions.
-    family : Family
-    names : sequence of str
-        What is drawn.
-    **more
-        What JSON is told besides.
+    family : Family, optional
+    **told
+        Parameters of `Result`; `values` are those besides the motions.
     """
+    reason = None if family is None else family.reason
+    values = {"motions": rows, "events": [], "reason": reason} | told.pop("values", {})
+    notes = [f"The family ends early: {reason}."] if reason else []
+    return Result(**told, values=values, notes=notes)
+
+
+def _whole(family: Family) -> Result:
+    """A family, what happens along it, and where it begins."""
+    rows, kind = [each.told() for each in family.motions], family.motions[0].kind
     found = events(family)
-    happened = [{"kind": kind, **motion.told()} for kind, motion in found]
-    marks = {"begins": family.begins}
-    return Result(
-        tables=[
-            tables.motion_table(rows, family.motions[0].kind),
-            tables.event_table(found, family.motions),
-        ],
-        values={"motions": rows, "events": happened, "reason": family.reason, **more},
-        draw=lambda: _figures().diagram(
-            _figures().near(rows, family.begins), (*names, *_ALWAYS), marks=marks
-        ),
-        notes=_ending(family),
-    )
+    shown = [tables.motion_table(rows, kind), tables.event_table(found, family.motions)]
+    more: dict[str, Any] = {"events": [{"kind": what, **each.told()} for what, each in found]}
+    if kind == "rotating":
+        more["connection"] = family.begins
+    elif kind == "symmetric":
+        normal = hopf_type(family.motions[0].scenario)
+        spins, amplitudes = tables.small_cycles(rows)
+        growth = fitted_growth(spins, amplitudes, normal.spin) if len(spins) > 4 else None
+        shown.append(tables.hopf_table(normal, growth))
+        more["hopf"] = asdict(normal) | {"kind": normal.kind, "curvature": normal.curvature}
+        more["growth"] = None if growth is None else growth._asdict()
 
+    def draw() -> Any:
+        near = _figures().near(rows, family.begins)
+        marks = {"begins": family.begins}
+        return _figures().diagram(near, (*_DRAWN[kind], *_ALWAYS), marks=marks)
 
-def _ending(family: Family) -> list[str]:
-    return [] if family.reason is None else [f"The family ends early: {family.reason}."]
-
-
-def _rows(family: Family) -> list[Motion]:
-    return [each.told() for each in family.motions]
+    return _motions(rows, family, tables=shown, values=more, draw=draw)
 
 
 def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
     found = [families.cycle_at(scenario, spin) for spin in counted(spins, "spins")]
     named = [(f"{cycle.spin:.6g} rad/s", cycle.whole[1]) for cycle in found]
-    rows = [each.told() for each in found]
-    return Result(
-        tables=[tables.motion_table(rows)],
-        values={"motions": rows, "events": [], "reason": None},
-        draw=lambda: _figures().portrait(named),
-    )
-
-
-def _followed(scenario: Scenario) -> Family:
-    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
-        return families.cycle_family(scenario, progress=progress)
-
-
-def _symmetric(scenario: Scenario) -> Result:
-    family, normal = _followed(scenario), hopf_type(scenario)
-    rows = _rows(family)
-    spins, amplitudes = tables.small_cycles(rows)
-    growth = fitted_growth(spins, amplitudes, normal.spin) if len(spins) > 4 else None
-    told = _told(
-        rows,
-        family,
-        ["amplitude"],
-        hopf={**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
-        growth=None if growth is None else growth._asdict(),
-    )
-    return replace(told, tables=[*told.tables, tables.hopf_table(normal, growth)])
-
-
-def _rotating(scenario: Scenario) -> Result:
-    with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
-        family = families.rotating_family(scenario, progress=progress)
-    names = ("largest_tilt", "tilt")
-    return _told(_rows(family), family, names, connection=family.begins)
-
-
-def _asymmetric(scenario: Scenario) -> Result:
-    symmetric = _followed(scenario)
-    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
-        family = families.first_asymmetric_family(symmetric, progress=progress)
-    return _told(_rows(family), family, ("amplitude", "lowest"))
+    rows: list[Motion] = [each.told() for each in found]
+    table = tables.motion_table(rows)
+    return _motions(rows, tables=[table], draw=lambda: _figures().portrait(named))
 
 
 def _over(
@@ -187,14 +162,17 @@ def _over(
     axis, values, scenarios = _varied(over, scenario)
     held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
-    rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
+    rows: list[Motion] = [
+        {axis.field: value, **each.told()}
+        for value, each in zip(values, found.motions, strict=False)
+    ]
     first = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")
-    return Result(
+    return _motions(
+        rows,
+        found,
         tables=[tables.motion_table(rows, first=first)],
-        values={"motions": rows, "events": [], "reason": found.reason},
         draw=lambda: _figures().diagram(rows, names, over=first, log=axis.log),
-        notes=_ending(found),
     )
 
 
