@@ -122,6 +122,7 @@ def test_help_says_what_every_option_means(command: Command, capsys: Capture) ->
     for action in options_of(command):
         assert action.option_strings[0] in shown
         assert action.help
+        assert not action.help.startswith(" (")
         if isinstance(action, BooleanOptionalAction):
             assert f"--no-{action.option_strings[0][2:]}" in shown
 
