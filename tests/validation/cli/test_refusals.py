@@ -25,6 +25,7 @@ REFUSED = {
     IN_HOUSE + "--formulation floating": "--formulation: formulation must be one of index-1",
     ENGINE + "--body ellipse --formulation floating": "none builds EllipticDisk(",
     SWEEP + "--axes deep.toml": "deep.toml, line 1: not TOML: nested too deeply",
+    "rest --step 0": "--step: step must be positive, got 0",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
     "rest --model 2": "--model: contact must be left out, or constraints be those of Model 1",
     "show run.npz --law viscous": "--law: law belongs to none of the motions, got ViscousFric",
