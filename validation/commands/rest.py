@@ -121,9 +121,6 @@ def _lacking(losses: Dissipation) -> str:
 
 
 def _picture(motion: SpatialMotion) -> Any:
-    from validation.kit import figures
     from validation.studies.rest.figures import draw_story
 
-    figure, axes = figures.new_figure(5, height=11.0)
-    draw_story(motion, axes)
-    return figure
+    return draw_story(motion)

@@ -73,7 +73,7 @@ class Parser(argparse.ArgumentParser):
         if "metavar" in how and "choices" in how:
             about.append(", ".join(how["choices"]))
         text = ": ".join(filter(None, about))
-        if not any(default is each for each in (None, False, "", Parameter.empty)):
+        if default not in (None, "", Parameter.empty) and default is not False:
             text += f" ({default[0] if isinstance(default, tuple) else short(default)})"
         how = how | {"help": text.replace("%", "%%")}
         if default is not Parameter.empty:

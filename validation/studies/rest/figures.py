@@ -43,9 +43,9 @@ def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figur
     return figure
 
 
-def draw_story(motion: SpatialMotion, axes: Any = None) -> Figure:
-    """Draw tilt, COG height, spin, energies and contact force, into five axes if given."""
-    axes = figures.new_figure(5, height=11.0)[1] if axes is None else axes
+def draw_story(motion: SpatialMotion) -> Figure:
+    """Draw tilt, COG height, spin, energies and contact force, one below the other."""
+    axes = figures.new_figure(5, height=11.0)[1]
     times, force = motion.times, motion.normal_force
     lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, None, force)
     for panel, values in zip(axes, lines, strict=True):
