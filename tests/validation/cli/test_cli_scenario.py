@@ -9,7 +9,6 @@ import pytest
 
 from analysis import (
     ROUNDED_STEEL_DISK,
-    Disk,
     Dissipation,
     PenaltyContact,
     Scenario,
@@ -54,16 +53,12 @@ TOLD: dict[str, Scenario] = {
     "--constraints no-slip-along,contact": replace(
         PAPER, constraints=("contact", "no-slip-along")
     ),
-    "--disk steel-rounded --mass 0.5 --inertia-z 4.7e-4": replace(
-        PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5, inertia_z=4.7e-4)
-    ),
-    "--hole-distance 0.01": replace(PAPER, disk=Disk.ring(hole_distance=0.01)),
+    "--disk steel-rounded --mass 0.5": replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5)),
     "--stiffness 1e5": replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk)),
     "--spin 35 --gamma -pi/2+0.2 --beta-rate -1e-3 --y-rate -.4": replace(
         PAPER, start=Start(spin=35.0, gamma=-pi / 2 + 0.2, beta_rate=-1e-3, y_rate=-0.4)
     ),
     # Options override the file, and the rest stays.
-    "soft.toml": COMPLIANT,
     "soft.toml --mu 0.1": replace(COMPLIANT, friction=replace(TANH, coefficient=0.1)),
     "soft.toml --law viscous": replace(COMPLIANT, friction=ViscousFriction(load="contact")),
     # The damping of a file stays, too: it follows from the stiffness only where nobody tells it.
