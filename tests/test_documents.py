@@ -14,7 +14,7 @@ import pytest
 import analysis
 import mbs_models
 from analysis import Scenario, Start, simulate_to_rest
-from validation.parser.top import parsed
+from validation.parser.commands import parsed
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])

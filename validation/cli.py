@@ -4,12 +4,11 @@ Importing this module and building the parser loads neither NumPy nor the engine
 and wrong calls answer at once; each subcommand imports what it needs when it runs.
 """
 
-import argparse
 import logging
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
@@ -17,8 +16,8 @@ from pathlib import Path
 from traceback import format_exc
 from typing import Any, TextIO
 
+from validation.parser.commands import parsed
 from validation.parser.options import flag_of
-from validation.parser.top import parsed
 
 _OUTPUT_LOST = 3
 """Exit code of a command that did its work and could not say so."""
@@ -59,21 +58,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = parsed(sys.argv[1:] if arguments is None else arguments)
+        command, options = parsed(sys.argv[1:] if arguments is None else arguments)
     except SystemExit as stop:
         return int(stop.code or 0)
-    name = f"tippedisk {options.command}"
+    name, given = f"tippedisk {command.name}", vars(options)
     path = sys.path.copy()
     try:
-        # Imported late: the commands bring NumPy, SciPy and the engine along.
+        # Laws, bodies and conditions of one's own may lie in the working directory.
+        sys.path.append("")
         logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
-        commands = import_module(f"validation.commands.{options.module}")
-        with _warnings_in_a_line(name), _text_beside(options):
-            found = getattr(commands, options.command.replace("-", "_"))(options)
-            return found if isinstance(found, int) else int(found.deliver(options))
+        # Imported late: the commands bring NumPy, SciPy and the engine along.
+        module = import_module(f"validation.commands.{command.module}")
+        with _warnings_in_a_line(name), _text_beside(given.values()):
+            return command.call(getattr(module, command.name), given)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
-        flag = flag_of(getattr(error, "argument", ""), vars(options).items())
+        flag = flag_of(getattr(error, "argument", ""), given.items())
         _complain(f"{name}: error: {flag and f'{flag}: '}{message}")
         return _REFUSED if isinstance(error, ValueError | OSError) else _FAILED
     except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, it is no result
@@ -84,7 +84,6 @@ def _run(arguments: Sequence[str] | None) -> int:
         _complain(f"{name}: interrupted")
         return _INTERRUPTED
     finally:
-        # A law of one's own lets the working directory be searched.
         sys.path[:] = path
 
 
@@ -108,11 +107,11 @@ def _warnings_in_a_line(name: str) -> Iterator[None]:
 
 
 @contextmanager
-def _text_beside(options: argparse.Namespace) -> Iterator[None]:
+def _text_beside(given: Iterable[Any]) -> Iterator[None]:
     """What is printed goes to standard error where standard output is to take a file."""
     from analysis.data.files import is_standard_output
 
-    paths = [each for each in vars(options).values() if isinstance(each, Path)]
+    paths = [each for each in given if isinstance(each, Path)]
     beside = sys.stderr if any(map(is_standard_output, paths)) else sys.stdout
     with redirect_stdout(beside):
         yield

@@ -112,13 +112,7 @@ class OutcomeTable:
         }
 
     def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame` with "number" as its index and the units in its `attrs`.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed; it comes with `pip install 'tippedisk[export]'`.
-        """
+        """A `pandas.DataFrame` with "number" as its index and the units in its `attrs`."""
         frame = optional("pandas", "to_dataframe").DataFrame(self.columns).set_index("number")
         frame.attrs = {"units": self.units}
         return frame

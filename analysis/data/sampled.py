@@ -192,15 +192,8 @@ class SampledMotion(Quantities):
             )
 
     def to_dataframe(self) -> Any:
-        """`to_dict` as a `pandas.DataFrame` over time, with the units in its `attrs`.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed; it comes with `pip install 'tippedisk[export]'`.
-        """
-        pandas = optional("pandas", "to_dataframe")
-        frame = pandas.DataFrame(self.to_dict()).set_index("time")
+        """`to_dict` as a `pandas.DataFrame` over time, with the units in its `attrs`."""
+        frame = optional("pandas", "to_dataframe").DataFrame(self.to_dict()).set_index("time")
         frame.attrs = self._told() | {"units": self.units}
         return frame
 

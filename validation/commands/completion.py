@@ -1,9 +1,10 @@
 """What `tippedisk completion` does: what the parsers know, as a script for a shell."""
 
-from argparse import Action, Namespace
+from argparse import Action
 from collections.abc import Iterator
+from typing import Annotated, Literal
 
-from validation.parser.commands import COMMANDS
+from validation.parser import commands
 
 _BASH = """\
 _tippedisk() {{
@@ -21,15 +22,21 @@ complete -o default -F _tippedisk tippedisk
 _ZSH = "autoload -U +X compinit bashcompinit && compinit && bashcompinit\n"
 
 
-def completion(options: Namespace) -> int:
-    """Print the script that teaches a shell the command line."""
-    if options.shell == "fish":
+def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHELL"}]) -> int:
+    """Completion of commands, options and their values in a shell.
+
+    Print a script that teaches it the command line:
+      bash, zsh   source <(tippedisk completion bash), or zsh
+      fish        tippedisk completion fish | source
+    It stays if the line stands in ~/.bashrc, ~/.zshrc or ~/.config/fish/config.fish.
+    """
+    if shell == "fish":
         for line in _fish():
             print(f"complete -c tippedisk {line}")
         return 0
-    commands, cases = " ".join(each.name for each in COMMANDS), "\n".join(_bash())
-    told = _BASH.format(commands=commands, cases=cases)
-    print(_ZSH + told if options.shell == "zsh" else told, end="")
+    names, cases = " ".join(each.name for each in commands.COMMANDS), "\n".join(_bash())
+    told = _BASH.format(commands=names, cases=cases)
+    print(_ZSH + told if shell == "zsh" else told, end="")
     return 0
 
 
@@ -39,7 +46,7 @@ def _values(action: Action) -> str:
 
 def _bash() -> Iterator[str]:
     """Words behind an option that takes a value, and anywhere else, by command."""
-    for command in COMMANDS:
+    for command in commands.COMMANDS:
         words: list[str] = []
         for action in command.parser().actions:
             words += action.option_strings or [_values(action)]
@@ -50,7 +57,7 @@ def _bash() -> Iterator[str]:
 
 
 def _fish() -> Iterator[str]:
-    for command in COMMANDS:
+    for command in commands.COMMANDS:
         about = command.about.partition("\n")[0]
         yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(about)}"
         for action in command.parser().actions:

@@ -1,21 +1,20 @@
-"""The subcommand `map`: what becomes of the disk over two parameters."""
+"""The command `map`: what becomes of the disk over two parameters."""
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 from analysis.compiled.library import require_heyoka
 from analysis.data.checks import positive, whole
-from validation.commands.options import chosen_end, output_folder
+from validation.commands.options import checked_end, output_folder
 from validation.commands.output import Result, save
-from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import bar, duration, say
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
 from validation.maps.problems import PROBLEMS, Problem, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
+from validation.parser import kinds
 from validation.parser.paths import PICTURES
 from validation.sweeps.pools import open_pool
 from validation.sweeps.sweep import Sweep, look_ahead
@@ -24,40 +23,90 @@ _SHORTEST = 0.02
 """Of a motion in s: two samples as they are on the way to rest."""
 
 
-def map(options: argparse.Namespace) -> Result:  # noqa: A001 - the subcommand's name
-    """Run a map and draw it."""
-    problem = PROBLEMS[options.name]
-    positive("time_limit", options.time_limit)
-    whole("pairs", options.pairs, least=0)
-    if options.end is None:
-        options.end = problem.end
-    scenario, end = chosen_scenario(options), chosen_end(options, _SHORTEST)
-    size = {"cells": options.cells, "levels": options.levels, "witnesses": options.witnesses}
-    if options.compiled:
+def map(  # noqa: A001 - the command's name
+    name: Annotated[
+        Literal["spin-friction", "spin-eccentricity", "attitude", "tilting", "basins", "rest"],
+        {"metavar": "MAP"},
+    ],
+    *,
+    out: kinds.Folder = "maps",
+    cells: int = 8,
+    levels: int = 2,
+    end: float | None = None,
+    witnesses: int = 8,
+    compiled: bool = False,
+    pairs: int = 0,
+    problem: kinds.AnyProblem,
+    pool: kinds.Pool,
+    time_limit: float = 60.0,
+) -> kinds.Numbers:
+    """Draw what becomes of the disk over two parameters.
+
+    Run a map of what becomes of the disk over two parameters, and draw it:
+      spin-friction      inversion over spin and friction coefficient
+      spin-eccentricity  inversion over spin and eccentricity
+      attitude           inversion over gamma and beta at the start
+      tilting            inversion over the rate of beta and beta at the start
+      basins             the same as attitude, in Models 1 to 4 beside each other
+      rest               which face is up at rest, over spin and beta at the start
+    A coarse grid is run whole; cells that hold different outcomes are halved again and again.
+    Model 1 runs in the engine, everything else in the in-house equations; the other side runs some
+    of the cases, too. Each panel has a store as `tippedisk sweep` writes it; the same command goes
+    on.
+
+    Parameters
+    ----------
+    out
+        Folder.
+    cells
+        Of the coarse grid along an axis.
+    levels
+        How often cells are halved.
+    end
+        End of each motion in s (4; rest: 20).
+    witnesses
+        On the coarse grid, and as large a part of the other cases.
+    compiled
+        Run compiled, in batches, to 1e-6 rad; needs tippedisk[fast].
+    pairs
+        Random starts, each run at 4 small distances as well: how fine the map is.
+    time_limit
+        Of each run, processor time in s.
+    """
+    mapped = PROBLEMS[name]
+    positive("time_limit", time_limit)
+    whole("pairs", pairs, least=0)
+    scenario = problem.scenario()
+    how: dict[str, Any] = {
+        "end": checked_end(mapped.end if end is None else end, _SHORTEST),
+        "compiled": compiled,
+    }
+    if compiled:
         require_heyoka()
-    how: dict[str, Any] = {"end": end, "compiled": options.compiled}
-    wanted = panels(problem, scenario, **size, **how)
-    pairs = shifted_sweeps(problem, scenario, number=options.pairs, **how)
+    size: dict[str, Any] = {"cells": cells, "levels": levels, "witnesses": witnesses}
+    wanted = panels(mapped, scenario, **size, **how)
+    shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
     # Workers that cannot be had are not announced, and leave no folder behind.
     with (
-        open_pool(options.executor, workers=options.workers, scheduler=options.scheduler) as pool,
-        bar(options.name, unit="cases") as shown,
+        open_pool(**pool) as opened,
+        bar(name, unit="cases") as shown,
     ):
-        folder = output_folder("out", options.out)
-        _announce(options, wanted, pairs, pool.workers)
+        folder = output_folder("out", out)
+        runs = [(sweep, expected_cases(cells, levels)) for sweep in wanted]
+        _announce([*runs, *((sweep, sweep.design.size) for sweep in shifted)], opened.workers)
         each: dict[str, Any] = {
-            "time_limit": options.time_limit,
+            "time_limit": time_limit,
             "told": lambda new, _: shown.update(new),
+            "to_rest": mapped.to_rest,
         }
-        each["to_rest"] = problem.to_rest
         done = []
         for index, sweep in enumerate(wanted, 1):
-            path = folder / f"{options.name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(sweep, path, pool, levels=options.levels, **each))
-        fineness = run_pairs(pairs, folder, pool, **each) if pairs else None
+            path = folder / f"{name}{f'-{index}' if len(wanted) > 1 else ''}.db"
+            done.append(run_panel(sweep, path, opened, levels=levels, **each))
+        fineness = run_pairs(shifted, folder, opened, **each) if pairs else None
     return Result(
-        tables=[_table(problem, done, "" if fineness is None else _fineness(fineness))],
-        notes=[str(_draw(options, done))],
+        tables=[_table(mapped, done, "" if fineness is None else _fineness(fineness))],
+        notes=[str(_draw(folder / name, done))],
     )
 
 
@@ -87,12 +136,8 @@ def _of_seen(panel: Panel, what: str) -> float | None:
     return float(getattr(panel.seen["difference"].astype(float), what)())
 
 
-def _announce(
-    options: argparse.Namespace, wanted: Sequence[Sweep], pairs: Sequence[Sweep], processes: int
-) -> None:
+def _announce(runs: Sequence[tuple[Sweep, int]], processes: int) -> None:
     """Say about how many runs are coming, and how long they take where none has been made yet."""
-    runs = [(sweep, expected_cases(options.cells, options.levels)) for sweep in wanted]
-    runs += [(sweep, sweep.design.size) for sweep in pairs]
     seconds = sum(count * look_ahead(sweep).seconds for sweep, count in runs)
     say(
         f"tippedisk map: some {sum(count for _, count in runs)} cases, roughly "
@@ -100,15 +145,14 @@ def _announce(
     )
 
 
-def _draw(options: argparse.Namespace, done: Sequence[Panel]) -> Path:
+def _draw(path: Path, done: Sequence[Panel]) -> Path:
     """Write the figure; returns its path."""
     from validation.maps import figures
 
     figure = figures.draw({each.sweep.scenario.name: each for each in done})
     for suffix in PICTURES[:2]:
-        path = Path(options.out) / f"{options.name}{suffix}"
-        save(figure, path)
-    return path.with_suffix(".png")
+        save(figure, path.with_suffix(suffix))
+    return path.with_suffix(PICTURES[0])
 
 
 def _fineness(found: Uncertainty) -> str:

@@ -1,8 +1,7 @@
-"""What the commands on nonlinear dynamics do."""
+"""The commands on nonlinear dynamics: `cycles`, `heteroclinic` and `passage`."""
 
-import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from math import pi
 from typing import Any
 
@@ -23,16 +22,23 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.stability.printed import critical_speed
-from validation.commands.options import chosen_end, parse_spins, run_options
+from validation.commands.options import checked_end, parse_spins
 from validation.commands.output import Result
-from validation.commands.scenarios import chosen_scenario
+from validation.commands.scenarios import Problem
 from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
 from validation.nonlinear import tables
 from validation.nonlinear.tables import Motion
+from validation.parser.kinds import AnyProblem, Axis, PlainProblem, SomeSpins
+from validation.parser.runs import Source
 
+_DRAWN = {
+    "symmetric": ("amplitude",),
+    "asymmetric": ("amplitude", "lowest"),
+    "rotating": ("largest_tilt", "tilt"),
+}
 _ALWAYS = ("period", "multiplier", "log_strong")
-"""What is drawn of a family of any kind."""
+"""What is drawn of a family, by its kind and of any."""
 
 _SIDE = 0.05
 """Distance in rad/s from the connection at which the picture shows motions."""
@@ -41,23 +47,56 @@ _SIDE = 0.05
 # --- Periodic motions ---------------------------------------------------------------------------
 
 
-def cycles(options: argparse.Namespace) -> Result:
-    """Tell the periodic motions: some at given spins, a family, or one over a parameter."""
-    spins = None if options.spin is None else parse_spins(options.spin).tolist()
-    chosen = [name for name in ("rotating", "asymmetric", "over") if getattr(options, name)]
+def cycles(
+    *,
+    problem: PlainProblem,
+    spin: SomeSpins = None,
+    rotating: bool = False,
+    asymmetric: bool = False,
+    over: Axis = None,
+    amplitude: float | None = None,
+) -> Result:
+    """Periodic motions of the reduced system, with their multipliers.
+
+    Follow the periodic motions of the reduced system (Model 4) from the Hopf point of inverted
+    spinning to their end, with period, Floquet multipliers and bifurcations; or find those at
+    given spins; or follow others: one table of motions, and one of what happens along them.
+
+    Parameters
+    ----------
+    spin
+        Only the cycles at spins in rad/s: values, with commas or not, or first:last:number.
+    rotating
+        Instead, the motions beyond the heteroclinic end, in which gamma turns round.
+    asymmetric
+        Instead, the cycles without mirror symmetry, where symmetric ones lose it.
+    over
+        Go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1,
+        hole-radius=0.01:0.02:4.
+    amplitude
+        Of the cycle that --over follows, in rad.
+    """
+    spins = None if spin is None else parse_spins(spin).tolist()
+    given = {"rotating": rotating, "asymmetric": asymmetric, "over": over is not None}
+    chosen = [name for name, is_given in given.items() if is_given]
     if len(chosen) > 1:
         raise ArgumentError(chosen[1], f"does not go together with {chosen[0]}")
-    if chosen in (["rotating"], ["asymmetric"]) and spins is not None:
+    if (rotating or asymmetric) and spins is not None:
         raise ArgumentError("spin", f"does not go together with {chosen[0]}: a family has many")
-    if chosen != ["over"] and options.amplitude is not None:
+    if over is None and amplitude is not None:
         raise ArgumentError("amplitude", "belongs to --over; a family goes through all amplitudes")
-    scenario = _reduced(options)
-    if chosen == ["over"]:
-        return _over(options, scenario, spins)
+    scenario = _reduced(problem)
+    if over is not None:
+        return _over(over, scenario, spins, amplitude)
     if spins is not None:
         return _at(scenario, spins)
-    find = {"rotating": _rotating, "asymmetric": _asymmetric}
-    return find[chosen[0]](scenario) if chosen else _symmetric(scenario)
+    what = "rotating motion" if rotating else "cycle"
+    with progress_bar(f"{what} {{n:.0f}} of {{total:.0f}}") as progress:
+        follow = families.rotating_family if rotating else families.cycle_family
+        family = follow(scenario, progress=progress)
+        if asymmetric:
+            family = families.first_asymmetric_family(family, progress=progress)
+    return _whole(family)
 
 
 def _figures() -> Any:
@@ -67,112 +106,94 @@ def _figures() -> Any:
     return figures
 
 
-def _told(rows: list[Motion], family: Family, names: Sequence[str], **more: Any) -> Result:
-    """What is told of a family: its motions, what happens along it, and its picture.
+def _motions(rows: Sequence[Motion], family: Family | None = None, **told: Any) -> Result:
+    """What is told of periodic motions, or of a family of them and why it ends early.
 
     Parameters
     ----------
     rows : list of Motion
-        Its motions.
-    family : Family
-    names : sequence of str
-        What is drawn.
-    **more
-        What JSON is told besides.
+    family : Family, optional
+    **told
+        Parameters of `Result`; `values` are those besides the motions.
     """
+    reason = None if family is None else family.reason
+    values = {"motions": rows, "events": [], "reason": reason} | told.pop("values", {})
+    notes = [f"The family ends early: {reason}."] if reason else []
+    return Result(**told, values=values, notes=notes)
+
+
+def _whole(family: Family) -> Result:
+    """A family, what happens along it, and where it begins."""
+    rows, kind = [each.told() for each in family.motions], family.motions[0].kind
     found = events(family)
-    happened = [{"kind": kind, **motion.told()} for kind, motion in found]
-    marks = {"begins": family.begins}
-    return Result(
-        tables=[
-            tables.motion_table(rows, family.motions[0].kind),
-            tables.event_table(found, family.motions),
-        ],
-        values={"motions": rows, "events": happened, "reason": family.reason, **more},
-        draw=lambda: _figures().diagram(
-            _figures().near(rows, family.begins), (*names, *_ALWAYS), marks=marks
-        ),
-        notes=_ending(family),
-    )
+    shown = [tables.motion_table(rows, kind), tables.event_table(found, family.motions)]
+    more: dict[str, Any] = {"events": [{"kind": what, **each.told()} for what, each in found]}
+    if kind == "rotating":
+        more["connection"] = family.begins
+    elif kind == "symmetric":
+        normal = hopf_type(family.motions[0].scenario)
+        growth = fitted_growth(family.motions, normal.spin)
+        shown.append(tables.hopf_table(normal, growth))
+        more["hopf"] = asdict(normal) | {"kind": normal.kind, "curvature": normal.curvature}
+        more["growth"] = None if growth is None else growth._asdict()
 
+    def draw() -> Any:
+        near = _figures().near(rows, family.begins)
+        marks = {"begins": family.begins}
+        return _figures().diagram(near, (*_DRAWN[kind], *_ALWAYS), marks=marks)
 
-def _ending(family: Family) -> list[str]:
-    return [] if family.reason is None else [f"The family ends early: {family.reason}."]
-
-
-def _rows(family: Family) -> list[Motion]:
-    return [each.told() for each in family.motions]
+    return _motions(rows, family, tables=shown, values=more, draw=draw)
 
 
 def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
     found = [families.cycle_at(scenario, spin) for spin in counted(spins, "spins")]
     named = [(f"{cycle.spin:.6g} rad/s", cycle.whole[1]) for cycle in found]
-    rows = [each.told() for each in found]
-    return Result(
-        tables=[tables.motion_table(rows)],
-        values={"motions": rows, "events": [], "reason": None},
-        draw=lambda: _figures().portrait(named),
-    )
+    rows: list[Motion] = [each.told() for each in found]
+    table = tables.motion_table(rows)
+    return _motions(rows, tables=[table], draw=lambda: _figures().portrait(named))
 
 
-def _followed(scenario: Scenario) -> Family:
-    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
-        return families.cycle_family(scenario, progress=progress)
-
-
-def _symmetric(scenario: Scenario) -> Result:
-    family, normal = _followed(scenario), hopf_type(scenario)
-    rows = _rows(family)
-    growth = fitted_growth(family.motions, normal.spin)
-    told = _told(
-        rows,
-        family,
-        ["amplitude"],
-        hopf={**asdict(normal), "kind": normal.kind, "curvature": normal.curvature},
-        growth=None if growth is None else growth._asdict(),
-    )
-    return replace(told, tables=[*told.tables, tables.hopf_table(normal, growth)])
-
-
-def _rotating(scenario: Scenario) -> Result:
-    with progress_bar("rotating motion {n:.0f} of {total:.0f}") as progress:
-        family = families.rotating_family(scenario, progress=progress)
-    names = ("largest_tilt", "tilt")
-    return _told(_rows(family), family, names, connection=family.begins)
-
-
-def _asymmetric(scenario: Scenario) -> Result:
-    symmetric = _followed(scenario)
-    with progress_bar("cycle {n:.0f} of {total:.0f}") as progress:
-        family = families.first_asymmetric_family(symmetric, progress=progress)
-    return _told(_rows(family), family, ("amplitude", "lowest"))
-
-
-def _over(options: argparse.Namespace, scenario: Scenario, spins: list[float] | None) -> Result:
-    if (spins is None) == (options.amplitude is None) or (spins is not None and len(spins) > 1):
+def _over(
+    over: str, scenario: Scenario, spins: list[float] | None, amplitude: float | None
+) -> Result:
+    if (spins is None) == (amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    axis, values, scenarios = _varied(options, scenario)
-    held = {"amplitude": options.amplitude} if spins is None else {"spin": spins[0]}
+    axis, values, scenarios = _varied(over, scenario)
+    held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
-    rows = [{axis.field: value, **row} for value, row in zip(values, _rows(found), strict=False)]
-    over = (axis.field, _head(axis))
+    rows: list[Motion] = [
+        {axis.field: value, **each.told()}
+        for value, each in zip(values, found.motions, strict=False)
+    ]
+    first = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")
-    return Result(
-        tables=[tables.motion_table(rows, first=over)],
-        values={"motions": rows, "events": [], "reason": found.reason},
-        draw=lambda: _figures().diagram(rows, names, over=over, log=axis.log),
-        notes=_ending(found),
+    return _motions(
+        rows,
+        found,
+        tables=[tables.motion_table(rows, first=first)],
+        draw=lambda: _figures().diagram(rows, names, over=first, log=axis.log),
     )
 
 
 # --- The connection -----------------------------------------------------------------------------
 
 
-def heteroclinic(options: argparse.Namespace) -> Result:
-    """Tell the heteroclinic connection."""
-    scenario = _reduced(options)
-    if options.over is not None:
-        return _connections_over(options, scenario)
+def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
+    """The heteroclinic connection in which the cycles end.
+
+    Find the spin at which the motion that leaves noninverted spinning ends in it again, to 1e-9
+    rad/s, beside its prediction to first order on the slow manifold. The picture shows that motion
+    on either side of the connection.
+
+    Parameters
+    ----------
+    over
+        Go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1,
+        hole-radius=0.01:0.02:4.
+    """
+    scenario = _reduced(problem)
+    if over is not None:
+        return _connections_over(over, scenario)
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
 
@@ -192,8 +213,8 @@ def _of_connection(found: Connection) -> dict[str, float]:
     return {**asdict(found), "saddle_index": found.saddle_index}
 
 
-def _connections_over(options: argparse.Namespace, scenario: Scenario) -> Result:
-    axis, values, scenarios = _varied(options, scenario)
+def _connections_over(over: str, scenario: Scenario) -> Result:
+    axis, values, scenarios = _varied(over, scenario)
     ends = [_ends(each) for each in counted(scenarios, axis.field)]
     rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
     table = Table.of(
@@ -250,9 +271,7 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
 # --- Over a parameter ---------------------------------------------------------------------------
 
 
-def _varied(
-    options: argparse.Namespace, scenario: Scenario
-) -> tuple[Any, list[float], list[Scenario]]:
+def _varied(over: str, scenario: Scenario) -> tuple[Any, list[float], list[Scenario]]:
     """What --over goes through, its values, and the scenario with each of them.
 
     That is a number of the scenario but for its start, with a count.
@@ -260,7 +279,7 @@ def _varied(
     from validation.sweeps.axes import axis_from_text
 
     try:
-        axis = axis_from_text(options.over)
+        axis = axis_from_text(over)
     except ValueError as error:
         raise ArgumentError("over", f"tells no axis: {error}") from None
     field = axis.field
@@ -288,13 +307,32 @@ def _head(axis: Any) -> str:
 # --- Passage ------------------------------------------------------------------------------------
 
 
-def passage(options: argparse.Namespace) -> Result:
-    """Tell when an inverted disk is lost."""
+def passage(
+    *,
+    problem: AnyProblem,
+    source: Source = "in-house",
+    end: float = 22.0,
+    rest: bool = False,
+) -> Result:
+    """When an inverted disk is lost as its spin decays.
+
+    Run a scenario, by default Model 1 from the paper's start, and tell when its falling spin
+    passes the Hopf point of inverted spinning, when the inversion is lost, and when it should be
+    by the eigenvalues alone.
+
+    Parameters
+    ----------
+    source
+        Who computes.
+    end
+        Longest time in s.
+    rest
+        Start from the defaults of `tippedisk rest`.
+    """
     from validation.nonlinear.passage import SPACING, follow, passage_table
 
-    end = chosen_end(options, SPACING)
-    scenario = chosen_scenario(options, rest=options.rest)
-    found = follow(scenario, end, run_options(options)["source"])
+    checked_end(end, SPACING)
+    found = follow(problem.scenario(rest=rest), end, source)
     named = [(found.pair.scenario.name, found)]
     own = ("crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(
@@ -305,8 +343,6 @@ def passage(options: argparse.Namespace) -> Result:
     )
 
 
-def _reduced(options: argparse.Namespace) -> Scenario:
-    """Scenario of the options, of Model 4 unless they say otherwise."""
-    if options.model is None and options.constraints is None and options.scenario is None:
-        options.model = 4
-    return chosen_scenario(options)
+def _reduced(problem: Problem) -> Scenario:
+    """Scenario of the options, of Model 4 unless they or a file say otherwise."""
+    return problem.scenario(model=4 if problem.file is None else None)

@@ -1,6 +1,6 @@
 """From options of the command line, which several commands share, to what they mean."""
 
-import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
@@ -12,17 +12,10 @@ from analysis.data.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effo
 from analysis.data.names import ArgumentError
 from analysis.data.written import read_value
 from validation.kit.progress import say
-from validation.parser.runs import OPTIONS
 from validation.sweeps.axes import axis_from
 
 PATIENCE = 60.0
 """Processor time in s from which on a run is announced before it starts."""
-
-
-def run_options(options: argparse.Namespace) -> dict[str, Any]:
-    """What is told of how a run is made, as `validation.run` takes it."""
-    told = {name: getattr(options, name, None) for name in OPTIONS}
-    return {name: value for name, value in told.items() if value is not None}
 
 
 def announce(command: str, effort: Effort, time_limit: float | None = None) -> None:
@@ -74,12 +67,12 @@ def output_folder(name: str, value: str) -> Path:
     return path
 
 
-def parse_spins(texts: list[str]) -> Array:
+def parse_spins(texts: Sequence[str]) -> Array:
     """Spins in rad/s from values, lists and ranges in any order: each once, shape (n,).
 
     Parameters
     ----------
-    texts : list of str
+    texts : sequence of str
         Each a value, values with commas between, or `first:last:number`; without a number the
         ends alone.
 
@@ -106,12 +99,12 @@ def parse_spins(texts: list[str]) -> Array:
     return np.unique(np.array(spins, dtype=float))
 
 
-def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> float:
+def checked_end(end: float, least: float = SHORTEST_STEP) -> float:
     """Time in s from --end.
 
     Parameters
     ----------
-    options : argparse.Namespace
+    end : float
     least : float
         In s, such as the spacing of the samples.
 
@@ -120,4 +113,4 @@ def chosen_end(options: argparse.Namespace, least: float = SHORTEST_STEP) -> flo
     ArgumentError
         If it is not positive, below `least` or beyond `LONGEST_MOTION`.
     """
-    return within("end", positive("end", options.end), least, LONGEST_MOTION)
+    return within("end", positive("end", end), least, LONGEST_MOTION)

@@ -1,17 +1,18 @@
 """Where the numbers and the picture of a command go."""
 
-import argparse
-import json
+import json as text_of
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from analysis.data.files import whole_file
 from validation.kit.tables import Table
-from validation.parser.paths import PICTURES
+from validation.parser.paths import PICTURES, file, writable
+
+CsvOut = Annotated[Path | None, file(writable(".csv"))]
+PictureOut = Annotated[Path | None, file(writable(*PICTURES), "PICTURE")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +24,7 @@ class Result:
     tables : sequence of Table
         Printed, unless the numbers go elsewhere.
     values
-        What JSON knows; by default the rows of the first table.
+        What JSON knows, or a function that makes it; by default the rows of the first table.
     csv : callable, optional
         Writes the table of the file to a path; by default that is the first table.
     draw : callable, optional
@@ -41,18 +42,27 @@ class Result:
     notes: Sequence[str] = ()
     code: int = 0
 
-    def deliver(self, options: argparse.Namespace) -> int:
-        """Store, draw and print what is asked for; returns the exit code."""
-        given = vars(options)
-        if (path := given.get("csv")) is not None:
-            (self.csv or partial(write, self.tables[0]))(path)
-        if (path := given.get("plot")) is not None and self.draw is not None:
-            save(self.draw(), path)
-        if given.get("json"):
-            print(json.dumps(self.tables[0].records() if self.values is None else self.values))
+    def deliver(self, *, json: bool = False, csv: CsvOut = None, plot: PictureOut = None) -> int:
+        """Store, draw and print what is asked for; returns the exit code.
+
+        Parameters
+        ----------
+        json : bool
+            Print everything as JSON in place of the table.
+        csv : Path, optional
+            Write the table with all digits, .csv or -.
+        plot : Path, optional
+            Draw it, .png, .svg, .pdf or -.
+        """
+        if csv is not None:
+            (self.csv or partial(write, self.tables[0]))(csv)
+        if plot is not None and self.draw is not None:
+            save(self.draw(), plot)
+        if json:
+            values = self.values() if callable(self.values) else self.values
+            print(text_of.dumps(self.tables[0].records() if values is None else values))
             return self.code
-        tables = self.tables if given.get("csv") is None else ()
-        for line in (*map(_text, tables), *self.notes):
+        for line in (*map(_text, self.tables if csv is None else ()), *self.notes):
             print(line)
         return self.code
 
@@ -70,13 +80,29 @@ def name_of(path: Path) -> str:
 
 def write(table: Table, path: Path) -> None:
     """Write a table as comma-separated text with all digits."""
+    write_whole(table.to_csv(), path)
+
+
+def write_whole(text: str, path: Path) -> None:
+    """Write a text in UTF-8, whole or not at all."""
+    from analysis.data.files import whole_file
+
     with whole_file(path) as stream:
-        stream.write(table.to_csv().encode())
+        stream.write(text.encode())
 
 
 def save(figure: Any, path: Path) -> None:
     """Write a figure in the format that its file's name ends in; a pipe gets a PNG."""
+    from analysis.data.files import whole_file
+
     suffix = path.suffix.lower()
     kind = suffix if suffix in PICTURES else PICTURES[0]
     with whole_file(path) as stream:
         figure.savefig(stream, format=kind[1:], dpi=150)
+
+
+def pictured(runs: Sequence[tuple[str, Any]], axes: Any = None) -> Any:
+    """Figure of labelled motions over each other, for which Matplotlib is loaded."""
+    from validation.kit import figures
+
+    return figures.comparison(runs, axes)

@@ -1,25 +1,65 @@
-"""What `tippedisk rest` does."""
+"""The command `rest`."""
 
-import argparse
 from dataclasses import fields
-from typing import Any
+from typing import Annotated, Any
 
 from analysis import CAUSES, Dissipation, SpatialMotion
 from analysis.data.names import ArgumentError
 from analysis.stability.unstable_start import unstable_start
-from validation.commands.options import announce, chosen_end, run_options
+from validation.commands.options import announce, checked_end
 from validation.commands.output import Result
-from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import progress_bar
 from validation.kit.tables import Cell, Table
+from validation.parser.kinds import AnyProblem, MotionOut
+from validation.parser.options import Group
+from validation.parser.runs import RunOptions
 from validation.run import REST_SPACING, rest_effort, run_to_rest
 
 
-def rest(options: argparse.Namespace) -> Result:
-    """Simulate the disk until it lies still, and tell phases and energy budget."""
-    motion = _simulate(options)
-    if options.out is not None:
-        motion.save(options.out)
+def rest(
+    *,
+    problem: AnyProblem,
+    how: Annotated[
+        dict[str, Any], Group(RunOptions, "source", "tolerance", "step", "stop_when", "time_limit")
+    ],
+    end: float = 80.0,
+    out: MotionOut = None,
+) -> Result:
+    """Simulate the disk from the paper's start until it lies still.
+
+    Simulate the disk on a stiff unilateral contact until it lies still, and print when each phase
+    began and where the energy went. By default the rim is rounded, friction knows the contact
+    force, and nothing but sliding friction and the contact's damper takes energy; then the disk
+    does not lie flat.
+
+    The disk is inverted from the first time at which its centre of gravity has risen to 90% of its
+    largest height above the geometric centre and from which it stays above that centre for 1 s; if
+    the motion ends before, it is not decided.
+
+    Parameters
+    ----------
+    tolerance
+        Largest error in rad and parts of the energy (1e-3).
+    step
+        Engine only: a single run of fixed steps in s instead.
+    end
+        Longest time in s.
+    out
+        Store the motion, .npz or -.
+    """
+    checked_end(end, REST_SPACING)
+    scenario = problem.scenario(rest=True)
+    if scenario.contact is None:
+        raise ArgumentError(
+            "scenario",
+            "needs a penalty contact on the way to rest, and its is ideal; give --stiffness and "
+            "--half-thickness, or the table [contact]",
+        )
+    announce("rest", rest_effort(scenario, end, **how), how.get("time_limit"))
+    with progress_bar() as progress:
+        motion = run_to_rest(scenario, end, **how, progress=progress)
+    if out is not None:
+        motion.save(out)
     table = _story(motion)
     return Result(
         tables=[table],
@@ -78,20 +118,6 @@ def _lacking(losses: Dissipation) -> str:
     if not losses.pivoting:
         needs.append("lying still needs --pivoting")
     return "".join(f"; {each}" for each in needs)
-
-
-def _simulate(options: argparse.Namespace) -> SpatialMotion:
-    end, how = chosen_end(options, REST_SPACING), run_options(options)
-    scenario = chosen_scenario(options, rest=True)
-    if scenario.contact is None:
-        raise ArgumentError(
-            "scenario",
-            "needs a penalty contact on the way to rest, and its is ideal; give --stiffness and "
-            "--half-thickness, or the table [contact]",
-        )
-    announce("rest", rest_effort(scenario, end, **how), options.time_limit)
-    with progress_bar() as progress:
-        return run_to_rest(scenario, end, **how, progress=progress)
 
 
 def _picture(motion: SpatialMotion) -> Any:

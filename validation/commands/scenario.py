@@ -1,28 +1,48 @@
 """The commands `scenario` and `check`: a problem as a file, and the two sides on it."""
 
-import argparse
 from typing import Any
 
 from analysis import scenario_text
 from analysis.data.checks import whole
-from validation.commands.options import chosen_end
+from validation.commands.options import checked_end
 from validation.commands.output import Result
-from validation.commands.scenarios import chosen_scenario
+from validation.parser.kinds import AnyProblem, NamedProblem
 
 
-def scenario(options: argparse.Namespace) -> int:
-    """Print a scenario as a commented file."""
-    print(scenario_text(chosen_scenario(options, rest=options.rest)), end="")
+def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
+    """Print a problem as a commented file, to be changed and run.
+
+    Print the whole problem as a TOML file, which says of every key what it is and what is allowed:
+    the paper's; or that of a file or a stored run; with what the options change.
+
+    Parameters
+    ----------
+    rest
+        Start from the defaults of `tippedisk rest`.
+    """
+    print(scenario_text(problem.scenario(rest=rest)), end="")
     return 0
 
 
-def check(options: argparse.Namespace) -> Result:
-    """Say how the engine and the in-house equations agree; 1 if they do not."""
-    chosen, end = chosen_scenario(options), chosen_end(options)
-    whole("states", options.states)
+def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result:
+    """Compare engine and in-house equations on a scenario of your own.
+
+    Compare accelerations, trajectories and, where they are defined, eigenvalues of a scenario
+    between the in-house equations and every formulation of the engine that can build it. Exit code
+    1 if they disagree.
+
+    Parameters
+    ----------
+    end
+        Of the motions in s, at most.
+    states
+        Random states for accelerations.
+    """
+    chosen, end = problem.scenario(), checked_end(end)
+    whole("states", states)
     from validation.studies import comparisons
 
-    checks = comparisons.compare_scenario(chosen, states=options.states, end=end)
+    checks = comparisons.compare_scenario(chosen, states=states, end=end)
     failed = sum(each.agrees is False for each in checks)
     held = sum(each.agrees is True for each in checks)
     return Result(

@@ -1,17 +1,25 @@
 """The command `scene`: what is in a scene, and why."""
 
-import argparse
-
 from mbs_models.inventory import inventory
 from mbs_models.scene import Scene
 from validation.commands.output import Result
-from validation.commands.scenarios import chosen_scenario
 from validation.kit.tables import Table
+from validation.parser.kinds import AnyProblem, Numbers
+from validation.parser.runs import Formulation
 
 
-def scene(options: argparse.Namespace) -> Result:
-    """List the items of a scene; a note sums them up."""
-    scene = Scene(scenario=chosen_scenario(options), formulation=options.formulation)
+def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Numbers:
+    """List what is in a scene of the engine, and why.
+
+    List the nodes, objects, markers and sensors of a scene with the reason for each, and count its
+    coordinates, constraints and user functions.
+
+    Parameters
+    ----------
+    formulation
+        How the disk is built (the most accurate).
+    """
+    scene = Scene(scenario=problem.scenario(), formulation=formulation)
     items = inventory(scene)
     coordinates, equations, idle, functions = (
         sum(each)

@@ -1,14 +1,12 @@
-"""What the commands on linear stability do."""
+"""The commands on linear stability: `eigenvalues` and `critical`."""
 
-import argparse
 from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from analysis import LEVELS, MODELS, Scenario, Start
-from analysis.data.checks import Array
+from analysis import LEVELS, MODELS, Start
 from analysis.data.names import ArgumentError
 from analysis.stability import spectra
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
@@ -16,18 +14,54 @@ from analysis.stability.printed import CriticalSpeed, critical_speed
 from analysis.stability.spectra import Branches
 from validation.commands.options import parse_spins
 from validation.commands.output import Result, write
-from validation.commands.scenarios import chosen_scenario
 from validation.kit.progress import counted
 from validation.kit.tables import Table
+from validation.parser.kinds import PlainProblem, Spectrum, Spins
+from validation.parser.runs import Formulation, Source
+
+_MODELS = {"full": 1, "reduced": 4}
+"""That a system stands for unless constraints are given."""
 
 
-def eigenvalues(options: argparse.Namespace) -> Result:
-    """Tell eigenvalues over the spin."""
-    spins = parse_spins(options.spin)
-    if options.source != "engine" and options.formulation is not None:
+def eigenvalues(
+    *,
+    problem: PlainProblem,
+    spectrum: Spectrum,
+    source: Source = "in-house",
+    formulation: Formulation | None = None,
+    spin: Spins,
+) -> Result:
+    """Eigenvalues of inverted and noninverted spinning.
+
+    Eigenvalues of the stationary spinning motions over the spin, in 1/s.
+
+    full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4; numeric: those
+    of any constraints, linearised by dual numbers. With --source engine they come from the engine.
+    Columns follow the branches.
+
+    Parameters
+    ----------
+    source
+        Who computes.
+    formulation
+        Engine only: how it is built (the most accurate).
+    spin
+        Spins in rad/s: values, with commas or not, or first:last:number.
+    """
+    spins, motion = parse_spins(spin), spectrum["motion"]
+    scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
+    if source == "engine":
+        from validation.studies.stability.eigenvalue_check import engine_matrices
+
+        matrices = [
+            engine_matrices(scenario, np.array([each]), formulation=formulation, motion=motion)
+            for each in counted(spins, "spins")
+        ]
+        found = Branches(spins=spins, values=spectra.follow(np.concatenate(matrices)))
+    elif formulation is not None:
         raise ArgumentError("formulation", "needs --source engine")
-    scenario = _scenario(options)
-    found = _branches(options, scenario, spins)
+    else:
+        found = spectra.branches(scenario, spins, **spectrum)
     rows = [
         {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
         for spin, values in zip(found.spins.tolist(), found.values, strict=True)
@@ -35,23 +69,39 @@ def eigenvalues(options: argparse.Namespace) -> Result:
     return Result(
         tables=[_table(scenario.name, found)],
         values=rows,
-        draw=lambda: _draw(found, f"{options.motion} spinning, {scenario.name},"),
+        draw=lambda: _draw(found, f"{motion} spinning, {scenario.name},"),
     )
 
 
-def critical(options: argparse.Namespace) -> Result:
-    """Tell where spinning is stable, and critical spins beside the closed form."""
-    scenario = _scenario(options)
-    spins = parse_spins(options.spin)
+def critical(
+    *,
+    problem: PlainProblem,
+    spectrum: Spectrum,
+    spin: Spins = ("0:60",),
+) -> Result:
+    """Spins at which the spinning is stable, and at which eigenvalues cross.
+
+    For each model the spins at which inverted spinning is stable, all of its eigenvalues together;
+    then the spins at which one of them, or a pair, becomes stable or unstable, with its frequency,
+    beside the closed form of the reduced system, Eq. (126).
+
+    Parameters
+    ----------
+    spin
+        From the least to the largest of spins in rad/s: values, with commas or not, or
+        first:last:number.
+    """
+    scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
+    spins, motion = parse_spins(spin), spectrum["motion"]
     ends = (float(spins[0]), float(spins[-1]))
-    found = critical_speeds(scenario, ends, options.system, options.motion)
-    closed = critical_speed(scenario, options.motion)
+    found = critical_speeds(scenario, ends, **spectrum)
+    closed = critical_speed(scenario, motion)
     crossings = _critical_table(found, _closed_form(closed))
 
     def picture() -> Any:
         helpers = spectra.helper_spins(*ends)
-        branches = spectra.branches(scenario, helpers, options.system, options.motion)
-        return _draw(branches, f"{options.motion} spinning, {scenario.name},", found)
+        branches = spectra.branches(scenario, helpers, **spectrum)
+        return _draw(branches, f"{motion} spinning, {scenario.name},", found)
 
     return Result(
         tables=[_stable_table(found), crossings],
@@ -118,26 +168,6 @@ def _closed_form(closed: CriticalSpeed) -> str:
         f"Closed form of the reduced system with any friction, Eq. (126): {closed.spin:.6g} "
         f"rad/s; {meaning}."
     )
-
-
-def _scenario(options: argparse.Namespace) -> Scenario:
-    """Scenario of the options; a system names its model unless constraints are given."""
-    model = {"full": 1, "reduced": 4}.get(options.system)
-    if model is not None and options.model is None and options.constraints is None:
-        options.model = model
-    return chosen_scenario(options)
-
-
-def _branches(options: argparse.Namespace, scenario: Scenario, spins: Array) -> Branches:
-    if options.source == "in-house":
-        return spectra.branches(scenario, spins, options.system, options.motion)
-    from validation.studies.stability.eigenvalue_check import engine_matrices
-
-    how = {"formulation": options.formulation, "motion": options.motion}
-    matrices = [
-        engine_matrices(scenario, np.array([spin]), **how) for spin in counted(spins, "spins")
-    ]
-    return Branches(spins=spins, values=spectra.follow(np.concatenate(matrices)))
 
 
 def _table(name: str, found: Branches) -> Table:

@@ -1,21 +1,23 @@
-"""The subcommand `sweep`: many runs of a scenario, kept in one file."""
+"""The command `sweep`: many runs of a scenario, kept in one file."""
 
-import argparse
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 from analysis.data.checks import choice, positive
+from analysis.data.endings import named_conditions
 from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
 from analysis.data.scenario_file import read_toml
-from validation.commands.options import PATIENCE, chosen_end, run_options
-from validation.commands.output import Result
-from validation.commands.scenarios import chosen_scenario
+from validation.commands.options import PATIENCE, checked_end
+from validation.commands.output import PictureOut, Result
 from validation.kit.progress import bar, duration, say
+from validation.parser import kinds
+from validation.parser.options import Group
+from validation.parser.runs import RunOptions
 from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
@@ -24,20 +26,110 @@ from validation.sweeps.runner import Told, run_cases
 from validation.sweeps.store import Store, expected_size
 from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 
-_LAYOUT = ("layout", "number", "seed")
 
+def sweep(
+    varied: kinds.Axes,
+    *,
+    axes: kinds.Toml = None,
+    layout: Literal["grid", "random", "latin-hypercube", "sobol"] | None = None,
+    number: int | None = None,
+    seed: int | None = None,
+    out: kinds.StoreOut,
+    retry: bool = False,
+    accept_other_code: bool = False,
+    most: int = 10_000_000,
+    problem: kinds.AnyProblem,
+    how: Annotated[
+        dict[str, Any],
+        Group(
+            RunOptions,
+            *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
+            "stop_when",
+            source="in-house",
+        ),
+    ],
+    end: float = 4.0,
+    spacing: float = 5e-3,
+    witnesses: int = 0,
+    keep: Annotated[str, {"metavar": "NAMES"}] = "",
+    rest: bool = False,
+    pool: kinds.Pool,
+    time_limit: float = 60.0,
+    plot: PictureOut = None,
+) -> Result:
+    """Run a scenario many times with some of its fields varied.
 
-def sweep(options: argparse.Namespace) -> Result:
-    """Run what the store does not hold yet, and say what it holds then."""
-    out = options.out
-    time_limit = positive("time_limit", options.time_limit)
+    Run a scenario many times and keep the outcomes in one SQLite file.
+
+    An axis is a field of the scenario's file and what it goes through:
+      spin=0:60:61            61 values from 0 to 60, both included
+      mu=0.01:1:20:log        even steps of the logarithm
+      model=1,2,4             a list; friction.load=weight,contact likewise
+      gamma=-pi/2:pi/2        drawn between, with --layout random, latin-hypercube or sobol
+    A grid holds all combinations, the last axis fastest. Each case is a row: inverted or not,
+    when, spin after it, extremes of the normal force, energy taken, why it ended, estimated error
+    and processor time; a run that fails, hangs or crashes is a row with its reason.
+
+    The same command goes on where an interrupted one stopped, also after kill -9. A file of
+    another sweep, or of sources that compute something else, is refused.
+
+    Parameters
+    ----------
+    varied
+        What varies, as above.
+    axes
+        TOML with the table [axes] instead.
+    layout
+        How cases are laid out (grid).
+    number
+        Of drawn cases.
+    seed
+        Of the drawing (0).
+    out
+        Store, .db; made if there is none.
+    retry
+        Run cases again that failed.
+    accept_other_code
+        Add to a store of other sources; each row says which it comes from.
+    most
+        Cases to allow.
+    tolerance
+        Largest error of beta and gamma in rad (1e-6; to rest 1e-3).
+    method
+        In-house only: solver; taylor runs compiled (DOP853; to rest LSODA).
+    end
+        End of each motion in s.
+    spacing
+        Between samples in s.
+    witnesses
+        Cases, evenly spread, that the other side runs as well, with the difference.
+    keep
+        Series to keep of each run at its samples, such as beta,gamma,normal_force.
+    rest
+        Run until the disk lies still, as `tippedisk rest`.
+    time_limit
+        Of each run, processor time in s.
+    plot
+        Draw it, .png, .svg, .pdf or -.
+    """
+    positive("time_limit", time_limit)
+    given = {"layout": layout, "number": number, "seed": seed}
     wanted = Sweep(
-        scenario=chosen_scenario(options, rest=options.rest),
-        design=chosen_design(options),
-        plan=_plan(options),
+        scenario=problem.scenario(rest=rest),
+        design=_design(varied, axes, given),
+        plan=Plan(
+            **how,
+            end=checked_end(end),
+            spacing=spacing,
+            to_rest=rest,
+            witnesses=witnesses,
+            keep=tuple(name.strip() for name in keep.split(",") if name.strip()),
+        ),
     )
-    _check_size(wanted, out, options.most)
-    if options.plot is not None:
+    if wanted.plan.stop_when is not None:
+        named_conditions(wanted.plan.stop_when, wanted.scenario.initial_state)
+    _check_size(wanted, out, most)
+    if plot is not None:
         try:
             _pictures().check_drawable(wanted)
         except ValueError as error:
@@ -45,19 +137,19 @@ def sweep(options: argparse.Namespace) -> Result:
     ahead = look_ahead(wanted)
     # The workers first: where there are none, no store is made.
     with (
-        open_pool(options.executor, workers=options.workers, scheduler=options.scheduler) as pool,
-        Store(out, wanted, accept_other_code=options.accept_other_code) as store,
+        open_pool(**pool) as opened,
+        Store(out, wanted, accept_other_code=accept_other_code) as store,
         _interrupted(store, wanted),
         _counter(wanted.design.size, store.count()) as told,
     ):
         if left := wanted.design.size - store.count():
-            _announce(wanted, ahead, left, pool.workers)
-        how = {"time_limit": time_limit, "retry": options.retry, "told": told}
-        run_cases(wanted, store, pool, **how)
+            _announce(wanted, ahead, left, opened.workers)
+        how = {"time_limit": time_limit, "retry": retry, "told": told}
+        run_cases(wanted, store, opened, **how)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(
-        values=list(Results.load(out).rows()) if options.json else (),
+        values=lambda: list(Results.load(out).rows()),
         csv=partial(write_csv, out),
         draw=lambda: _pictures().draw(Results.load(out)),
         notes=[found],
@@ -71,21 +163,20 @@ def _pictures() -> Any:
     return sweeps
 
 
-def chosen_design(options: argparse.Namespace) -> Design:
+def _design(words: Sequence[str], file: Path | None, given: Mapping[str, Any]) -> Design:
     """What varies, from the words of the call and from a file."""
     told: dict[str, Any] = {}
-    axes = [axis_from_text(text) for text in options.axes]
-    if options.axes_file is not None:
-        told, _ = read_toml(options.axes_file)
+    axes = [axis_from_text(text) for text in words]
+    if file is not None:
+        told, _ = read_toml(file)
         try:
             for name in told:
-                choice("key", name, ("axes", *_LAYOUT))
+                choice("key", name, ("axes", *given))
             # What is no table is refused as an axis of that name.
             found = _dotted({"": told.pop("axes", {})})
             axes = [*(axis_from(field, value) for field, value in found), *axes]
         except ValueError as error:
-            raise ValueError(f"{options.axes_file}: {error}") from None
-    given = {name: getattr(options, name) for name in _LAYOUT}
+            raise ValueError(f"{file}: {error}") from None
     told |= {name: value for name, value in given.items() if value is not None}
     return Design(axes=tuple(axes), **told)
 
@@ -97,19 +188,6 @@ def _dotted(table: dict[str, Any], name: str = "") -> Iterator[tuple[str, Any]]:
             yield from _dotted(value, full)
         else:
             yield full, value
-
-
-def _plan(options: argparse.Namespace) -> Plan:
-    how = run_options(options)
-    del how["time_limit"]
-    return Plan(
-        **how,
-        end=chosen_end(options),
-        spacing=options.spacing,
-        to_rest=options.rest,
-        witnesses=options.witnesses,
-        keep=tuple(name.strip() for name in options.keep.split(",") if name.strip()),
-    )
 
 
 def _check_size(wanted: Sweep, out: Path, most: int) -> None:

@@ -84,7 +84,7 @@ def pi_label(value: float) -> str:
     return f"{'−' if part < 0 else ''}{top}{under}"
 
 
-def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any) -> None:
+def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Figure:
     """beta, gamma, spinning velocity and normal force of several labelled runs.
 
     With a spatial motion among them, which has no gamma where it lies flat, the height of the
@@ -93,8 +93,11 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any) -> None:
     Parameters
     ----------
     runs : sequence of (label, Trajectory or SpatialMotion)
-    axes : sequence of 4 Axes
+    axes : sequence of 4 Axes, optional
+        By default those of a new figure.
     """
+    if axes is None:
+        axes = new_figure(4, height=8.5)[1]
     spatial = any(isinstance(run, SpatialMotion) for _, run in runs)
     for index, (label, run) in enumerate(runs):
         look = {
@@ -103,7 +106,8 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any) -> None:
             "linewidth": 2.2 - 0.4 * min(index, 3),
         }
         for ax, values in zip(axes, _compared(run, spatial=spatial), strict=True):
-            ax.plot(run.times, values, label=label, **look)
+            # Between two dollars there would be a formula.
+            ax.plot(run.times, values, label=label.replace("$", r"\$"), **look)
     axes[0].set(ylabel="β in rad")
     if spatial:
         axes[1].set(ylabel="height of the COG in m")
@@ -114,6 +118,8 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any) -> None:
         axes[2].set(ylabel="$\\dotα$ in rad/s")
     axes[3].set(ylabel="normal force in N", xlabel="time in s")
     legend_above(axes[0], columns=1 + (len(runs) > 1))
+    figure: Figure = axes[0].figure
+    return figure
 
 
 def _compared(run: StoredRun, *, spatial: bool) -> tuple[Array, Array, Array, Array]:

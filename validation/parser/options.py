@@ -1,91 +1,29 @@
-"""Options of the command line: of the scenario, of a run, of what becomes of the result."""
+"""Options of the command line, made from signatures and docstrings."""
 
 import argparse
 import re
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from inspect import cleandoc
-from typing import Any, NamedTuple, NoReturn
+from collections.abc import Callable, Iterable, Mapping
+from inspect import Parameter, cleandoc, signature
+from pathlib import Path
+from types import NoneType
+from typing import Annotated, Any, Literal, NamedTuple, NoReturn, get_args, get_origin
 
 from analysis.data.names import nearest
 from analysis.data.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
-from validation.parser.paths import PICTURES, existing, writable
-from validation.parser.runs import OPTIONS
+from validation.commands.output import Result
+from validation.parser.paths import existing, file
 
 _NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
 
-
-class Option(NamedTuple):
-    """An option or argument: what `argparse` takes."""
-
-    name: str
-    how: dict[str, Any]
-
-
-Options = Iterable[Option]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Command:
-    """A command.
-
-    Parameters
-    ----------
-    options : callable
-        Makes its options; the name, what it does in a line, and more about it, are those of this
-        function and its docstring.
-    module : str
-        Of `validation.commands`, with the function that does it.
-    tables : sequence of str
-        Of the scenario whose quantities are options.
-    outputs : sequence of str
-        Of "json", "csv" and "plot".
-    more : str
-        What its help ends with.
-    """
-
-    options: Callable[[], Options]
-    module: str
-    tables: Sequence[str] = ()
-    outputs: Sequence[str] = ()
-    more: str = ""
-
-    @property
-    def name(self) -> str:
-        """As it is called."""
-        return self.options.__name__.strip("_").replace("_", "-")
-
-    @property
-    def about(self) -> str:
-        """What it does."""
-        return cleandoc(self.options.__doc__ or "")
-
-    def parser(self) -> "Parser":
-        """Parser of the command."""
-        parser = Parser(
-            prog=f"tippedisk {self.name}",
-            description="\n\n".join(part for part in (self.about, self.more) if part),
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        parser.set_defaults(command=self.name, module=self.module)
-        names = ""
-        for each in (*self.options(), *(OUTPUTS[name] for name in self.outputs)):
-            action = parser.add_argument(each.name, **each.how)
-            if not action.option_strings:
-                names += f" {action.metavar}{' ...' if action.nargs else ''}"
-        parser.usage = f"tippedisk {self.name} [OPTION ...]{names}"
-        for table in self.tables:
-            group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
-            for quantity in of_table(table).values():
-                group.add_argument(quantity.flag, **_how(quantity))
-        return parser
+_METAVARS: dict[Any, str] = {float: "NUMBER", int: "N", str: "NAME"}
 
 
 class Parser(argparse.ArgumentParser):
     """Parser whose errors are one line, and tell what a wrong name may stand for."""
 
     def __init__(self, **how: Any) -> None:
-        super().__init__(allow_abbrev=False, **how)
+        formatter = argparse.RawDescriptionHelpFormatter
+        super().__init__(allow_abbrev=False, formatter_class=formatter, **how)
         # What looks like a negative value, such as -pi/2 or -1e-3, is none of the options.
         self._negative_number_matcher = _NEGATIVE
 
@@ -113,77 +51,186 @@ class Parser(argparse.ArgumentParser):
         """Exit with code 2 and one line."""
         self.exit(2, f"{self.prog}: error: {message}\n")
 
+    def add(self, parameter: Parameter, told: dict[str, str]) -> None:
+        """Add the option for a parameter of a function, or the argument for a positional one.
 
-def option(name: str, about: str, default: Any = None, *, usual: str = "", **how: Any) -> Option:
-    """Option that says its default; its type is that of the default, or a number.
+        Parameters
+        ----------
+        parameter : Parameter
+            Of a plain type, or one with keywords of `argparse` behind it, or a group.
+        told : dict
+            What the parameters mean.
+        """
+        how = _keywords(parameter.annotation)
+        if isinstance(how, OfScenario | Group):
+            how.add_to(self, told)
+            return
+        name, default = parameter.name, parameter.default
+        if any(each.dest == name for each in self.actions):
+            # A command takes an output itself.
+            return
+        about = [told.get(name, "")]
+        if "metavar" in how and "choices" in how:
+            about.append(", ".join(how["choices"]))
+        text = ": ".join(filter(None, about))
+        if default not in (None, "", Parameter.empty) and default is not False:
+            text += f" ({default[0] if isinstance(default, tuple) else short(default)})"
+        how = how | {"help": text.replace("%", "%%")}
+        if default is not Parameter.empty:
+            # Text is looked at as if it were given.
+            how["default"] = str(default) if isinstance(default, Path) else default
+        if parameter.kind is Parameter.KEYWORD_ONLY:
+            flag = f"--{name.replace('_', '-')}"
+            self.add_argument(flag, required=default is Parameter.empty, **how)
+        else:
+            self.add_argument(name, **how)
+
+
+def described(function: Callable[..., Any]) -> tuple[str, dict[str, str]]:
+    """What a docstring says, and what it says of each parameter, in a line."""
+    about, *sections = re.split(r"\n\n(?=\w+\n---)", cleandoc(function.__doc__ or ""))
+    entry = re.compile(r"^(\w+).*\n((?: {4}.*\n?)+)", re.MULTILINE)
+    entries = entry.findall("\n".join(sections))
+    return about, {name: _as_in_help(" ".join(text.split())) for name, text in entries}
+
+
+def _as_in_help(sentence: str) -> str:
+    """A sentence without capital and full stop, unless it begins with an abbreviation."""
+    first = sentence[:1] if sentence[1:2].isupper() else sentence[:1].lower()
+    return first + sentence[1:].removesuffix(".")
+
+
+def _keywords(kind: Any) -> Any:
+    """Keywords of `argparse` for a type, or the group that stands behind it."""
+    how: Any = {}
+    if get_origin(kind) is Annotated:
+        kind, how = get_args(kind)
+    if not isinstance(how, dict):
+        return how
+    if NoneType in get_args(kind):
+        kind = get_args(kind)[0]
+    if get_origin(kind) is Literal:
+        return {"choices": get_args(kind)} | how
+    if kind is bool:
+        return {"action": argparse.BooleanOptionalAction} | how
+    return how if "choices" in how else {"type": kind, "metavar": _METAVARS.get(kind)} | how
+
+
+class OfScenario(NamedTuple):
+    """Group of options that tell a scenario.
 
     Parameters
     ----------
-    name : str
-        With its dashes; without, an argument.
-    about : str
-    default
-        None for what need not be given; a switch is True or False.
-    usual : str
-        The default in words.
-    **how
-        Further keywords of `argparse`.
+    tables : tuple of str
+        Of the scenario whose quantities are options.
+    flag : str
+        Of its file.
     """
-    usual = usual or ("" if default is None or default is False else short(default))
-    told = f"{about} ({usual})" if usual else about
-    how |= {"help": told.replace("%", "%%"), "default": default}
-    if isinstance(default, bool):
-        return Option(name, how | {"action": argparse.BooleanOptionalAction})
-    if "type" not in how and "choices" not in how:
-        how["type"] = float if default is None else type(default)
-    if name.startswith("-") and "metavar" not in how and "choices" not in how:
-        how["metavar"] = {float: "NUMBER", int: "N"}.get(how["type"], "NAME")
-    return Option(name, how)
+
+    tables: tuple[str, ...]
+    flag: str = "--scenario"
+
+    def add_to(self, parser: Parser, _: dict[str, str]) -> None:
+        """Add the option for the file; those for the quantities stand at the end."""
+        how: dict[str, Any] = {} if self.flag.startswith("-") else {"nargs": "?"}
+        about = "scenario, .toml, or a stored run to repeat, .npz"
+        parser.add_argument(self.flag, **file(existing(), help=about), **how)
+
+    def value(self, given: Mapping[str, Any]) -> Any:
+        """What is told of the scenario."""
+        from validation.commands.scenarios import Problem  # noqa: PLC0415 - it takes NumPy along
+
+        named = {key: given[key] for key in QUANTITIES if given.get(key) is not None}
+        return Problem(file=given["scenario"], named=named)
 
 
-def of_run(*names: str, **changes: dict[str, Any]) -> list[Option]:
-    """Options of a run.
+class Group:
+    """Group of options that are parameters of a function, or fields of a data class.
 
     Parameters
     ----------
-    *names
-        Of fields of `RunOptions`.
-    **changes
-        By name, what a command has otherwise: `default`, `about`, `usual`, `choices`.
+    whole : callable
+    *names : str
+        Of the parameters; by default all.
+    **defaults
+        Where they differ from those of the parameters.
     """
-    found = []
-    for name in names:
-        field, change = OPTIONS[name], changes.get(name, {})
-        about, usual, how = (field.metadata[each] for each in ("about", "usual", "how"))
-        told = {"about": about, "default": field.default, "usual": usual} | how | change
-        found.append(option(f"--{name.replace('_', '-')}", **told))
-    return found
+
+    def __init__(self, whole: Callable[..., Any], *names: str, **defaults: Any) -> None:
+        known = signature(whole).parameters
+        self._told = described(whole)[1]
+        self._parameters = [
+            known[name].replace(default=defaults.get(name, known[name].default))
+            for name in names or known
+        ]
+
+    def add_to(self, parser: Parser, told: dict[str, str]) -> None:
+        """Add the options; what a command says of one itself comes first."""
+        for parameter in self._parameters:
+            parser.add(parameter, self._told | told)
+
+    def value(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """What is given, by name."""
+        named = {each.name: given[each.name] for each in self._parameters}
+        return {name: value for name, value in named.items() if value is not None}
 
 
-def file(name: str, about: str, kind: Callable[[str], Any], **how: Any) -> Option:
-    """Option that takes a path."""
-    return option(name, about, type=kind, **({"metavar": "FILE"} | how))
+_OUTPUTS = Group(Result.deliver, "json", "csv", "plot")
 
 
-OUTPUTS = {
-    "json": option("--json", "print everything as JSON in place of the table", default=False),
-    "csv": file("--csv", "write the table with all digits, .csv or -", writable(".csv")),
-    "plot": file(
-        "--plot", "draw it, .png, .svg, .pdf or -", writable(*PICTURES), metavar="PICTURE"
-    ),
-}
-"""What becomes of a result; without the first two it is printed."""
+class Command:
+    """A command.
 
-SCENARIO = file("--scenario", "scenario, .toml, or a stored run to repeat, .npz", existing())
+    Parameters
+    ----------
+    module : str
+        Of `validation.commands`, with the function that does it.
+    function : callable
+        With its name, its parameters and its docstring; it does nothing.
+    """
 
-OWN = tuple(
-    option(name, f"{about}: imports it", type=str, metavar="MODULE:CLASS")
-    for name, about in (
-        ("--law", "friction law of one's own that the motion was run with"),
-        ("--body", "body of one's own that moved"),
-    )
-)
-"""What a stored motion needs to be read that was run with classes of one's own."""
+    def __init__(self, module: str, function: Callable[..., Any]) -> None:
+        self.module, self.name = module, function.__name__
+        self.about, self._told = described(function)
+        told = signature(function)
+        self._kinds = {name: _keywords(each.annotation) for name, each in told.parameters.items()}
+        self._parameters = tuple(told.parameters.values())
+        found = _OUTPUTS if told.return_annotation is Result else _keywords(told.return_annotation)
+        self._outputs = found if isinstance(found, Group) else None
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Tables of the scenario whose quantities are options."""
+        return next((e.tables for e in self._kinds.values() if isinstance(e, OfScenario)), ())
+
+    def parser(self) -> Parser:
+        """Parser of the command."""
+        parser = Parser(prog=f"tippedisk {self.name}", description=self.about)
+        for parameter in self._parameters:
+            parser.add(parameter, self._told)
+        if self._outputs:
+            self._outputs.add_to(parser, {})
+        names = "".join(
+            f" {each.metavar}{' ...' if each.nargs else ''}"
+            for each in parser.actions
+            if not each.option_strings
+        )
+        parser.usage = f"tippedisk {self.name} [OPTION ...]{names}"
+        for table in self.tables:
+            group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
+            for quantity in of_table(table).values():
+                group.add_argument(quantity.flag, **_how(quantity))
+        return parser
+
+    def call(self, function: Callable[..., Any], given: Mapping[str, Any]) -> int:
+        """Exit code of the command, whose result goes where the options say."""
+        found = function(
+            **{
+                name: given[name] if isinstance(kind, dict) else kind.value(given)
+                for name, kind in self._kinds.items()
+            }
+        )
+        return int(found.deliver(**self._outputs.value(given)) if self._outputs else found)
 
 
 def _how(quantity: Quantity) -> dict[str, Any]:
@@ -217,9 +264,12 @@ def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
         flag = QUANTITIES[key].flag if key in QUANTITIES else f"--{name.replace('_', '-')}"
         if argument in (name, f"{name}s"):
             return flag
-        # A law takes its parameters along, and a table stands for what is given of it.
-        if (argument and argument == table) or (
-            name == "law" and f"friction.{argument}" in QUANTITIES
+        # A law takes its parameters along, and a table stands for what is given of it; the contact
+        # is refused for the constraints that it cannot take.
+        if (
+            (argument and argument == table)
+            or (name == "law" and f"friction.{argument}" in QUANTITIES)
+            or (argument == "contact" and key in ("model", "constraints"))
         ):
             near = near or flag
     return near

@@ -4,9 +4,22 @@ import os
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""
+
+
+def file(check: Callable[[str], str | Path], metavar: str = "FILE", **how: Any) -> dict[str, Any]:
+    """Keywords of `argparse` for an option that takes a path."""
+    return {"type": check, "metavar": metavar} | how
+
+
+def filled(value: str) -> str:
+    """Type of an argument that names a place; an empty one would be the working directory."""
+    if not value:
+        raise ArgumentTypeError("must not be empty")
+    return value
 
 
 def existing(*suffixes: str) -> Callable[[str], Path]:
@@ -54,7 +67,7 @@ def store(value: str) -> Path:
 
 
 def _with_suffix(value: str, suffixes: tuple[str, ...]) -> Path:
-    path = Path(value)
+    path = Path(filled(value))
     if suffixes and path.suffix.lower() not in suffixes:
         *others, last = suffixes
         allowed = f"{', '.join(others)} or {last}" if others else last

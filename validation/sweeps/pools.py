@@ -38,13 +38,13 @@ class Pool(NamedTuple):
 
 @contextmanager
 def open_pool(
-    kind: str, *, workers: int | None = None, scheduler: str | None = None
+    executor: str, *, workers: int | None = None, scheduler: str | None = None
 ) -> Iterator[Pool]:
     """Workers for the time of a context; where it fails, the calls that are being made are lost.
 
     Parameters
     ----------
-    kind : str
+    executor : str
         "processes", "dask", "mpi", or `module:function` of one's own that returns a
         `concurrent.futures.Executor`.
     workers : int, optional
@@ -60,21 +60,21 @@ def open_pool(
     ValueError
         If there is no such executor, or what it needs is not installed or not started.
     """
-    if not is_own(kind):
-        choice("executor", kind, (*KINDS, "module:function"))
-    if scheduler is not None and kind != "dask":
-        raise ArgumentError("scheduler", f"needs --executor dask, got {kind}")
+    if not is_own(executor):
+        choice("executor", executor, (*KINDS, "module:function"))
+    if scheduler is not None and executor != "dask":
+        raise ArgumentError("scheduler", f"needs --executor dask, got {executor}")
     workers = os.cpu_count() or 1 if workers is None else whole("workers", workers)
     with ExitStack() as stack:
-        if kind == "dask":
+        if executor == "dask":
             pool = _dask(workers, scheduler, stack)
-        elif kind == "mpi":
+        elif executor == "mpi":
             pool = _mpi()
+        elif executor == "processes":
+            pool = Pool(Processes(workers), workers)
         else:
-            pool = (
-                Pool(Processes(workers), workers) if kind == "processes" else _own(kind, workers)
-            )
-        if kind != "dask":
+            pool = _own(executor, workers)
+        if executor != "dask":
             stack.callback(pool.executor.shutdown, cancel_futures=True)
         yield pool
 

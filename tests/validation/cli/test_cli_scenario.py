@@ -10,7 +10,6 @@ import pytest
 
 from analysis import (
     ROUNDED_STEEL_DISK,
-    Disk,
     Dissipation,
     PenaltyContact,
     Scenario,
@@ -55,16 +54,12 @@ TOLD: dict[str, Scenario] = {
     "--constraints no-slip-along,contact": replace(
         PAPER, constraints=("contact", "no-slip-along")
     ),
-    "--disk steel-rounded --mass 0.5 --inertia-z 4.7e-4": replace(
-        PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5, inertia_z=4.7e-4)
-    ),
-    "--hole-distance 0.01": replace(PAPER, disk=Disk.ring(hole_distance=0.01)),
+    "--disk steel-rounded --mass 0.5": replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5)),
     "--stiffness 1e5": replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk)),
     "--spin 35 --gamma -pi/2+0.2 --beta-rate -1e-3 --y-rate -.4": replace(
         PAPER, start=Start(spin=35.0, gamma=-pi / 2 + 0.2, beta_rate=-1e-3, y_rate=-0.4)
     ),
     # Options override the file, and the rest stays.
-    "soft.toml": COMPLIANT,
     "soft.toml --mu 0.1": replace(COMPLIANT, friction=replace(TANH, coefficient=0.1)),
     "soft.toml --law viscous": replace(COMPLIANT, friction=ViscousFriction(load="contact")),
     # The damping of a file stays, too: it follows from the stiffness only where nobody tells it.
@@ -98,17 +93,11 @@ def test_of_a_file_and_options_the_one_that_is_wrong_is_blamed(capsys: Capture) 
     assert "error: gamma_rate must be -2.44929e-15 in Model 3" in said
 
 
-@pytest.mark.parametrize(
-    "command",
-    ["simulate --out new.npz", "rest", "eigenvalues --spin 30", "critical", "scene", "check"],
-)
-def test_every_command_that_runs_a_problem_says_what_is_wrong_with_its_file(
-    command: str, capsys: Capture
-) -> None:
+def test_a_file_is_blamed_with_the_line_that_is_wrong(capsys: Capture) -> None:
     text = with_key(scenario_text(PAPER), "table", "gravity", "0")
     Path("my.toml").write_text(text)
     line = text.split("\n").index("gravity = 0") + 1
-    said = refusal(capsys, command, "--scenario my.toml")
+    said = refusal(capsys, "scene --scenario my.toml")
     assert said.endswith(f": error: my.toml, line {line}: gravity must be positive, got 0\n")
 
 
@@ -129,7 +118,7 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     assert printed(capsys, "scenario", problem) == scenario_text(first.scenario)
 
 
-def test_scenario_of_a_stored_way_to_rest_is_printed(capsys: Capture) -> None:
+def test_way_to_rest_can_be_repeated_too(capsys: Capture) -> None:
     assert run("rest --source in-house --height 0.001 --end 0.01 --out rest.npz") == 0
     capsys.readouterr()
     found = load_run("rest.npz", SpatialMotion).scenario
@@ -137,14 +126,9 @@ def test_scenario_of_a_stored_way_to_rest_is_printed(capsys: Capture) -> None:
     assert found.start == Start(height=0.001)
 
 
-def test_scene_lists_a_scenario_of_ones_own(capsys: Capture) -> None:
-    shown = printed(capsys, "scene --constraints contact,no-slip-along --formulation floating")
-    assert shown.startswith("contact + no-slip-along, formulation floating\n")
-
-
 @pytest.mark.parametrize(
     ("difference", "code", "verdict"),
-    [(1e-10, 0, "All 2 checks hold."), (1e-3, 1, "1 checks FAIL.")],
+    [(1e-10, 0, "All 1 checks hold."), (1e-3, 1, "1 checks FAIL.")],
 )
 def test_check_answers_by_its_exit_code(
     difference: float, code: int, verdict: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
@@ -152,11 +136,8 @@ def test_check_answers_by_its_exit_code(
     def answer(scenario: Scenario, **how: float) -> list[comparisons.Comparison]:
         assert how == {"states": 10, "end": 2.0}
         assert scenario == replace(PAPER, friction=SmoothCoulomb(coefficient=0.2))
-        about: Any = {"quantity": "accelerations", "formulation": "floating", "detail": "relative"}
-        return [
-            comparisons.Comparison(criterion=1e-8, difference=each, **about)
-            for each in (1e-9, difference)
-        ]
+        about: Any = {"quantity": "accelerations", "formulation": "floating", "detail": ""}
+        return [comparisons.Comparison(criterion=1e-8, difference=difference, **about)]
 
     monkeypatch.setattr(comparisons, "compare_scenario", answer)
     assert run("check --mu 0.2 --states 10") == code

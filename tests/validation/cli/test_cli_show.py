@@ -1,4 +1,4 @@
-"""`tippedisk show`: how far stored motions are apart, and their picture; `tippedisk play`."""
+"""`tippedisk show`: how far stored motions are apart, and their picture."""
 
 import os
 import re
@@ -21,7 +21,6 @@ from analysis import (
 from tests.calls import Capture, printed, run
 from tests.helpers import not_none, random_trajectory
 from validation import cli
-from validation.kit.animation.play import page
 from validation.kit.differences import difference_table
 
 
@@ -110,8 +109,3 @@ def test_differences_or_the_samples_of_one_motion_are_written(capsys: Capture) -
     assert run("show one.npz --csv out.csv") == 0
     one.to_csv(Path("samples.csv"))
     assert Path("out.csv").read_text() == Path("samples.csv").read_text()
-
-
-def test_page_to_spin_the_disk_by_hand_is_written(capsys: Capture) -> None:
-    assert printed(capsys, "play --out own.html").startswith("own.html: ")
-    assert Path("own.html").read_text(encoding="utf-8") == page()

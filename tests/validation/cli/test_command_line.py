@@ -21,7 +21,7 @@ from tests.calls import Capture, printed, refusal, run
 from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
-from validation.parser import commands, runs
+from validation.parser import runs
 from validation.parser.commands import COMMANDS
 from validation.parser.options import Command
 from validation.sweeps.axes import LAYOUTS
@@ -35,6 +35,8 @@ NEEDED = {
     "study": "claims",
 }
 """What a command cannot do without."""
+
+SECTIONS = [name.replace("_", "-") for name in (*report.DISK, *report.METHOD)]
 
 PATHS = ("out", "csv", "plot", "text", "results")
 """Options that take a path that may lead anywhere."""
@@ -66,16 +68,28 @@ def test_choices_are_those_of_the_packages() -> None:
     assert runs.FORMS == analysis.FORMS
     assert runs.INTEGRATORS == INTEGRATORS
     assert runs.METHODS == METHODS
-    assert tuple(CONDITIONS) == runs.CONDITIONS
-    assert commands.SYSTEMS == SYSTEMS
-    assert commands.MOTIONS == analysis.MOTIONS
-    assert commands.INVERSION == DEFINITION
-    assert commands.LAYOUTS == LAYOUTS
-    assert tuple(PROBLEMS) == commands.MAPS
-    names = tuple(name.replace("_", "-") for name in (*report.DISK, *report.METHOD))
-    assert names == commands.SECTIONS_OF_REPORT
-    stored = [n for n in names if any(study.is_stored for study in report.find(n).STUDIES)]
-    assert tuple(stored) == commands.STORED
+    for command, option, known in (
+        ("eigenvalues", "system", SYSTEMS),
+        ("critical", "motion", analysis.MOTIONS),
+        ("sweep", "layout", LAYOUTS),
+        ("map", "name", PROBLEMS),
+        ("report", "only", SECTIONS),
+        ("study", "name", [name for name in SECTIONS if is_stored(name)]),
+    ):
+        (parser,) = (each.parser() for each in COMMANDS if each.name == command)
+        (choices,) = (each.choices for each in parser.actions if each.dest == option)
+        assert tuple(choices or ()) == tuple(known)
+
+
+def test_help_says_what_counts_as_inverted_and_what_ends_a_run(capsys: Capture) -> None:
+    shown = " ".join(printed(capsys, "rest --help").split())
+    assert DEFINITION in shown
+    assert f"exact time: {', '.join(CONDITIONS)}, or where" in shown
+
+
+def is_stored(section: str) -> bool:
+    """Whether results of a study come with the package."""
+    return any(study.is_stored for study in report.find(section).STUDIES)
 
 
 def options_of(command: Command) -> list[Action]:
@@ -93,7 +107,7 @@ def test_nonsense_is_refused_in_one_line_that_names_the_option(
             action.dest in QUANTITIES and not QUANTITIES[action.dest].choices
         )
         values = ("glue", "nan") if is_number else ("glue",)
-        for value in ("/dev/null/glue",) if action.dest in PATHS else values:
+        for value in ("/dev/null/glue", "") if action.dest in PATHS else values:
             words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, "")]
             assert option in refusal(capsys, command.name, *words, f"{option}={value}")
     assert [each.name for each in folder.iterdir()] == ["run.npz"]
@@ -108,6 +122,7 @@ def test_help_says_what_every_option_means(command: Command, capsys: Capture) ->
     for action in options_of(command):
         assert action.option_strings[0] in shown
         assert action.help
+        assert not action.help.startswith(" (")
         if isinstance(action, BooleanOptionalAction):
             assert f"--no-{action.option_strings[0][2:]}" in shown
 
@@ -132,7 +147,7 @@ def test_codes_tell_a_fault_from_a_refusal_and_from_a_failed_run(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def told(error: Exception) -> tuple[int, str]:
-        def broken(_: object) -> int:
+        def broken(**_: object) -> int:
             raise error
 
         monkeypatch.setattr("validation.commands.scenario.scenario", broken)

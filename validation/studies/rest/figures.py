@@ -44,7 +44,7 @@ def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figur
 
 
 def draw_story(motion: SpatialMotion) -> Figure:
-    """Tilt, COG height, spin, energies and contact force over time."""
+    """Draw tilt, COG height, spin, energies and contact force, one below the other."""
     figure, axes = figures.new_figure(5, height=11.0)
     times = motion.times
     lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, motion.normal_force)

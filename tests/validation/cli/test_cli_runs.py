@@ -1,4 +1,4 @@
-"""The command `rest`."""
+"""The commands `simulate` and `rest`."""
 
 import re
 from pathlib import Path
@@ -8,6 +8,7 @@ import pytest
 from analysis import SpatialMotion, load_run
 from tests.calls import Capture, printed
 
+SIMULATE = "simulate --samples 6 --end 0.1 --tolerance 1e-6"
 SHORT = "rest --source in-house --end 0.02"
 
 
@@ -27,6 +28,17 @@ def test_command_simulates_stores_and_draws(capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("call", "said", "unsaid"),
     [
+        (
+            f"{SIMULATE} --spin 20 --gamma pi/2",
+            "exactly inverted spinning, which is unstable",
+            "!",
+        ),
+        (f"{SIMULATE} --spin 20 --gamma 1.57", "6 samples of Model 1", "unstable"),
+        (
+            "simulate --stop-when inverted",
+            "the centre of gravity is up, at 90% of its",
+            "unstable",
+        ),
         ("rest --source in-house --end 0.8", "inversion not decided", "unstable"),
         ("rest --step 1e-4 --end 0.5 --time-limit 1e-9", "0.1 s: time limit", "not at rest"),
         (f"{SHORT} --gamma pi/2 --spin 20", "exactly inverted spinning, which is unstable", "!"),

@@ -1,0 +1,115 @@
+"""Types of what commands take: behind each stands what `argparse` needs to know of it.
+
+A parameter with such a type, or a plain one, is an option of the command line; what it means is
+said by the command's docstring. What several commands share is a group.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+
+from analysis.data.quantities import SECTIONS
+from validation.commands.output import Result
+from validation.parser.options import Group, OfScenario
+from validation.parser.paths import existing, file, filled, store, writable
+
+if TYPE_CHECKING:
+    from validation.commands.scenarios import Problem
+
+
+AnyProblem = Annotated["Problem", OfScenario(tuple(SECTIONS))]
+NamedProblem = Annotated["Problem", OfScenario(tuple(SECTIONS), "scenario")]
+"""With its file as an argument."""
+
+PlainProblem = Annotated["Problem", OfScenario(("", "disk", "friction", "table"))]
+"""On the ideal contact, from whatever start."""
+
+Numbers = Annotated[Result, Group(Result.deliver, "json", "csv")]
+"""A result without a picture."""
+
+Run = Annotated[Path, file(existing(".npz"))]
+Runs = Annotated[list[Path], file(existing(".npz"), nargs="+")]
+Toml = Annotated[Path | None, file(existing())]
+MotionOut = Annotated[Path | None, file(writable(".npz"))]
+StoreOut = Annotated[Path, file(store)]
+AnimationOut = Annotated[Path | None, file(writable(".html", ".gif"))]
+PageOut = Annotated[Path, file(writable(".html"))]
+TextOut = Annotated[Path | None, file(writable(".md"))]
+Folder = Annotated[str, file(filled, "DIR")]
+OtherFolder = Annotated[str | None, file(filled, "DIR")]
+
+Section = Literal[
+    "modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps",
+    "crosscheck", "work-precision", "robustness", "lean", "numbers",
+]  # fmt: skip
+Sections = Annotated[
+    list[Section] | None,
+    {"action": "append", "choices": get_args(Section), "metavar": "SECTION"},
+]
+
+_SPINS = {"nargs": "+", "type": str, "metavar": "SPIN"}
+Spins = Annotated[tuple[str, ...], _SPINS]
+SomeSpins = Annotated[tuple[str, ...] | None, _SPINS]
+"""In rad/s: values, with commas or not, or `first:last:number`."""
+
+Axes = Annotated[list[str], {"nargs": "*", "type": str, "metavar": "AXIS"}]
+Axis = Annotated[str | None, {"metavar": "AXIS"}]
+_OwnClass = Annotated[str | None, {"metavar": "MODULE:CLASS"}]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Own:
+    """Classes of one's own that a stored motion was run with.
+
+    Parameters
+    ----------
+    law : str, optional
+        Friction law of one's own that the motion was run with: imports it.
+    body : str, optional
+        Body of one's own that moved: imports it.
+    """
+
+    law: _OwnClass = None
+    body: _OwnClass = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Spectrum:
+    """Whose eigenvalues are meant.
+
+    Parameters
+    ----------
+    system : str, optional
+        Full and reduced stand for Models 1 and 4, unless constraints are given (that of the
+        constraints, numeric if there is none).
+    motion : str
+        Centre of gravity above or below the geometric centre.
+    """
+
+    system: Literal["full", "reduced", "numeric"] | None = None
+    motion: Literal["inverted", "noninverted"] = "inverted"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Pool:
+    """Who computes many runs.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes (one for each core).
+    executor : str
+        Processes, dask, mpi, or module:function of your own that returns a
+        concurrent.futures.Executor.
+    scheduler : str, optional
+        Of Dask (a cluster of this machine).
+    """
+
+    workers: int | None = None
+    executor: str = "processes"
+    scheduler: Annotated[str | None, {"metavar": "ADDRESS"}] = None
+
+
+Own = Annotated[dict[str, Any], Group(_Own)]
+Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
+Pool = Annotated[dict[str, Any], Group(_Pool)]
