@@ -263,8 +263,8 @@ def checks(least: pd.DataFrame, engine: pd.DataFrame, stored: pd.DataFrame) -> l
     for place, there in ENDS.items():
         same = int((least[place] == least[there]).sum())
         found.append(equal(f"least spins: engine, {place}", same, len(least), "stored"))
-    same = ["case", "level", "tilt", "spin"]
-    again = engine.merge(stored, on=same, suffixes=(" again", "")).to_dict("records")
+    keys = ["case", "level", "tilt", "spin"]
+    again = engine.merge(stored, on=keys, suffixes=(" again", "")).to_dict("records")
     found.append(equal("random starts: repeated in the engine", len(again), len(REPEATED)))
     for row in again:
         name = f"random starts: engine, {row['case']}"
