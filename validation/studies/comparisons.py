@@ -26,6 +26,7 @@ from analysis import (
     ToleranceError,
     Trajectory,
 )
+from analysis.data.admissible import independent_coordinates
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.mechanics.recorded import accelerations
@@ -161,24 +162,19 @@ def table(comparisons: Sequence[Comparison]) -> Table:
 # --- Accelerations ------------------------------------------------------------------------------
 
 
+SIZES = {"gamma_rate": 60, "beta_rate": 20, "x": 0.05, "y": 0.05, "x_rate": 1, "y_rate": 1}
+"""Largest values of a random start, where they are free."""
+
+
 def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
     """State that meets the constraints of a scenario and is random in all else."""
-    held = "fixed-cog" in scenario.constraints
-    along, across = (f"no-slip-{way}" in scenario.constraints for way in ("along", "across"))
-    free = {
-        "gamma_rate": 60.0 * (not (held and along)),
-        "beta_rate": 20.0 * (not (held and across)),
-        "x": 0.05 * (not held),
-        "y": 0.05 * (not held),
-        "x_rate": 1.0 * (not (held or along)),
-        "y_rate": 1.0 * (not (held or across)),
-    }
+    free = independent_coordinates(scenario.constraints)
     start = Start(
         beta=rng.uniform(0.2, np.pi - 0.2),
         gamma=rng.uniform(-np.pi, np.pi),
         alpha=rng.uniform(-np.pi, np.pi),
         spin=rng.uniform(-60.0, 60.0),
-        **{name: rng.uniform(-size, size) for name, size in free.items() if size},
+        **{name: rng.uniform(-size, size) for name, size in SIZES.items() if name in free},
     )
     state = replace(scenario, start=start).initial_state
     if scenario.contact is None:

@@ -37,8 +37,11 @@ PRINTED_SPIN, PRINTED_CHANGE, PRINTED_TIME = 35.0, 1e-2, 0.5
 """What the paper says in Section 5 of the spin after the inversion in rad/s, and in Section 4.1 of
 what the load changes in rad and of the time in s within which gamma comes to pi / 2."""
 
-CONTACT, *NAMES = ("Model 1, load λ_N", *(f"Model {level}" for level in LEVELS))
-"""Cases: Figure 7, and the models of Figures 8 and 9."""
+CONTACT = "Model 1, load λ_N"
+"""Case of Figure 7,"""
+
+NAMES = [f"Model {level}" for level in LEVELS]
+"""and those of Figures 8 and 9."""
 
 CURVES = filled(Trajectory)
 
@@ -51,8 +54,9 @@ Runs = Mapping[tuple[str, Source], Trajectory]
 
 def cases() -> dict[str, Case]:
     """Models 1 to 4, and Model 1 with the contact force as the load of the friction law."""
-    models = {f"Model {level}": (Scenario(constraints=MODELS[level]), 4.0) for level in LEVELS}
-    return {CONTACT: (Scenario(friction=SmoothCoulomb(load="contact")), 2.0), **models}
+    models = [(Scenario(constraints=MODELS[level]), 4.0) for level in LEVELS]
+    contact = Scenario(friction=SmoothCoulomb(load="contact"))
+    return {CONTACT: (contact, 2.0), **dict(zip(NAMES, models, strict=True))}
 
 
 def measure(case: Case) -> list[Row]:

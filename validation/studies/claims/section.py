@@ -5,7 +5,7 @@ from collections import Counter
 from validation.page.content import Content, Rows, Verdict
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
-from validation.studies.claims.grades import ANSWERS
+from validation.studies.claims.grades import ANSWERS, Judged
 
 TITLE = "What the paper says"
 STUDIES = (
@@ -34,11 +34,6 @@ def present(rows: Rows) -> Content:
         "supercritical": starts.judge_least_spins(least),
     }
     counted = Counter(each["verdict"] for each in judged.values())
-    upright = ", ".join(
-        f"{row['inverted in %']:.0f} % at {row['spin']:g} rad/s ({row['from']:.0f} to "
-        f"{row['to']:.0f})"
-        for row in attraction["upright"].to_dict("records")
-    )
     return Content(
         numbers={
             "c": judged,
@@ -64,23 +59,33 @@ def present(rows: Rows) -> Content:
             *pure_rolling.checks(rolled),
             *starts.checks(least, engine, rows["random-starts"]),
         ],
-        verdicts=[
-            Verdict(
-                statement="What the paper says of the motion holds.",
-                answer="yes" if counted["yes"] == len(judged) else "partly",
-                numbers=f"Of {len(judged)} statements {counted['yes']} hold, {counted['partly']} "
-                f"hold in part and {counted['no']} do not.",
-                criterion="one for each statement, printed beside it with the numbers.",
-            ),
-            Verdict(
-                statement="Inverted spinning of a fast disk attracts nearly all trajectories.",
-                answer=attraction["verdict"],
-                numbers=f"Of {starts.NUMBER} random starts of Model 1 near upright invert, with "
-                f"95 % intervals, {upright}; of those of any tilt at most "
-                f"{attraction['tilted']['inverted in %'].max():.0f} %.",
-                criterion=f"at least {100 * starts.NEARLY_ALL:g} %, of any tilt, at every spin "
-                f"tried above {critical:.2f} rad/s; partly: near upright, at some of these spins.",
-                good=attraction["verdict"] == "yes",
-            ),
-        ],
+        verdicts=verdicts(counted, attraction, critical),
     )
+
+
+def verdicts(counted: Counter[str], attraction: Judged, critical: float) -> list[Verdict]:
+    """What is read first: how many statements hold, and the one on other starts."""
+    upright = ", ".join(
+        f"{row['inverted in %']:.0f} % at {row['spin']:g} rad/s ({row['from']:.0f} to "
+        f"{row['to']:.0f})"
+        for row in attraction["upright"].to_dict("records")
+    )
+    return [
+        Verdict(
+            statement="What the paper says of the motion holds.",
+            answer="yes" if counted["yes"] == counted.total() else "partly",
+            numbers=f"Of {counted.total()} statements {counted['yes']} hold, {counted['partly']} "
+            f"hold in part and {counted['no']} do not.",
+            criterion="one for each statement, printed beside it with the numbers.",
+        ),
+        Verdict(
+            statement="Inverted spinning of a fast disk attracts nearly all trajectories.",
+            answer=attraction["verdict"],
+            numbers=f"Of {starts.NUMBER} random starts of Model 1 near upright invert, with "
+            f"95 % intervals, {upright}; of those of any tilt at most "
+            f"{attraction['tilted']['inverted in %'].max():.0f} %.",
+            criterion=f"at least {100 * starts.NEARLY_ALL:g} %, of any tilt, at every spin "
+            f"tried above {critical:.2f} rad/s; partly: near upright, at some of these spins.",
+            good=attraction["verdict"] == "yes",
+        ),
+    ]
