@@ -194,6 +194,7 @@ class _Work:
         `OSError` if they are lost, as soon as nothing is running any more.
         """
         executor, workers, is_lost = self._pool
+        self._lost = self._lost or is_lost()
         while not self._lost and len(self._chunks) < 2 * workers:
             size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
             chunk = list(islice(todo, size))
@@ -205,8 +206,7 @@ class _Work:
                 self._lost = True
             else:
                 self._chunks[future] = chunk
-        if self._lost or is_lost():
-            self._lost = True
+        if self._lost:
             # The case over which they were lost would be in the way of the next call, too.
             for chunk in self._chunks.values():
                 self._run_alone(chunk)

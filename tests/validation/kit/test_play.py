@@ -49,6 +49,8 @@ def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -
     assert angles.max() < 1e-3
     centres = np.column_stack([columns[name] for name in "xyz"])
     np.testing.assert_allclose(centres, positions, atol=1e-3 * scenario.disk.radius)
+    turning = run.poses.angular_velocities[:, 2]
+    np.testing.assert_allclose(columns["spin"], turning, atol=1e-3 * chosen["spin"])
     assert times.size > 100
 
 
