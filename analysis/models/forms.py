@@ -13,7 +13,6 @@ from analysis.data.endings import Condition
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
 from analysis.mechanics import recorded, reduced
-from analysis.mechanics.attitude import EulerAngles, EulerTurning
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
 from analysis.mechanics.free_body import Solver
 from analysis.mechanics.states import paper_arrays, state_of
@@ -22,20 +21,6 @@ from analysis.solve.stepping import InitialValueProblem
 
 Form = Literal["index-1", "reduced", "free-body"]
 FORMS: tuple[Form, ...] = get_args(Form)
-
-LOW = "low"
-"""Ends a run that the rates of the angles are no variables for."""
-
-_LOWEST = 0.05
-"""Sine of the angle between disk and table below which they are not.
-
-Rounding makes the second derivatives of alpha and gamma uncertain by 1e-16 over its square, which
-step control takes for an error at the tightest tolerances.
-"""
-
-
-class LowError(Exception):
-    """A motion comes below that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,12 +44,7 @@ def default_form(scenario: Scenario) -> Form:
     return "index-1" if scenario.contact is None else "free-body"
 
 
-def pose(
-    scenario: Scenario,
-    form: Form,
-    conditions: Mapping[str, Condition],
-    chart: type[EulerAngles] = EulerTurning,
-) -> PosedForm:
+def pose(scenario: Scenario, form: str, conditions: Mapping[str, Condition]) -> PosedForm:
     """Initial value problem of a scenario.
 
     Parameters
@@ -74,21 +54,14 @@ def pose(
         One of `FORMS`.
     conditions : mapping
         From reasons to functions of a `State`; the motion ends where one turns negative.
-    chart : EulerAngles or EulerTurning
-        What is integrated beside the angles, of all forms but the minimal coordinates. The rates
-        of the angles end a motion that comes `LOW`, unless the spin is held.
 
     Raises
     ------
     ValueError
         If the form does not know what is in the scenario, or the start breaks a constraint.
-    LowError
-        If the start is `LOW` in that chart.
     """
     check_form(scenario, form)
-    return (
-        _reduced(scenario, conditions) if form == "reduced" else _full(scenario, conditions, chart)
-    )
+    return (_reduced if form == "reduced" else _full)(scenario, conditions)
 
 
 def _in_states(
@@ -130,21 +103,14 @@ def check_form(scenario: Scenario, form: str) -> None:
         scenario.require_plain("form 'reduced'")
 
 
-def _full(
-    scenario: Scenario, conditions: Mapping[str, Condition], chart: type[EulerAngles]
-) -> PosedForm:
-    start, solved = scenario.initial_state, recorded.solver(scenario, chart)
-    to_paper = partial(paper_arrays, scenario.disk, chart=chart)
+def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
+    start, solved = scenario.initial_state, recorded.solver(scenario)
+    to_paper = partial(paper_arrays, scenario.disk)
     longest = longest_step(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
-    says = _in_states(conditions, to_paper)
-    if chart is EulerAngles and "constant-spin" not in scenario.constraints:
-        says[LOW] = lambda state: sin(state[4]) - _LOWEST
-        if sin(start.coordinates[4]) < _LOWEST:
-            raise LowError
 
     def slip(state: Array) -> float:
-        return float(velocities(slips, scenario.disk, state.tolist(), chart)[0])
+        return float(velocities(slips, scenario.disk, state.tolist())[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
         coordinates, rates = to_paper(states)
@@ -154,12 +120,12 @@ def _full(
 
     problem = InitialValueProblem(
         lambda _, state: solved(*state.tolist())[:12],
-        np.array(state_of(scenario.disk, start.coordinates, start.rates, chart)),
+        np.array(state_of(scenario.disk, start.coordinates, start.rates)),
         lambda state: sin(state[4]),
         lambda state: solved(*state.tolist())[12],
         longest if scenario.contact is None else min(longest, contact_time(scenario)),
         lambda states: states[..., 4:6],
-        says,
+        _in_states(conditions, to_paper),
         slip if scenario.rubs and len(slips) == 1 else None,
     )
     return PosedForm(problem, expand)

@@ -1,7 +1,6 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
 import time
-from dataclasses import replace
 from math import inf
 
 import numpy.typing as npt
@@ -13,8 +12,7 @@ from analysis.data.friction import check_slipping
 from analysis.data.scenario import Scenario
 from analysis.data.trajectory import Trajectory
 from analysis.data.watch import Progress
-from analysis.mechanics.attitude import EulerAngles, EulerTurning
-from analysis.models.forms import LOW, Form, LowError, default_form, pose
+from analysis.models.forms import Form, default_form, pose
 from analysis.models.request import Request, trajectory
 from analysis.solve.stepping import METHODS, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
@@ -125,13 +123,13 @@ def run_member(scenario: Scenario, request: Request, method: Method) -> Trajecto
 
 def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory:
     """The same by one of SciPy's solvers."""
-    form = request.form or default_form(scenario)
     watch = request.watch(request.effort(scenario, method).most)
+    posed = pose(scenario, request.form or default_form(scenario), request.conditions)
     rungs, tolerance = request.local_tolerances(method), request.tolerance or inf
-    evaluations, seconds = 0, 0.0
+    seconds = 0.0
 
     def run(local: float, longest: float) -> Run:
-        nonlocal evaluations, seconds
+        nonlocal seconds
         begin = time.thread_time()
         found = integrate(
             posed.problem.with_steps_up_to(longest),
@@ -142,24 +140,13 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
             watch=watch,
         )
         seconds = time.thread_time() - begin
-        evaluations += found.evaluations
-        if found.ended == LOW:
-            raise LowError
         return found
 
-    def solved() -> Run:
-        return run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
-
-    try:
-        posed = pose(scenario, form, request.conditions, EulerAngles)
-        found = solved()
-    except LowError:
-        posed = pose(scenario, form, request.conditions, EulerTurning)
-        found = solved()
+    found = run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
     return trajectory(
         scenario,
         request,
-        replace(found, evaluations=evaluations),
+        found,
         posed.expand(found.times, found.states),
         method=method,
         watch=watch,

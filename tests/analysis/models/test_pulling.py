@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -140,6 +141,22 @@ def test_a_run_ends_at_its_time_limit_or_raises_where_no_tolerance_was_met(side:
     np.testing.assert_array_equal(run.times[:-1], times[: run.times.size - 1])
     with pytest.raises(TimeLimitError, match="time limit met"):
         RUNS[side](model(2), times, tolerance=1e-6, time_limit=0.1)
+
+
+def test_two_runs_that_agree_up_to_a_time_limit_are_a_result_up_to_the_samples_of_both(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps = count()
+    monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: float(next(steps)))
+    whole = analysis.simulate(model(2), TIMES, tolerance=1e-3, time_limit=1e9)
+    taken = next(steps)
+    run = analysis.simulate(model(2), TIMES, tolerance=1e-3, time_limit=0.75 * taken)
+    ending, last = not_none(run.ending), run.times.size
+    assert ending.reason == "time limit"
+    assert 1 < last < TIMES.size
+    np.testing.assert_array_equal(run.times, TIMES[:last])
+    assert np.max(np.abs(run.coordinates - whole.coordinates[:last])[:, 4:]) < 1e-6
+    assert not_none(run.error_estimate) <= 1e-3
 
 
 @pytest.mark.parametrize("pulls", [False, True])

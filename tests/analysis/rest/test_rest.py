@@ -285,6 +285,19 @@ def test_run_to_rest_is_the_whole_one_until_a_condition_turns_negative(
     assert ended.rest_time is None
 
 
+def test_a_condition_is_told_the_state_in_the_papers_coordinates() -> None:
+    told: list[State] = []
+
+    def turned(state: State) -> float:
+        told.append(state)
+        return 1.0 - state.coordinates[3]
+
+    how: dict[str, Any] = {"stop_when": turned, "local_tolerance": 1e-9}
+    last = simulate_to_rest(SCENARIO, 0.1, **how).to_trajectory().state(-1)
+    np.testing.assert_allclose(told[-1].coordinates, last.coordinates, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(told[-1].rates, last.rates, rtol=1e-9, atol=1e-9)
+
+
 def test_motion_in_the_papers_coordinates_keeps_its_ending_and_its_error(
     ended: SpatialMotion,
 ) -> None:
