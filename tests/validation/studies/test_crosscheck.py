@@ -103,8 +103,8 @@ def test_motions_are_compared_as_far_as_there_are_some(scenario: Scenario, over:
         assert detail == over
 
 
-def driving(friction: Any) -> Any:
-    return lambda *given: tuple(-part for part in friction(*given))
+def driving(friction_of: Any) -> Any:
+    return lambda **kind: lambda *given: tuple(-part for part in friction_of(**kind)(*given))
 
 
 def pushing(touch: Any) -> Any:
@@ -116,7 +116,7 @@ def pushing(touch: Any) -> Any:
 
 
 WRONG: dict[str, tuple[Any, str, Callable[[Any], Any], Scenario]] = {
-    "friction": (recorded, "_friction", driving, SCENARIO),
+    "friction": (recorded, "friction_of", driving, SCENARIO),
     "penalty": (penalty.YieldingTable, "touch", pushing, SCENARIOS["slope, penalty"]),
 }
 """Where the in-house equations get a wrong sign, and how; in which scenario it is seen."""
