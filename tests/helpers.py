@@ -277,7 +277,7 @@ class RigidBody(NamedTuple):
     normal_direction: Any
     tangential_directions: Any
     cog: Any
-    """Position of S in the frame R."""
+    """Position of S in the frame of the coordinates."""
 
 
 def parameter_values(disk: Body, table: Table) -> tuple[float, ...]:
@@ -287,8 +287,11 @@ def parameter_values(disk: Body, table: Table) -> tuple[float, ...]:
 
 
 @cache
-def rigid_body() -> RigidBody:
-    """Lagrange's equations from the position of G in the frame R and the rotation matrix alone."""
+def rigid_body(*, rotating: bool = True) -> RigidBody:
+    """Lagrange's equations from the position of G and the rotation matrix alone.
+
+    G is given in the frame R if `rotating`, in the inertial frame otherwise.
+    """
     parameters = sympy.symbols("m r e A B C", positive=True) + sympy.symbols("D E F", real=True)
     m, r, e, A, B, C, D, E, F = parameters
     inertia = sympy.Matrix([[A, D, E], [D, B, F], [E, F, C]])
@@ -300,8 +303,8 @@ def rigid_body() -> RigidBody:
         terms = (matrix.diff(place) * speed for place, speed in zip(z, u, strict=True))
         return sum(terms, sympy.zeros(*matrix.shape))
 
-    frame = _symbolic_turn(z[3], 2)
-    turn = frame * _symbolic_turn(z[4], 0) * _symbolic_turn(z[5], 2)
+    frame = _symbolic_turn(z[3], 2) if rotating else sympy.eye(3)
+    turn = _symbolic_turn(z[3], 2) * _symbolic_turn(z[4], 0) * _symbolic_turn(z[5], 2)
     centre, to_cog = frame * z[:3, :], sympy.Matrix([e, 0, 0])
     spin = turn.T * rate(turn)
     omega = sympy.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])

@@ -4,7 +4,9 @@ Nothing is simulated with them. In the co-rotating coordinates, Eqs. (15)-(32),
 
 M(z) z'' - h(z, z') = f + w_N lambda_N + W_T lambda_T with z = (x, y, z, alpha, beta, gamma),
 
-with the constraints (66), (83), (84), (87), (88) on position and velocity level.
+with the constraints (66), (83), (84), (87), (88) on position, velocity and acceleration level,
+and the systems of index 1, (79), (80), (92). Appendix A has the same in inertial coordinates
+q = (x, y, z, alpha, beta, gamma), the position of G in the inertial frame.
 
 Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
@@ -106,7 +108,14 @@ def gyroscopic_forces(disk: Body, z: Vector, u: Vector) -> Array:
 
 
 def gravity_forces(scenario: Scenario, z: Vector) -> Array:
-    """Generalised gravitational force f, Eq. (30), shape (6,), on a level table."""
+    """Generalised gravitational force f, Eqs. (30) and (142), shape (6,), on a level table.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    z : array_like, shape (6,)
+        Co-rotating or inertial coordinates.
+    """
     weight, e, beta, gamma = scenario.weight, scenario.disk.eccentricity, z[4], z[5]
     f5, f6 = -weight * e * cos(beta) * sin(gamma), -weight * e * sin(beta) * cos(gamma)
     return np.array((0.0, 0.0, -weight, 0.0, f5, f6))
@@ -162,6 +171,161 @@ def constraint_directions(constraints: ConstraintSet, disk: Body, z: Vector) -> 
     return np.array([every[row] for row in _rows(constraints)])
 
 
+def constraint_changes(constraints: ConstraintSet, disk: Body, z: Vector, u: Vector) -> Array:
+    """Terms chi = (d/dt W^T) u of the acceleration-level constraints, Eq. (59), shape (n,)."""
+    r, e = disk.radius, disk.eccentricity
+    beta, gamma = z[4], z[5]
+    xd, yd, _, ad, bd, gd = u
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    every = (
+        r * sb * bd * bd,
+        -e * cg * gd * gd,
+        -e * (cb * sg * (bd * bd + gd * gd) + 2 * sb * cg * bd * gd),
+        -(r * sb * bd + yd) * ad,
+        xd * ad + r * cb * bd * bd,
+        0.0,
+    )
+    return np.array([every[row] for row in _rows(constraints)])
+
+
 def _rows(constraints: ConstraintSet) -> list[int]:
     """Numbers of the rows of a set, in the order of `MULTIPLIERS`."""
     return [MULTIPLIERS.index(name) for name in multiplier_names(constraints)]
+
+
+def friction_per_load(scenario: Scenario, z: Vector, u: Vector) -> Array:
+    """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
+
+    The disk slides where it is not held: Models 1 and 2 in both directions of the table, Models 3
+    and 4 along e_y alone. Of a law that is not in proportion to the load, it is the share of a
+    newton in what the weight calls for.
+    """
+    W_T = tangential_directions(scenario.disk, z)
+    slip = W_T.T @ np.asarray(u)
+    slip[0] *= "no-slip-along" not in scenario.constraints
+    slip[1] *= "no-slip-across" not in scenario.constraints
+    along, across = slip.tolist()
+    force = np.array(scenario.friction.force(along, across, scenario.weight)) * (slip != 0.0)
+    result: Array = W_T @ (force / scenario.weight)
+    return result
+
+
+def index_1_system(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Array]:
+    """Matrix and right-hand sides for accelerations and multipliers.
+
+    The second and third block row of Eq. (80), of Eq. (79) if the friction law takes the contact
+    and of Eq. (92) for the further constraints. The table is to be level.
+
+    Returns
+    -------
+    matrix : ndarray, shape (6 + n, 6 + n)
+    right : ndarray, shape (6 + n, 1 or 2)
+        The second column holds the friction for each newton of contact force, if that matters.
+    """
+    held, disk = scenario.constraints, scenario.disk
+    W = constraint_directions(held, disk, z)
+    matrix = np.block([[mass_matrix(disk, z), -W.T], [W, np.zeros((len(W), len(W)))]])
+    forces = gyroscopic_forces(disk, z, u) + gravity_forces(scenario, z)
+    friction = scenario.rubs * friction_per_load(scenario, z, u)
+    by_contact = scenario.rubs and scenario.friction.load == "contact"
+    if not by_contact:
+        forces = forces + scenario.weight * friction
+    right = np.concatenate((forces, -constraint_changes(held, disk, z, u)))[:, None]
+    if by_contact:
+        right = np.column_stack((right, np.concatenate((friction, np.zeros(len(W))))))
+    return matrix, right
+
+
+def inertial_mass_matrix(disk: Body, q: Vector) -> Array:
+    """Mass matrix, Eq. (134), shape (6, 6), from inertial coordinates `q`, shape (6,)."""
+    m, me = disk.mass, disk.mass * disk.eccentricity
+    A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
+    _, _, _, alpha, beta, gamma = q
+    sa, ca = sin(alpha), cos(alpha)
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    M12 = me * np.array(
+        (
+            (-ca * cb * sg - sa * cg, sa * sb * sg, -ca * sg - sa * cb * cg),
+            (-sa * cb * sg + ca * cg, -ca * sb * sg, -sa * sg + ca * cb * cg),
+            (0.0, cb * sg, sb * cg),
+        )
+    )
+    m45 = (A - B) * sb * sg * cg
+    M22 = np.array(
+        (
+            ((A * sg * sg + B * cg * cg) * sb * sb + C * cb * cb, m45, C * cb),
+            (m45, A * cg * cg + B * sg * sg, 0.0),
+            (C * cb, 0.0, C),
+        )
+    )
+    return np.block([[m * np.eye(3), M12], [M12.T, M22]])
+
+
+def inertial_gyroscopic_forces(disk: Body, q: Vector, u: Vector) -> Array:
+    """Gyroscopic vector h, Eqs. (135)-(141), shape (6,), from `q` and its rates `u`."""
+    me = disk.mass * disk.eccentricity
+    A, B, C = disk.inertia_x, disk.inertia_y, disk.inertia_z
+    _, _, _, alpha, beta, gamma = q
+    _, _, _, ad, bd, gd = u
+    sa, ca = sin(alpha), cos(alpha)
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    aa, bb, gg, c2g = ad * ad, bd * bd, gd * gd, cg * cg - sg * sg
+    across = A * sg * sg + B * cg * cg
+    h1 = me * (
+        (aa + gg) * (ca * cg - sa * cb * sg)
+        - bb * sa * cb * sg
+        - 2 * ad * bd * ca * sb * sg
+        - 2 * ad * gd * (sa * sg - ca * cb * cg)
+        - 2 * bd * gd * sa * sb * cg
+    )
+    h2 = me * (
+        (aa + gg) * (sa * cg + ca * cb * sg)
+        + bb * ca * cb * sg
+        - 2 * ad * bd * sa * sb * sg
+        + 2 * ad * gd * (ca * sg + sa * cb * cg)
+        + 2 * bd * gd * ca * sb * cg
+    )
+    h3 = me * ((bb + gg) * sb * sg - 2 * bd * gd * cb * cg)
+    h4 = (
+        -bb * (A - B) * cb * sg * cg
+        - 2 * ad * bd * (across - C) * sb * cb
+        - 2 * ad * gd * (A - B) * sb * sb * sg * cg
+        - bd * gd * sb * ((A - B) * c2g - C)
+    )
+    h5 = (
+        aa * sb * cb * (across - C)
+        - ad * gd * sb * ((A - B) * c2g + C)
+        + 2 * bd * gd * (A - B) * sg * cg
+    )
+    h6 = (
+        aa * (A - B) * sb * sb * sg * cg
+        - bb * sg * cg * (A - B)
+        + ad * bd * sb * ((A - B) * c2g + C)
+    )
+    return np.array((h1, h2, h3, h4, h5, h6))
+
+
+def inertial_tangential_directions(disk: Body, q: Vector) -> Array:
+    """Generalised directions W_T of the friction force, Eq. (143), shape (6, 2)."""
+    r, alpha, beta = disk.radius, q[3], q[4]
+    sa, ca, sb, cb = sin(alpha), cos(alpha), sin(beta), cos(beta)
+    return np.array(
+        (
+            (1.0, 0.0),
+            (0.0, 1.0),
+            (0.0, 0.0),
+            (r * ca * cb, r * sa * cb),
+            (-r * sa * sb, r * ca * sb),
+            (r * ca, r * sa),
+        )
+    )
+
+
+def rate_matrix(z: Vector) -> Array:
+    """Matrix B(z) of Eq. (12), shape (6, 6): inertial rates are B(z) times co-rotating rates."""
+    x, y, alpha = z[0], z[1], z[3]
+    sa, ca = sin(alpha), cos(alpha)
+    B = np.eye(6)
+    B[:2, :2] = ((ca, -sa), (sa, ca))
+    B[:2, 3] = (-sa * x - ca * y, ca * x - sa * y)
+    return B

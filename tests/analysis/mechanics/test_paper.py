@@ -11,8 +11,10 @@ from analysis import MODELS, ConstraintSet, Disk, Scenario, Table
 from analysis.data.checks import Array
 from analysis.mechanics import paper
 from tests.helpers import (
+    all_sets,
     assert_close,
     cog,
+    derivative,
     jacobian,
     parameter_values,
     random_disk,
@@ -25,10 +27,13 @@ from tests.helpers import (
 seeds = pytest.mark.parametrize("seed", range(3))
 
 
+PREFIXES = {"co-rotating": "", "inertial": "inertial_"}
+
+
 @cache
-def derived() -> Callable[..., list[Array]]:
+def derived(frame: str) -> Callable[..., list[Array]]:
     """Terms of Lagrange's equations: M, h, f, w_N and W_T."""
-    body = rigid_body()
+    body = rigid_body(rotating=frame == "co-rotating")
     terms = [
         body.mass_matrix,
         body.gyroscopic_forces,
@@ -47,14 +52,28 @@ def sample(seed: int) -> tuple[Disk, Array, Array]:
 
 
 @seeds
-def test_printed_terms_are_those_of_lagrange(seed: int) -> None:
+@pytest.mark.parametrize("frame", PREFIXES)
+def test_printed_terms_are_those_of_lagrange(frame: str, seed: int) -> None:
     disk, z, u = sample(seed)
-    M, h, f, w_N, W_T = derived()(parameter_values(disk, Table()), z, u)
-    assert_close(paper.mass_matrix(disk, z), M)
-    assert_close(paper.gyroscopic_forces(disk, z, u), h[:, 0])
+    M, h, f, w_N, W_T = derived(frame)(parameter_values(disk, Table()), z, u)
+    assert_close(getattr(paper, f"{PREFIXES[frame]}mass_matrix")(disk, z), M)
+    assert_close(getattr(paper, f"{PREFIXES[frame]}gyroscopic_forces")(disk, z, u), h[:, 0])
+    assert_close(getattr(paper, f"{PREFIXES[frame]}tangential_directions")(disk, z), W_T)
+    # These two are the same in both.
     assert_close(paper.gravity_forces(Scenario(disk=disk), z), f[:, 0])
     assert_close(paper.normal_direction(disk, z), w_N[:, 0])
-    assert_close(paper.tangential_directions(disk, z), W_T)
+
+
+def _inertial_coordinates(z: Array) -> Array:
+    """Inertial coordinates q(z) of Eq. (10)."""
+    return np.append((turn_z(z[3]) @ z[:3])[:2], z[2:])
+
+
+@seeds
+def test_rate_matrix_is_the_derivative_of_the_inertial_coordinates(seed: int) -> None:
+    _, z, u = sample(seed)
+    rates = derivative(lambda t: _inertial_coordinates(z + t * u))
+    assert_close(paper.rate_matrix(z) @ u, rates)
 
 
 @seeds
@@ -69,11 +88,18 @@ def test_constraints_hold_the_lowest_point_of_the_rim_and_the_cog(seed: int) -> 
     assert_close(found[1:], (turn_z(-z[3]) @ cog(disk, z))[:2])
 
 
+@all_sets
 @seeds
-def test_directions_are_gradients_of_positions(seed: int) -> None:
-    disk, z, _ = sample(seed)
-    gradient = jacobian(lambda place: paper.constraint_positions(MODELS[2], disk, place), z)
-    assert_close(paper.constraint_directions(MODELS[2], disk, z), gradient)
+def test_directions_are_gradients_of_positions_and_terms_their_changes(
+    constraints: ConstraintSet, seed: int
+) -> None:
+    disk, z, u = sample(seed)
+    gradient = jacobian(lambda place: paper.constraint_positions(constraints, disk, place), z)
+    found = paper.constraint_directions(constraints, disk, z)
+    assert_close(found[: len(gradient)], gradient)
+    change = derivative(lambda t: paper.constraint_directions(constraints, disk, z + t * u))
+    terms = paper.constraint_changes(constraints, disk, z, u)
+    np.testing.assert_allclose(terms, change @ u, rtol=0.0, atol=1e-11)
 
 
 def test_rows_of_slip_and_spin_are_the_directions_of_their_forces() -> None:
