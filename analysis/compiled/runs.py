@@ -143,9 +143,13 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     if alive.all():
         return []
     ended = np.flatnonzero(alive[:count] == 0.0)
-    found.ends[first + ended] = solver.pars[WHEN, ended]
-    found.reasons[first + ended] = solver.pars[REASON, ended]
-    return [row for row in (first + ended).tolist() if _name(found, row) == SINGULAR]
+    over = first + ended
+    found.ends[over] = solver.pars[WHEN, ended]
+    found.reasons[over] = solver.pars[REASON, ended]
+    # A sample at the ending itself may have come too late.
+    behind = found.times >= found.ends[over, None]
+    found.states[over] = np.where(behind[..., None], found.last[over, None], found.states[over])
+    return [row for row in over.tolist() if _name(found, row) == SINGULAR]
 
 
 def _name(found: Runs, row: int) -> str:

@@ -138,23 +138,28 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
 
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
-        coordinates, rates = reduced.expand(disk, spin, turned, states)
+        coordinates, rates = reduced.expand(disk, spin, turned, states[:, :3])
         states = np.array(state_of(disk, coordinates.T, rates.T)).T
         return coordinates, rates, _multipliers(full, states)
 
     def to_paper(state: Array) -> tuple[Array, Array]:
-        coordinates, rates = reduced.expand(disk, spin, np.zeros(1), state[None])
+        coordinates, rates = reduced.expand(disk, spin, state[3:], state[None, :3])
         return coordinates[0], rates[0]
 
+    derivative = reduced.right_hand_side(scenario, spin)
+    begin = np.array((*start.coordinates[4:6], start.rates[4]))
+    # Conditions may ask for alpha.
+    begin = np.append(begin, [alpha] * bool(conditions))
+
     problem = InitialValueProblem(
-        reduced.right_hand_side(scenario, spin),
-        np.array((*start.coordinates[4:6], start.rates[4])),
+        (lambda t, state: (*derivative(t, state[:3]), spin)) if conditions else derivative,
+        begin,
         lambda state: sin(state[0]),
-        lambda state: solved(*state.tolist())[3],
+        lambda state: solved(*state[:3].tolist())[3],
         longest_step(scenario),
         lambda states: states[..., :2],
         _in_states(conditions, to_paper),
-        (lambda state: solved(*state.tolist())[4]) if scenario.rubs else None,
+        (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
     )
     return PosedForm(problem, expand)
 

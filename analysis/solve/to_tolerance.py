@@ -242,10 +242,11 @@ def estimated_errors(
     """
     counts, others = fine.counts, coarse.counts
     limited, flat = fine.ended(TIME_LIMIT), fine.ended(FLAT)
-    alike = (fine.reasons == coarse.reasons) & (counts == others)
-    alike = np.where(limited, (counts > 1) & (counts <= others), alike)
+    reached = (counts > 1) & (counts <= others)
+    alike = np.where(limited, reached, fine.reasons == coarse.reasons)
     apart = np.abs(attitudes(fine.states) - attitudes(coarse.states)).max(axis=2)
-    apart[np.arange(apart.shape[1]) >= counts[:, None]] = 0.0
+    # One of two endings may come before a sample, and the other one after it.
+    apart[np.arange(apart.shape[1]) >= np.minimum(counts, others)[:, None]] = 0.0
     worst = apart.max(axis=1)
     ended = (fine.reasons != RUNNING) & ~limited
     if ended.any():

@@ -57,6 +57,21 @@ def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(
     assert above[count] != above[0]
 
 
+@pytest.mark.parametrize("method", ["DOP853", "taylor"])
+@pytest.mark.parametrize("form", ["index-1", "reduced"])
+def test_a_condition_may_ask_for_any_coordinate(form: str, method: str) -> None:
+    if method == "taylor":
+        pytest.importorskip("heyoka")
+    scenario = model(4, start=Start(alpha=0.3))
+    how: Any = {
+        "form": form,
+        "method": method,
+        "stop_when": lambda state: 1.7 - state.coordinates[3],
+    }
+    run = simulate(scenario, TIMES, **how)
+    assert run.times[-1] == pytest.approx((1.7 - 0.3) / 40.0, abs=1e-9)
+
+
 def slow(state: State) -> float:
     return state.rates[3] - 39.5
 
