@@ -207,8 +207,8 @@ MEETING = {
 
 INSIDE = "inside"
 
-GRADIENTS = np.geomspace(0.3, 30.0, 81)
-"""Friction gradients in s/m at which Hopf points are looked for."""
+GRADIENTS = np.sort(np.append(np.geomspace(0.3, 30.0, 81), np.linspace(1.045, 1.12, 16)))
+"""Friction gradients in s/m at which Hopf points are looked for, closer where the curve is level."""
 
 
 def stable_region(scenario: Scenario) -> list[Row]:
