@@ -208,7 +208,7 @@ MEETING = {
 INSIDE = "inside"
 
 GRADIENTS = np.sort(np.append(np.geomspace(0.3, 30.0, 81), np.linspace(1.045, 1.12, 16)))
-"""Friction gradients in s/m at which Hopf points are looked for, closer where the curve is level."""
+"""Friction gradients in s/m at which Hopf points are looked for; more where a curve is level."""
 
 
 def stable_region(scenario: Scenario) -> list[Row]:
