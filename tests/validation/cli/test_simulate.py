@@ -4,7 +4,7 @@ import pytest
 
 from analysis import Trajectory, load_run
 from analysis.data.endings import INVERTED
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from tests.calls import Capture, printed
 from tests.helpers import not_none
 
