@@ -29,7 +29,7 @@ from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
 from tests.calls import printed
-from tests.helpers import turn_z
+from tests.helpers import jacobian, turn_z
 
 every_body = pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
 
@@ -124,7 +124,9 @@ def attitudes(count: int) -> Array:
 
 @pytest.mark.parametrize("half", [0.0, 2e-3])
 @every_body
-def test_surface_lies_above_its_lowest_point(body: Body, half: float) -> None:
+def test_surface_lies_above_its_lowest_point_whose_depth_is_the_clearance(
+    body: Body, half: float
+) -> None:
     """All lowest points together are the surface, or what of it can touch a table."""
     up = attitudes(300)
     points = np.array([body.lowest_point(tuple(each), half) for each in up.tolist()])
@@ -132,24 +134,15 @@ def test_surface_lies_above_its_lowest_point(body: Body, half: float) -> None:
     assert np.all(heights >= np.diag(heights)[:, None] - 1e-15)
     assert np.max(np.linalg.norm(points, axis=1)) <= body.radius * (1.0 + 1e-12)
 
+    def depth(angles: Array) -> Array:
+        (sb, sg), (cb, cg) = np.sin(angles), np.cos(angles)
+        up = (float(sb * sg), float(sb * cg), float(cb))
+        return np.array(-np.dot(body.lowest_point(up, half), up))
 
-@pytest.mark.parametrize("half", [0.0, 2e-3])
-@every_body
-def test_clearance_is_the_depth_of_the_lowest_point(body: Body, half: float) -> None:
-    beta, gamma, step = 1.1, 0.4, 1e-5
-
-    def depth(beta: float, gamma: float) -> float:
-        sb, cb = np.sin(beta), np.cos(beta)
-        up = (float(sb * np.sin(gamma)), float(sb * np.cos(gamma)), float(cb))
-        return -float(np.dot(body.lowest_point(up, half), up))
-
-    over, per_beta, per_gamma = body.clearance(beta, gamma, half)
-    assert over == pytest.approx(depth(beta, gamma), rel=1e-12)
-    slopes = (
-        depth(beta + step, gamma) - depth(beta - step, gamma),
-        depth(beta, gamma + step) - depth(beta, gamma - step),
-    )
-    np.testing.assert_allclose(slopes, np.array([per_beta, per_gamma]) * 2 * step, atol=1e-14)
+    place = np.array((1.1, 0.4))
+    over, *slopes = body.clearance(*place, half)
+    assert over == pytest.approx(depth(place), rel=1e-12)
+    np.testing.assert_allclose(slopes, jacobian(depth, place)[0], atol=1e-9 * body.radius)
 
 
 @every_body

@@ -301,11 +301,3 @@ def test_commands_answer_a_foreign_file_in_one_line(
     np.savez(path, **described(method="RK44")(members(path)))
     assert "run.npz is not a readable motion" in refusal(capsys, command.format(path))
     assert [entry.name for entry in path.parent.iterdir()] == ["run.npz"]
-
-
-def test_disk_that_turns_too_often_between_samples_is_not_animated(
-    path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    np.savez(path, **sampled("coordinates", last_is(1e15))(members(path)))
-    said = refusal(capsys, "animate", str(path))
-    assert "the motion cannot be animated: the samples around t = " in said
