@@ -3,6 +3,7 @@
 import pickle
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -140,7 +141,7 @@ def test_surface_lies_above_its_lowest_point_whose_depth_is_the_clearance(
         return np.array(-np.dot(body.lowest_point(up, half), up))
 
     place = np.array((1.1, 0.4))
-    over, *slopes = body.clearance(*place, half)
+    over, *slopes = body.clearance(place[0], place[1], half)
     assert over == pytest.approx(depth(place), rel=1e-12)
     np.testing.assert_allclose(slopes, jacobian(depth, place)[0], atol=1e-9 * body.radius)
 
@@ -166,9 +167,11 @@ class _Flat(Egg):
         return up
 
 
-def composed(*parts: Any) -> Callable[[], Any]:
-    return lambda: Disk.of_parts(*parts)
-
+composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
+scenario = partial(partial, Scenario)
+DRAG = {"contact": PenaltyContact.rounded(ELLIPSE), "dissipation": Dissipation(air_drag=1.2)}
+ROUNDED = PenaltyContact(stiffness=1e5, half_thickness=1e-3)
+HALF_A_RING = {"disk": {"holes": [], "radius": 1.0}}
 
 REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "hole over the edge": (composed(PLATE, [(0.04, 0.0, 0.02)]), "holes must lie"),
@@ -177,43 +180,25 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "mass beside it": (composed(PLATE, (), [(0.0, 1.0, 1.0)]), "masses must lie on"),
     "no mass": (composed(PLATE, (), [(0.0, 0.0, 0.0)]), "masses must be positive"),
     "thin plate": (composed((0.05, 0.0, 8e3)), "thickness must be positive"),
-    "products": (lambda: Disk(**NUMBERS, inertia_xy=1.5), "inertia_xy must leave principal"),
-    "half a ring": (
-        lambda: Scenario.from_values({"disk": {"holes": [], "radius": 1.0}}),
-        "lacks thickness and density",
-    ),
-    "larger smaller axis": (lambda: replace(ELLIPSE, other_radius=0.05), "other_radius must not"),
-    "unknown body": (
-        lambda: bodies.BODIES.made(body="cube"),
-        "body must be one of disk, sphere",
-    ),
-    "no body": (
-        lambda: bodies.BODIES.made(body="math:pi"),
-        "must be a class derived from Body",
-    ),
-    "body without numbers": (lambda: bodies.BODIES.made(body="sphere"), "cannot be made"),
+    "products": (partial(Disk, **NUMBERS, inertia_xy=1.5), "inertia_xy must leave principal"),
+    "half a ring": (partial(Scenario.from_values, HALF_A_RING), "lacks thickness and density"),
+    "larger smaller axis": (partial(replace, ELLIPSE, other_radius=1.0), "other_radius must not"),
+    "unknown body": (made(body="cube"), "body must be one of disk, sphere"),
+    "no body": (made(body="math:pi"), "must be a class derived from Body"),
+    "body without numbers": (made(body="sphere"), "cannot be made"),
     "surface above": (
-        lambda: Scenario(disk=_Flat(**NUMBERS)),
+        scenario(disk=_Flat(**NUMBERS)),
         r"depth of lowest_point\(.*\) must not be negative",
     ),
     "rounded sphere": (
-        lambda: Scenario(
-            disk=TIPPE_TOP, contact=PenaltyContact(stiffness=1e5, half_thickness=1e-3)
-        ),
+        scenario(disk=TIPPE_TOP, contact=ROUNDED),
         "half_thickness must be 0 for a Sphere",
     ),
     "constraints": (
-        lambda: Scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
+        scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
         "constraints must be those of Model 1 for a Sphere",
     ),
-    "drag": (
-        lambda: Scenario(
-            disk=ELLIPSE,
-            contact=PenaltyContact.rounded(ELLIPSE),
-            dissipation=Dissipation(air_drag=1.2),
-        ),
-        "air_drag acts on the faces of a round disk alone",
-    ),
+    "drag": (scenario(disk=ELLIPSE, **DRAG), "air_drag acts on the faces of a round disk alone"),
 }
 
 
