@@ -40,6 +40,7 @@ from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.helpers import derivative, model
+from tests.wayward_law import Answering
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
@@ -196,17 +197,6 @@ def test_file_runs_no_module_that_it_names() -> None:
     with foreign_names(), pytest.raises(ValueError, match="'this:Law' must be imported first"):
         LAWS.made(law="this:Law")
     assert "this" not in sys.modules
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Answering(FrictionLaw):
-    """Law that answers with what it is given."""
-
-    says: Any
-    finest_speed: Any = 0.1
-
-    def per_speed(self, speed: float) -> Any:
-        return self.says(speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
