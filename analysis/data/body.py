@@ -176,25 +176,6 @@ class Body(Described):
             Of the contact in m; a body without an edge has no use for it.
         """
 
-    def lowest_points(
-        self, positions: Array, rotations: Array, half_thickness: float = 0.0
-    ) -> Array:
-        """Lowest points in inertial axes in m, shape (n, 3).
-
-        Parameters
-        ----------
-        positions : ndarray, shape (n, 3)
-            Of G in m.
-        rotations : ndarray, shape (n, 3, 3)
-            Whose columns are the axes of the body.
-        half_thickness : float
-            Of the contact in m.
-        """
-        points = self.lowest_point(rotations[:, 2].T, half_thickness)
-        seen = np.column_stack([np.broadcast_to(each, len(positions)) for each in points])
-        result: Array = positions + np.einsum("nij,nj->ni", rotations, seen)
-        return result
-
     def clearance(self, beta: Any, gamma: Any, half_thickness: Any = 0.0) -> Triple:
         """Height of G over the lowest point in m, and its slopes in beta and gamma in m/rad.
 

@@ -80,11 +80,8 @@ class Ensemble:
 
     def _refused(self) -> Iterator[tuple[int, Exception]]:
         """Members that are no scenarios, in order, and why."""
-        groups = self._alike(_itself)
-        doubtful = [row for rows, made in groups if isinstance(made, Exception) for row in rows]
-        for rows, made in one_by_one(_itself, self, np.sort(np.array(doubtful, dtype=int))):
-            if isinstance(made, Exception):
-                yield int(rows[0]), made
+        made = self.alike(lambda scenario: scenario)
+        return ((int(rows[0]), error) for rows, error in made if isinstance(error, Exception))
 
     @classmethod
     def sieved(
@@ -151,18 +148,11 @@ class Ensemble:
         rows : ndarray of int, shape (k,)
             Numbers of members.
         result
-            Of the function, or the error that it ended in for a single member.
+            Of the function, or the error that it ended in for a single member; such members come
+            last, in order.
         """
-        for rows, result in self._alike(function):
-            if isinstance(result, Exception):
-                yield from one_by_one(function, self, rows)
-            else:
-                yield rows, result
-
-    def _alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
-        """The same, where an error may be that of some of several members alone."""
         numbers = {name: each for name, each in self.fields.items() if each.dtype.kind == "f"}
-        pending = list(self._by_words())
+        pending, alone = list(self._by_words()), [np.empty(0, dtype=int)]
         while pending:
             words, rows = pending.pop()
             some = {name: each[rows].view(Members) for name, each in numbers.items()}
@@ -172,10 +162,12 @@ class Ensemble:
                     result = function(changed(self.scenario, {**words, **some}))
             except DividedError as divided:
                 pending += [(words, rows[~divided.mask]), (words, rows[divided.mask])]
-            except (ArithmeticError, TypeError, ValueError) as error:
-                yield rows, error
+            except (ArithmeticError, TypeError, ValueError):
+                # It may be the error of some of them alone.
+                alone.append(rows)
             else:
                 yield rows, result
+        yield from one_by_one(function, self, np.sort(np.concatenate(alone)))
 
     def groups(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T]]:
         """The same, where an error is raised."""
@@ -205,10 +197,6 @@ class Ensemble:
             groups[tuple(each[member].item() for each in words.values())].append(member)
         for told, rows in groups.items():
             yield dict(zip(words, told, strict=True)), np.array(rows)
-
-
-def _itself(scenario: Scenario) -> Scenario:
-    return scenario
 
 
 def one_by_one(

@@ -145,7 +145,13 @@ class _Smoothed(FrictionLaw):
     smoothing: float = default("friction.smoothing")
 
     def __post_init__(self) -> None:
-        check_steepness(self, self.smoothing)
+        least = self.slope(1.0) * self.smoothing / STEEPEST_FRICTION
+        if least > self.smoothing:
+            raise ArgumentError(
+                "smoothing",
+                f"must be at least coefficient / {STEEPEST_FRICTION:g} = {least:g}, "
+                f"got {self.smoothing:g}",
+            )
 
     @property
     def finest_speed(self) -> float:
@@ -511,14 +517,3 @@ def _check_force(law: FrictionLaw, speed: float, load: float) -> None:
         twice = law.force(x, y, 2.0 * load)
         if law.IS_PROPORTIONAL and abs(twice[0] - 2.0 * along) > 1e-9 * size:
             raise ValueError(f"{at} must double with the load if IS_PROPORTIONAL, got {forces}")
-
-
-def check_steepness(law: FrictionLaw, smoothing: float) -> None:
-    """Raise if friction sets in too steeply over the smoothing of a law in m/s."""
-    largest = law.slope(1.0) * smoothing
-    if largest > STEEPEST_FRICTION * smoothing:
-        raise ArgumentError(
-            "smoothing",
-            f"must be at least coefficient / {STEEPEST_FRICTION:g} = "
-            f"{largest / STEEPEST_FRICTION:g}, got {smoothing:g}",
-        )

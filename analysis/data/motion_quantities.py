@@ -1,16 +1,16 @@
 """What can be told of a motion: each quantity once, with its unit and how it is read off.
 
-`FILLED` has the arrays that a run fills in, and the classes below what follows from these. A
-quantity whose columns are named goes into everything that leaves a motion: its columns, files of
-numbers, tables, pictures, and the series that a sweep keeps. All of it holds for one motion, shape
-(n,) of samples, and for many, shape (m, n).
+`FILLED` has the arrays that a run fills in, and the classes below what follows from these. What
+`FILLED` or `READ_OFF` names columns of goes into everything that leaves a motion: its columns,
+files of numbers, tables, pictures, and the series that a sweep keeps. All of it holds for one
+motion, shape (n,) of samples, and for many, shape (m, n).
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from functools import cache
-from typing import Any, Self, overload
+from typing import Any
 
 import numpy as np
 
@@ -50,27 +50,16 @@ FILLED: Mapping[str, Columns] = {
 }
 """Arrays of a motion, of which every kind has some; forces alone where a constraint has them."""
 
+READ_OFF: dict[str, Columns] = {
+    "tilt": {"tilt": "rad"},
+    "cog_height": {"cog_height": "m"},
+    "contact_speed": {"contact_speed": "m/s"},
+    "contact_points": FILLED["contact_points"],
+}
+"""What every motion tells beside by an attribute that reads it off; others are that alone."""
+
 _TINY = 1e-30
 """Step into the complex plane, far below the last digit of what is differentiated."""
-
-
-class Quantity:
-    """A quantity that is read off a motion, as an attribute; without columns it is that alone."""
-
-    def __init__(self, read: Callable[[Any], Array], columns: Columns) -> None:
-        self.read, self.columns, self.__doc__ = read, columns, read.__doc__
-
-    @overload
-    def __get__(self, motion: None, kind: type) -> Self: ...
-    @overload
-    def __get__(self, motion: object, kind: type) -> Array: ...
-    def __get__(self, motion: object, kind: type) -> Any:
-        return self if motion is None else self.read(motion)
-
-
-def quantity(columns: Columns | None = None) -> Callable[[Callable[[Any], Array]], Quantity]:
-    """Make a method the way to read a quantity with these columns."""
-    return lambda read: Quantity(read, columns or {})
 
 
 class Quantities(ABC):
@@ -93,47 +82,47 @@ class Quantities(ABC):
     def _lowest(self, up: Any) -> Any:
         return lowest(self.scenario, up)
 
-    @quantity()
+    @property
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
         return self.poses.rotations[..., 2, 0]
 
-    @quantity()
+    @property
     def cog_direction_rate(self) -> Array:
         """Rate of `cog_direction` in 1/s, shape (n,)."""
         axis, angular = self.poses.rotations[..., 0], self.poses.angular_velocities
         result: Array = angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
         return result
 
-    @quantity()
+    @property
     def face(self) -> Array:
         """Vertical part of the unit vector normal to the disk, shape (n,)."""
         return self.poses.rotations[..., 2, 2]
 
-    @quantity()
+    @property
     def spin(self) -> Array:
         """Vertical angular velocity in rad/s, shape (n,)."""
         return self.poses.angular_velocities[..., 2]
 
-    @quantity({"tilt": "rad"})
+    @property
     def tilt(self) -> Array:
         """Inclination beta in rad from 0 to pi, both flat, shape (n,)."""
         return frames.tilts(self.poses.rotations)
 
-    @quantity()
+    @property
     def leaning(self) -> Array:
         """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
         tilt = self.tilt
         result: Array = np.minimum(tilt, np.pi - tilt)
         return result
 
-    @quantity({"cog_height": "m"})
+    @property
     def cog_height(self) -> Array:
         """Height of the centre of gravity over the table in m, shape (n,)."""
         result: Array = self.poses.positions[..., 2] + self._eccentricity * self.cog_direction
         return result
 
-    @quantity({"contact_speed": "m/s"})
+    @property
     def contact_speed(self) -> Array:
         """Speed with which the contact point moves along the table in m/s, shape (n,)."""
         _, rotations, velocities, angular = self.poses
@@ -160,14 +149,14 @@ class InCoordinates(Quantities):
         """Pose and twist at every sample."""
         return Poses(*frames.poses(self.coordinates), *frames.twists(self.coordinates, self.rates))
 
-    @quantity()
+    @property
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
         _, beta, gamma = self._angles
         result: Array = np.sin(beta) * np.sin(gamma)
         return result
 
-    @quantity()
+    @property
     def cog_direction_rate(self) -> Array:
         """Rate of `cog_direction` in 1/s, shape (n,)."""
         (_, beta, gamma), rates = self._angles, self.rates
@@ -175,25 +164,25 @@ class InCoordinates(Quantities):
         found += np.sin(beta) * np.cos(gamma) * rates[..., 5]
         return found
 
-    @quantity()
+    @property
     def face(self) -> Array:
         """Vertical part of the unit vector normal to the disk, shape (n,)."""
         result: Array = np.cos(self.coordinates[..., 4])
         return result
 
-    @quantity()
+    @property
     def spin(self) -> Array:
         """Rate of alpha in rad/s, shape (n,)."""
         result: Array = self.rates[..., 3]
         return result
 
-    @quantity()
+    @property
     def normal_force(self) -> Array:
         """Normal contact force lambda_N in N, shape (n,)."""
         result: Array = self.multipliers[..., 0]
         return result
 
-    @quantity(FILLED["contact_points"])
+    @property
     def contact_points(self) -> Array:
         """Lowest point of the disk, inertial, in m, shape (n, 3)."""
         positions, rotations, *_ = self.poses
@@ -215,13 +204,9 @@ def filled(kind: type) -> tuple[str, ...]:
 
 
 @cache
-def quantities(kind: type) -> Mapping[str, Columns]:
+def quantities(kind: type) -> dict[str, Columns]:
     """Columns of every quantity of a kind of motion that has some, by its attribute."""
-    found = {name: FILLED[name] for name in filled(kind)}
-    for each in reversed(kind.__mro__):
-        read = {name: row for name, row in vars(each).items() if isinstance(row, Quantity)}
-        found |= {name: row.columns for name, row in read.items() if row.columns}
-    return found
+    return {name: FILLED[name] for name in filled(kind)} | READ_OFF
 
 
 def lowest(scenario: Scenario, up: Any) -> Any:

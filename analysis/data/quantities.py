@@ -363,14 +363,3 @@ def of_table(table: str) -> dict[str, Quantity]:
 def default(key: str) -> Any:
     """Default of a quantity."""
     return QUANTITIES[key].default
-
-
-def markdown() -> str:
-    """Table of all quantities, as the documentation has it."""
-    rows = [
-        f"| `{each.key}` | `{each.flag}` | {each.unit or ''} | {each.shown_default} | "
-        f"{each.meaning}{f' ({each.allowed})' if each.allowed else ''} |"
-        for each in QUANTITIES.values()
-    ]
-    head = "| key | option | unit | default | meaning (what is allowed) |"
-    return "\n".join([head, "| --- | --- | --- | --- | --- |", *rows]) + "\n"

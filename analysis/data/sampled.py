@@ -4,10 +4,10 @@ import json
 import os
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from html import escape
 from importlib import import_module
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,12 @@ from analysis.data.endings import Ending
 from analysis.data.files import whole_file
 from analysis.data.inversion import Inversion
 from analysis.data.motion_quantities import Columns, Quantities, filled, quantities
+from analysis.data.scenario import Scenario
 from analysis.data.state import State
+
+Source = Literal["engine", "in-house"]
+SOURCES: tuple[Source, ...] = get_args(Source)
+Setting = str | float | int | None
 
 FORMAT = 3
 """Of the files of motions; the first held no whole scenario."""
@@ -37,23 +42,25 @@ UNKNOWN_TOLERANCE = 1e-6
 """Error in rad between samples allowed to a run that was asked for none."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SampledMotion(Quantities):
     """A motion sampled in time; `Trajectory` and `SpatialMotion` are the two kinds."""
-
-    __slots__ = ()
 
     ERROR_UNIT: ClassVar[str]
     """Unit of the error estimate, with a space before it; empty if it has none."""
 
     times: Array
-    source: Any
-    method: Mapping[str, Any]
-    error_estimate: float | None
-    ending: Ending | None
+    scenario: Scenario
+    source: Source
+    method: Mapping[str, Setting] = field(default_factory=dict)
+    error_estimate: float | None = None
+    counts: Mapping[str, int] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    ending: Ending | None = None
 
     @abstractmethod
-    def _between(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
-        """What has rates, at times within the samples, shape (m,), and the error there."""
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
+        """What has rates, at times within the samples, shape (m,), and the errors there."""
 
     @abstractmethod
     def _beside(self, wanted: Array) -> dict[str, Any]:
@@ -66,6 +73,7 @@ class SampledMotion(Quantities):
 
     def _check(self) -> None:
         """Make the arrays and settings clean ones of this motion's own, or raise `ValueError`."""
+        choice("source", self.source, SOURCES)
         size = increasing_times(self.times).size
         for name in filled(type(self)):
             values = real_array(name, getattr(self, name))
@@ -118,7 +126,7 @@ class SampledMotion(Quantities):
         ToleranceError
             If the samples lie too far apart for the tolerance.
         """
-        arrays, _ = self._between(self._wanted(number("time", time)), tolerance)
+        arrays, _ = self._found(number("time", time), tolerance)
         coordinates, rates = (each[0].tolist() for each in self._state_of(arrays))
         return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
@@ -144,8 +152,8 @@ class SampledMotion(Quantities):
         ToleranceError
             If the samples lie too far apart for the tolerance.
         """
-        wanted = self._wanted(increasing_times(times))
-        arrays, error = self._between(wanted, tolerance)
+        wanted = increasing_times(times)
+        arrays, error = self._found(wanted, tolerance)
         arrays |= self._beside(wanted)
         estimate = None if self.error_estimate is None else self.error_estimate + error
         same: Any = self
@@ -307,8 +315,10 @@ class SampledMotion(Quantities):
         )
         return f"<table><caption>{kind}</caption>{rows}</table>"
 
-    def _wanted(self, times: npt.ArrayLike) -> Array:
-        """Check times that lie within the samples, shape (m,)."""
+    def _found(
+        self, times: npt.ArrayLike, tolerance: float | None
+    ) -> tuple[dict[str, Any], float]:
+        """What has rates at times that lie within the samples, and the largest error there."""
         wanted = np.atleast_1d(real_array("times", times))
         first, last = self.times[[0, -1]]
         outside = wanted[(wanted < first) | (wanted > last)]
@@ -317,10 +327,7 @@ class SampledMotion(Quantities):
                 f"times must lie within the samples, from {first:g} to {last:g} s, "
                 f"got {outside[0]:g}"
             )
-        return wanted
-
-    def _check_between(self, wanted: Array, error: Array, tolerance: float | None) -> float:
-        """Largest error between samples, shape (m,), if it is small enough."""
+        arrays, error = self._between(wanted)
         if tolerance is None:
             asked = self.method.get("tolerance") or self.error_estimate or UNKNOWN_TOLERANCE
             tolerance = float(asked)
@@ -332,13 +339,13 @@ class SampledMotion(Quantities):
                 f"only to {error[worst]:.1e} rad, and tolerance is {tolerance:.1e}: "
                 "sample the run more closely, or give a larger tolerance"
             )
-        return float(error[worst])
+        return arrays, float(error[worst])
 
 
 def described(kind: type[SampledMotion]) -> list[str]:
     """What a file says of a motion beside its arrays; a run time is that of one call."""
     left_out = (*filled(kind), "solver_seconds")
-    return [field.name for field in fields(kind) if field.name not in left_out]  # type: ignore[arg-type]
+    return [field.name for field in fields(kind) if field.name not in left_out]
 
 
 def optional(package: str, wanted_by: str) -> Any:

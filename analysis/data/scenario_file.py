@@ -71,22 +71,18 @@ def read_toml(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
     ValueError
         If it is no TOML. The message names the file and the line.
     """
-    text = _text(path)
-    try:
-        return tomllib.loads(text), text
-    except (ValueError, RecursionError) as error:
-        raise _no_toml(path, text, error) from None
-
-
-def _text(path: str | os.PathLike[str]) -> str:
     with Path(path).open("rb") as stream:
         content = stream.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
         raise ValueError(f"{path} is too large: more than {LARGEST_FILE} bytes")
     try:
-        return content.decode("utf-8-sig").replace("\r\n", "\n")
+        text = content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
         raise ValueError(f"{path} is no TOML: not text in UTF-8") from None
+    try:
+        return tomllib.loads(text), text
+    except (ValueError, RecursionError) as error:
+        raise _no_toml(path, text, error) from None
 
 
 def _no_toml(path: str | os.PathLike[str], text: str, error: Exception) -> ValueError:

@@ -1,7 +1,7 @@
 """Motions through every attitude, flat ones too: what a simulation until rest returns."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,13 +10,11 @@ from analysis.data import frames
 from analysis.data.checks import Array, choice, number
 from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
-from analysis.data.endings import Ending
 from analysis.data.frames import Poses
 from analysis.data.motion_quantities import filled, quantities
 from analysis.data.phases import Phases, phases_of
 from analysis.data.sampled import SampledMotion
-from analysis.data.scenario import Scenario
-from analysis.data.trajectory import SOURCES, Setting, Source, Trajectory
+from analysis.data.trajectory import Trajectory
 
 _WITH_RATES = ("times", "positions", "quaternions", "velocities", "angular_velocities")
 
@@ -78,7 +76,6 @@ class SpatialMotion(SampledMotion):
 
     ERROR_UNIT: ClassVar[str] = ""
 
-    times: Array
     positions: Array
     quaternions: Array
     velocities: Array
@@ -89,17 +86,9 @@ class SpatialMotion(SampledMotion):
     normal_force: Array
     energies: Array
     dissipated: Array
-    scenario: Scenario
-    source: Source
     rest_time: float | None = None
-    error_estimate: float | None = None
-    ending: Ending | None = None
-    method: Mapping[str, Setting] = field(default_factory=dict)
-    counts: Mapping[str, int] = field(default_factory=dict)
-    versions: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        choice("source", self.source, SOURCES)
         self._check()
         excess = float(np.max(np.abs(np.linalg.norm(self.quaternions, axis=1) - 1.0)))
         if excess > 1e-9:
@@ -179,14 +168,13 @@ class SpatialMotion(SampledMotion):
         largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
         return largest / float(self.energies[0].sum())
 
-    def _between(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
         values = np.column_stack((self.positions, self.quaternions))
         turning = frames.quaternion_rates(self.quaternions, self.angular_velocities)
         rates = np.column_stack((self.velocities, turning))
         values, rates, error = interpolate(self.times, values, rates, wanted)
         # A quaternion off by d turns the disk by 2 d.
-        turned = 2.0 * np.linalg.norm(error[:, 3:], axis=1)
-        worst = self._check_between(wanted, turned, tolerance)
+        turned: Array = 2.0 * np.linalg.norm(error[:, 3:], axis=1)
         length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
         quaternion = values[:, 3:] / length
         return {
@@ -194,7 +182,7 @@ class SpatialMotion(SampledMotion):
             "quaternions": quaternion,
             "velocities": rates[:, :3],
             "angular_velocities": frames.angular_velocities(quaternion, rates[:, 3:] / length),
-        }, worst
+        }, turned
 
     def _beside(self, wanted: Array) -> dict[str, Any]:
         rest = self.rest_time

@@ -2,25 +2,19 @@
 
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar
 
 import numpy as np
 
 from analysis.data.checks import Array, choice, number
 from analysis.data.constraint_set import multiplier_names
 from analysis.data.dense import interpolate
-from analysis.data.endings import Ending
 from analysis.data.motion_quantities import InCoordinates
-from analysis.data.sampled import SampledMotion
-from analysis.data.scenario import Scenario
+from analysis.data.sampled import SampledMotion, Setting
 from analysis.data.state import COORDINATES, State
-
-Source = Literal["engine", "in-house"]
-SOURCES: tuple[Source, ...] = get_args(Source)
-Setting = str | float | int | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -75,22 +69,14 @@ class Trajectory(InCoordinates, SampledMotion):
 
     ERROR_UNIT: ClassVar[str] = " rad"
 
-    times: Array
     coordinates: Array
     rates: Array
     multipliers: Array
-    scenario: Scenario
-    source: Source
     method: Mapping[str, Setting]
-    error_estimate: float | None = None
-    counts: Mapping[str, int] = field(default_factory=dict)
-    versions: Mapping[str, str] = field(default_factory=dict)
-    ending: Ending | None = None
     pulling: tuple[tuple[float, float], ...] = ()
     solver_seconds: float | None = None
 
     def __post_init__(self) -> None:
-        choice("source", self.source, SOURCES)
         self._check()
         pulling = tuple(
             (number("pulling", first), number("pulling", last)) for first, last in self.pulling
@@ -126,10 +112,9 @@ class Trajectory(InCoordinates, SampledMotion):
             rates=tuple(self.rates[index].tolist()),
         )
 
-    def _between(self, wanted: Array, tolerance: float | None) -> tuple[dict[str, Any], float]:
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
         coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
-        worst = self._check_between(wanted, np.max(error[:, 4:], axis=1), tolerance)
-        return {"coordinates": coordinates, "rates": rates}, worst
+        return {"coordinates": coordinates, "rates": rates}, np.max(error[:, 4:], axis=1)
 
     def _beside(self, wanted: Array) -> dict[str, Any]:
         order: Any = min(2, self.times.size - 1)

@@ -6,7 +6,7 @@ from typing import Any
 
 from analysis import Form, Method, Scenario, Trajectory
 from analysis.data.checks import Array
-from analysis.data.trajectory import Source
+from analysis.data.sampled import Source
 from mbs_models import Formulation, Integrator, IntegratorName
 from validation.run import run
 

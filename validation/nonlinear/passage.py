@@ -17,7 +17,7 @@ import numpy as np
 
 from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.data.trajectory import Source
+from analysis.data.sampled import Source
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import matrices_over_spin
 from validation.kit.tables import Table

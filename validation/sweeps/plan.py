@@ -10,7 +10,7 @@ from analysis.data.checks import Array, choice, positive, whole, within
 from analysis.data.endings import check_condition_name
 from analysis.data.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.data.names import ArgumentError
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from analysis.models.forms import default_form, pose
 from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from validation.parser.runs import ACCURACIES, OPTIONS, RunOptions

@@ -3,6 +3,7 @@
 import pickle
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
 from tests.calls import printed
-from tests.helpers import turn_z
+from tests.helpers import jacobian, turn_z
 
 every_body = pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
 
@@ -124,7 +125,9 @@ def attitudes(count: int) -> Array:
 
 @pytest.mark.parametrize("half", [0.0, 2e-3])
 @every_body
-def test_surface_lies_above_its_lowest_point(body: Body, half: float) -> None:
+def test_surface_lies_above_its_lowest_point_whose_depth_is_the_clearance(
+    body: Body, half: float
+) -> None:
     """All lowest points together are the surface, or what of it can touch a table."""
     up = attitudes(300)
     points = np.array([body.lowest_point(tuple(each), half) for each in up.tolist()])
@@ -132,24 +135,15 @@ def test_surface_lies_above_its_lowest_point(body: Body, half: float) -> None:
     assert np.all(heights >= np.diag(heights)[:, None] - 1e-15)
     assert np.max(np.linalg.norm(points, axis=1)) <= body.radius * (1.0 + 1e-12)
 
+    def depth(angles: Array) -> Array:
+        (sb, sg), (cb, cg) = np.sin(angles), np.cos(angles)
+        up = (float(sb * sg), float(sb * cg), float(cb))
+        return np.array(-np.dot(body.lowest_point(up, half), up))
 
-@pytest.mark.parametrize("half", [0.0, 2e-3])
-@every_body
-def test_clearance_is_the_depth_of_the_lowest_point(body: Body, half: float) -> None:
-    beta, gamma, step = 1.1, 0.4, 1e-5
-
-    def depth(beta: float, gamma: float) -> float:
-        sb, cb = np.sin(beta), np.cos(beta)
-        up = (float(sb * np.sin(gamma)), float(sb * np.cos(gamma)), float(cb))
-        return -float(np.dot(body.lowest_point(up, half), up))
-
-    over, per_beta, per_gamma = body.clearance(beta, gamma, half)
-    assert over == pytest.approx(depth(beta, gamma), rel=1e-12)
-    slopes = (
-        depth(beta + step, gamma) - depth(beta - step, gamma),
-        depth(beta, gamma + step) - depth(beta, gamma - step),
-    )
-    np.testing.assert_allclose(slopes, np.array([per_beta, per_gamma]) * 2 * step, atol=1e-14)
+    place = np.array((1.1, 0.4))
+    over, *slopes = body.clearance(place[0], place[1], half)
+    assert over == pytest.approx(depth(place), rel=1e-12)
+    np.testing.assert_allclose(slopes, jacobian(depth, place)[0], atol=1e-9 * body.radius)
 
 
 @every_body
@@ -173,9 +167,11 @@ class _Flat(Egg):
         return up
 
 
-def composed(*parts: Any) -> Callable[[], Any]:
-    return lambda: Disk.of_parts(*parts)
-
+composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
+scenario = partial(partial, Scenario)
+DRAG = {"contact": PenaltyContact.rounded(ELLIPSE), "dissipation": Dissipation(air_drag=1.2)}
+ROUNDED = PenaltyContact(stiffness=1e5, half_thickness=1e-3)
+HALF_A_RING = {"disk": {"holes": [], "radius": 1.0}}
 
 REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "hole over the edge": (composed(PLATE, [(0.04, 0.0, 0.02)]), "holes must lie"),
@@ -184,43 +180,25 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "mass beside it": (composed(PLATE, (), [(0.0, 1.0, 1.0)]), "masses must lie on"),
     "no mass": (composed(PLATE, (), [(0.0, 0.0, 0.0)]), "masses must be positive"),
     "thin plate": (composed((0.05, 0.0, 8e3)), "thickness must be positive"),
-    "products": (lambda: Disk(**NUMBERS, inertia_xy=1.5), "inertia_xy must leave principal"),
-    "half a ring": (
-        lambda: Scenario.from_values({"disk": {"holes": [], "radius": 1.0}}),
-        "lacks thickness and density",
-    ),
-    "larger smaller axis": (lambda: replace(ELLIPSE, other_radius=0.05), "other_radius must not"),
-    "unknown body": (
-        lambda: bodies.BODIES.made(body="cube"),
-        "body must be one of disk, sphere",
-    ),
-    "no body": (
-        lambda: bodies.BODIES.made(body="math:pi"),
-        "must be a class derived from Body",
-    ),
-    "body without numbers": (lambda: bodies.BODIES.made(body="sphere"), "cannot be made"),
+    "products": (partial(Disk, **NUMBERS, inertia_xy=1.5), "inertia_xy must leave principal"),
+    "half a ring": (partial(Scenario.from_values, HALF_A_RING), "lacks thickness and density"),
+    "larger smaller axis": (partial(replace, ELLIPSE, other_radius=1.0), "other_radius must not"),
+    "unknown body": (made(body="cube"), "body must be one of disk, sphere"),
+    "no body": (made(body="math:pi"), "must be a class derived from Body"),
+    "body without numbers": (made(body="sphere"), "cannot be made"),
     "surface above": (
-        lambda: Scenario(disk=_Flat(**NUMBERS)),
+        scenario(disk=_Flat(**NUMBERS)),
         r"depth of lowest_point\(.*\) must not be negative",
     ),
     "rounded sphere": (
-        lambda: Scenario(
-            disk=TIPPE_TOP, contact=PenaltyContact(stiffness=1e5, half_thickness=1e-3)
-        ),
+        scenario(disk=TIPPE_TOP, contact=ROUNDED),
         "half_thickness must be 0 for a Sphere",
     ),
     "constraints": (
-        lambda: Scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
+        scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
         "constraints must be those of Model 1 for a Sphere",
     ),
-    "drag": (
-        lambda: Scenario(
-            disk=ELLIPSE,
-            contact=PenaltyContact.rounded(ELLIPSE),
-            dissipation=Dissipation(air_drag=1.2),
-        ),
-        "air_drag acts on the faces of a round disk alone",
-    ),
+    "drag": (scenario(disk=ELLIPSE, **DRAG), "air_drag acts on the faces of a round disk alone"),
 }
 
 
@@ -230,20 +208,14 @@ def test_what_is_no_body_or_fits_none_is_refused(call: Callable[[], Any], messag
         call()
 
 
-@pytest.mark.parametrize(
-    "analysis",
-    [
-        lambda scenario: eigenvalues(scenario, [30.0], system="numeric"),
-        critical_speeds,
-        lambda scenario: mbs_models.eigenvalues(mbs_models.Scene(scenario)),
-        lambda scenario: simulate(
-            replace(scenario, constraints=MODELS[4]), [0.0, 1.0], form="reduced"
-        ),
-    ],
-    ids=["numeric", "critical speeds", "engine", "reduced"],
-)
-def test_analyses_of_the_papers_disk_refuse_products_of_inertia(
-    analysis: Callable[[Scenario], Any],
-) -> None:
-    with pytest.raises(ValueError, match="needs a round disk whose line from centre to centre of"):
-        analysis(Scenario(disk=COMPOSED))
+def test_analyses_of_the_papers_disk_refuse_products_of_inertia() -> None:
+    scenario = Scenario(disk=COMPOSED)
+    analyses: tuple[Callable[[], object], ...] = (
+        lambda: eigenvalues(scenario, [30.0], system="numeric"),
+        lambda: critical_speeds(scenario),
+        lambda: mbs_models.eigenvalues(mbs_models.Scene(scenario)),
+        lambda: simulate(replace(scenario, constraints=MODELS[4]), [0.0, 1.0], form="reduced"),
+    )
+    for analysis in analyses:
+        with pytest.raises(ValueError, match="needs a round disk whose line from centre to cen"):
+            analysis()

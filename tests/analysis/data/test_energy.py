@@ -1,7 +1,5 @@
 """Energy, power and the work of the constraints."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,7 +13,6 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Trajectory,
-    load_run,
     simulate,
     simulate_to_rest,
 )
@@ -96,13 +93,11 @@ def test_friction_takes_energy_and_only_forces_that_keep_a_rate_bring_some(
         assert velocity == pytest.approx(kept, abs=1e-12)
 
 
-def test_balance_refuses_a_motion_whose_losses_it_does_not_know(tmp_path: Path) -> None:
+def test_balance_refuses_a_motion_whose_losses_it_does_not_know() -> None:
     rolling = Dissipation(rolling_viscous=1e-3, pivoting=5e-5)
-    run = simulate_to_rest(Scenario.rest(dissipation=rolling), 0.1).to_trajectory()
-    run.save(tmp_path / "run.npz")
     yielding = Scenario(contact=PenaltyContact(stiffness=1e5))
     runs = (
-        load_run(tmp_path / "run.npz", Trajectory),
+        simulate_to_rest(Scenario.rest(dissipation=rolling), 0.1).to_trajectory(),
         simulate(yielding, [0.0, 0.01], local_tolerance=1e-6),
         mbs_models.simulate(yielding, [0.0, 0.01], step=1e-3),
     )

@@ -37,17 +37,11 @@ def test_poses_are_three_euler_turns_and_the_turned_place_and_lead_back() -> Non
     assert_close(back_u, u, relative=1e-14)
 
 
-def test_angles_from_poses_lie_in_the_principal_range() -> None:
-    z, u = states(0)
-    wound = z + 2.0 * pi * np.array([0.0, 0.0, 0.0, 3.0, 0.0, -2.0])
-    back, _ = frames.from_poses(*frames.poses(wound), *frames.twists(wound, u))
-    assert_close(back, z, relative=1e-13)
-
-
-def test_coordinates_come_back_near_a_singular_tilt() -> None:
+def test_angles_from_poses_lie_in_the_principal_range_near_a_singular_tilt_too() -> None:
     z, u = states(1)
-    z[:, 4] = pi - 1e-3
-    back_z, back_u = frames.from_poses(*frames.poses(z), *frames.twists(z, u))
+    z[:10, 4] = pi - 1e-3
+    wound = z + 2.0 * pi * np.array([0.0, 0.0, 0.0, 3.0, 0.0, -2.0])
+    back_z, back_u = frames.from_poses(*frames.poses(wound), *frames.twists(wound, u))
     # Rounding is magnified by 1 / sin(beta), and for the rates by its square.
     assert_close(back_z, z, relative=1e-12)
     assert_close(back_u, u, relative=1e-9)

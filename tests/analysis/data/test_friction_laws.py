@@ -40,6 +40,7 @@ from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.helpers import derivative, model
+from tests.wayward_law import Answering
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
@@ -66,6 +67,9 @@ class SquareRoot(FrictionLaw):
     @property
     def finest_speed(self) -> float:
         return self.smoothing
+
+
+ON_CONTACT = [replace(law, load="contact") for law in (*OTHERS, SquareRoot())]
 
 
 @pytest.mark.parametrize("law", SHIPPED, ids=name)
@@ -129,10 +133,10 @@ def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
         assert power == pytest.approx(-np.max(slip @ ellipse), rel=2e-5)
 
 
-@pytest.mark.parametrize("law", OTHERS, ids=name)
+@pytest.mark.parametrize("law", ON_CONTACT[:-1], ids=name)
 @pytest.mark.parametrize("level", [1, 3])
 def test_stability_under_any_law_is_that_of_the_engine(law: FrictionLaw, level: Level) -> None:
-    scenario = model(level, friction=replace(law, load="contact"), start=Start.stationary(31.0))
+    scenario = model(level, friction=law, start=Start.stationary(31.0))
     found = spectra.eigenvalues(scenario, [31.0], "numeric")[0]
     engine = mbs_models.eigenvalues(Scene(scenario))
     missing = [np.min(np.abs(found - each)) for each in engine]
@@ -160,21 +164,19 @@ def test_contact_force_without_or_with_several_solutions_is_told() -> None:
     assert load == pytest.approx(1.0 - 3.0 * flat.force(0.0, 9.0, load)[1], rel=1e-12)
 
 
-@pytest.mark.parametrize("level", [1, 3])
-@pytest.mark.parametrize("law", [*OTHERS, SquareRoot()], ids=name)
-def test_accelerations_agree_under_every_law(law: FrictionLaw, level: Level) -> None:
-    start = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
-    scenario = model(level, friction=replace(law, load="contact"), start=start)
-    assert_accelerations_agree(scenario)
+LEANING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
+RUBBED = [
+    *(model(level, friction=law, start=LEANING) for level in (1, 3) for law in ON_CONTACT),
+    *(
+        Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
+        for law in ON_CONTACT
+        if not law.is_simple
+    ),
+]
 
 
-@pytest.mark.parametrize("law", GENERAL, ids=name)
-def test_yielding_table_knows_every_law_on_both_sides(law: FrictionLaw) -> None:
-    contact = PenaltyContact(stiffness=2e5, damping=20.0)
-    assert_accelerations_agree(Scenario(contact=contact, friction=replace(law, load="contact")))
-
-
-def assert_accelerations_agree(scenario: Scenario) -> None:
+@pytest.mark.parametrize("scenario", RUBBED, ids=lambda each: f"{name(each.friction)} {each.name}")
+def test_accelerations_agree_under_every_law_and_on_a_yielding_table(scenario: Scenario) -> None:
     state = scenario.initial_state
     expected, forces = accelerations(scenario, state.coordinates, state.rates)
     for formulation in formulations(scenario):
@@ -198,63 +200,42 @@ def test_file_runs_no_module_that_it_names() -> None:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Answering(FrictionLaw):
-    """Law that answers with what it is given."""
+class Pushing(Answering):
+    """Law with any force."""
 
-    answer: Any
-    finest: Any = 0.1
-
-    def per_speed(self, speed: float) -> float:
-        return self.answer(speed) if callable(self.answer) else float(self.answer)
-
-    @property
-    def finest_speed(self) -> float:
-        return float(self.finest)
+    def force(self, along: Any, across: Any, load: Any) -> Any:
+        return self.says(along, across, load)
 
 
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        (Answering(answer=nan), "per_speed(0) must be a finite number, got nan"),
-        (Answering(answer=-3.0), "per_speed(0) must not be negative, got -3"),
-        (Answering(answer=1e300), "per_speed(0) must lie from 0 to 1e+12, got 1e+300"),
-        (Answering(answer=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
-        (Answering(answer=1.0, finest=0.0), "finest_speed must be positive, got 0"),
+        (Answering(says=lambda _: nan), "per_speed(0) must be a finite number, got nan"),
+        (Answering(says=lambda _: -3.0), "per_speed(0) must not be negative, got -3"),
+        (Answering(says=lambda _: 1e300), "per_speed(0) must lie from 0 to 1e+12, got 1e+300"),
+        (Answering(says=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
+        (Answering(says=abs, finest_speed=0.0), "finest_speed must be positive, got 0"),
+        (Pushing(says=lambda x, y, n: (n * x, n * y)), "slope of force at no slip must"),
+        (
+            Pushing(says=lambda x, y, n: (-n * x, n * y)),
+            "force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC",
+        ),
+        (
+            Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y)),
+            "force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL",
+        ),
+        (
+            Pushing(says=lambda x, y, n: (nan, n * x * y)),
+            "slope of force at no slip must be a fin",
+        ),
     ],
 )
-def test_law_that_says_no_friction_is_refused_before_anything_runs(
+def test_law_that_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs(
     law: FrictionLaw, message: str
 ) -> None:
-    with pytest.raises(ValueError, match=f"friction law '.*:Answering': {re.escape(message)}"):
+    said = f"friction law '.*:{name(law)}': {re.escape(message)}"
+    with pytest.raises(ValueError, match=said):
         Scenario(friction=law)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pushing(FrictionLaw):
-    """Law with any force."""
-
-    says: Any
-
-    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
-        return self.says(along, across, load)  # type: ignore[no-any-return]
-
-    @property
-    def finest_speed(self) -> float:
-        return 0.1
-
-
-@pytest.mark.parametrize(
-    ("says", "message"),
-    [
-        (lambda x, y, n: (n * x, n * y), "slope of force at no slip must"),
-        (lambda x, y, n: (-n * x, n * y), "must be against the slip if IS_ISOTROPIC"),
-        (lambda x, y, n: (-n * n * x, -n * n * y), "must double with the load"),
-        (lambda x, y, n: (nan, n * x * y), "must be a finite number, got nan"),
-    ],
-)
-def test_force_that_is_not_what_its_law_says_of_it_is_refused(says: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Scenario(friction=Pushing(says=says))
 
 
 def test_edge_without_direction_takes_isotropic_friction_alone() -> None:

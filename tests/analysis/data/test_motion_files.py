@@ -6,14 +6,14 @@ import json
 import os
 import zipfile
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from analysis import Scenario, SpatialMotion, StoredRun, Trajectory, load_run
+from analysis import Scenario, SpatialMotion, StoredRun, Trajectory, load_run, simulate_to_rest
 from analysis.data.files import whole_file
 from tests.calls import refusal
 from tests.helpers import random_trajectory
@@ -21,34 +21,8 @@ from tests.helpers import random_trajectory
 Stored = dict[str, Any]
 Change = Callable[[Stored], Stored]
 
-SAMPLES = 5
-
-
-def still_motion() -> SpatialMotion:
-    """A disk that lies still."""
-    vectors, numbers = np.zeros((SAMPLES, 3)), np.zeros(SAMPLES)
-    return SpatialMotion(
-        times=np.arange(float(SAMPLES)),
-        positions=vectors,
-        quaternions=np.tile([1.0, 0.0, 0.0, 0.0], (SAMPLES, 1)),
-        velocities=vectors,
-        angular_velocities=vectors,
-        contact_points=vectors,
-        slip_speeds=numbers,
-        contour_speeds=numbers,
-        normal_force=numbers,
-        energies=vectors,
-        dissipated=np.zeros((SAMPLES, 6)),
-        scenario=Scenario.rest(),
-        source="in-house",
-        rest_time=0.0,
-        method={"method": "LSODA"},
-        counts={"right_hand_sides": 1},
-        versions={"numpy": "2"},
-    )
-
-
-MOTIONS = [random_trajectory(4), still_motion()]
+STILL = simulate_to_rest(Scenario.rest(), 4e-3, spacing=1e-3)
+MOTIONS = [random_trajectory(4), replace(STILL, rest_time=0.0)]
 
 
 @pytest.fixture
@@ -177,17 +151,6 @@ def described(**changes: Any) -> Change:
     return change
 
 
-def lacking(name: str) -> Change:
-    def change(arrays: Stored) -> Stored:
-        description = json.loads(str(arrays["meta"]))
-        if name in description:
-            del description[name]
-            return arrays | {"meta": np.array(json.dumps(description))}
-        return {each: values for each, values in arrays.items() if each != name}
-
-    return change
-
-
 def sampled(name: str, convert: Callable[[Any], Any]) -> Change:
     return lambda arrays: arrays | {name: convert(arrays[name])}
 
@@ -205,9 +168,11 @@ def last_is(value: float) -> Callable[[Any], Any]:
 REAL = "must be an array of real numbers, got"
 
 TRAJECTORIES: dict[str, tuple[Change, str]] = {
-    **{
-        f"lacks {name}": (lacking(name), f"lacks '{name}'") for name in ("times", "meta", "counts")
-    },
+    "lacks times": (
+        lambda arrays: {name: each for name, each in arrays.items() if name != "times"},
+        "lacks 'times'",
+    ),
+    "lacks scenario": (sampled("meta", lambda _: '{"format": 3}'), "lacks 'scenario'"),
     "complex coordinates": (sampled("coordinates", lambda q: q + 1j), f"coordinates {REAL} compl"),
     "huge": (sampled("rates", last_is(-1e300)), r"rates must not exceed 1e\+100"),
     "method is text": (described(method="RK44"), "method must be a mapping, got str"),
@@ -233,7 +198,7 @@ TRAJECTORIES: dict[str, tuple[Change, str]] = {
 REST: dict[str, tuple[Change, str]] = {
     "rest time outside": (
         described(rest_time=99.0),
-        "rest_time must lie within the samples, from 0 to 4 s, got 99",
+        "rest_time must lie within the samples, from 0 to 0.004 s, got 99",
     ),
     "unit lost": (sampled("quaternions", lambda q: 2.0 * q), "quaternions must have unit length"),
 }
@@ -243,7 +208,7 @@ REST: dict[str, tuple[Change, str]] = {
     ("saved", "change", "cause"),
     [
         pytest.param(motion, *case, id=f"{type(motion).__name__}: {name}")
-        for motion, cases in ((random_trajectory(), TRAJECTORIES), (still_motion(), REST))
+        for motion, cases in ((random_trajectory(), TRAJECTORIES), (STILL, REST))
         for name, case in cases.items()
     ],
 )
@@ -280,7 +245,7 @@ def test_header_that_claims_more_than_there_is_takes_no_memory(
     header = io.BytesIO()
     claimed = {"descr": "<f8", "fortran_order": False, "shape": (count,)}
     np.lib.format.write_array_header_1_0(header, claimed)
-    contents["times.npy"] = header.getvalue() + bytes(8 * SAMPLES)
+    contents["times.npy"] = header.getvalue() + bytes(8 * 5)
     with zipfile.ZipFile(path, "w") as archive:
         for name, content in contents.items():
             archive.writestr(name, content)
@@ -301,11 +266,3 @@ def test_commands_answer_a_foreign_file_in_one_line(
     np.savez(path, **described(method="RK44")(members(path)))
     assert "run.npz is not a readable motion" in refusal(capsys, command.format(path))
     assert [entry.name for entry in path.parent.iterdir()] == ["run.npz"]
-
-
-def test_disk_that_turns_too_often_between_samples_is_not_animated(
-    path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    np.savez(path, **sampled("coordinates", last_is(1e15))(members(path)))
-    said = refusal(capsys, "animate", str(path))
-    assert "the motion cannot be animated: the samples around t = " in said

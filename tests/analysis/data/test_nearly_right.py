@@ -83,7 +83,6 @@ def test_file_says_which_key_is_meant(old: str, new: str, message: str, tmp_path
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        ("scene --spn 3", "unrecognized arguments: --spn 3; did you mean --spin?"),
         ("scenario --law tanh,coeficient=1", "; did you mean coefficient?"),
         ("map spin-fricton", "; did you mean spin-friction?"),
     ],

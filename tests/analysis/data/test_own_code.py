@@ -1,6 +1,5 @@
 """Laws and conditions of one's own that are none or end the program: no command succeeds so."""
 
-from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -9,9 +8,10 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import FrictionLaw, Scenario, SmoothCoulomb
+from analysis import Scenario
 from tests.calls import refusal, run
 from tests.sweeps import sweep
+from tests.wayward_law import EXITS, Answering, Wayward
 from validation.sweeps.case import run_case
 
 LAW = """
@@ -74,37 +74,16 @@ def test_a_law_that_exits_where_the_disk_slips_is_no_success(
     assert written(folder) == []
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Exits(SmoothCoulomb):
-    def per_speed(self, speed: float) -> float:
-        if speed > 0.0:
-            raise SystemExit(3)
-        return SmoothCoulomb.per_speed(self, speed)
-
-
 def test_a_case_whose_law_exits_is_a_row_that_says_so() -> None:
-    row = run_case(sweep("spin=30,31", scenario=Scenario(friction=Exits())), 0, None)
+    law = Wayward(coefficient=EXITS)
+    row = run_case(sweep("spin=30,31", scenario=Scenario(friction=law)), 0, None)
     assert (row["status"], row["reason"]) == ("failed", "SystemExit 3")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Beyond(FrictionLaw):
-    """It says a number beyond 0.05 m/s alone."""
-
-    said: float
-
-    def per_speed(self, speed: float) -> float:
-        return self.said if speed > 0.05 else 3.0
-
-    @property
-    def finest_speed(self) -> float:
-        return 0.1
 
 
 @pytest.mark.parametrize("said", [inf, -1.0])
 @pytest.mark.parametrize("side", ["in-house", "engine", "in-house to rest", "engine to rest"])
 def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(side: str, said: float) -> None:
-    law = Beyond(said=said)
+    law = Answering(says=lambda speed: said if speed > 0.05 else 3.0)
     ideal, soft = Scenario(friction=law), Scenario.rest(friction=law)
     runs: dict[str, Any] = {
         "in-house": lambda: analysis.simulate(ideal, [0.0, 0.1]),
@@ -112,5 +91,7 @@ def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(side: str, sai
         "in-house to rest": lambda: analysis.simulate_to_rest(soft, 0.1),
         "engine to rest": lambda: mbs_models.simulate_to_rest(soft, 0.1),
     }
-    with pytest.raises(ValueError, match=r"^per_speed\(0\.1\) of friction law '.*:Beyond' must"):
+    with pytest.raises(
+        ValueError, match=r"^per_speed\(0\.1\) of friction law '.*:Answering' must"
+    ):
         runs[side]()

@@ -11,17 +11,15 @@ from analysis import (
     LAWS,
     ROUNDED_STEEL_DISK,
     Disk,
-    Dissipation,
-    PenaltyContact,
     Scenario,
     Start,
-    Table,
     load_scenario,
     scenario_text,
 )
 from analysis.data.changes import changed
 from analysis.data.names import ArgumentError, full_name
-from analysis.data.quantities import QUANTITIES, RING, Quantity, default, markdown
+from analysis.data.quantities import QUANTITIES, RING, Quantity, default
+from analysis.data.scenario import KINDS
 from tests.calls import printed, run
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text
@@ -44,14 +42,6 @@ STEADY = {
 """Values that fit, where 0.01 does not."""
 
 EVERY = pytest.mark.parametrize("quantity", QUANTITIES.values(), ids=list(QUANTITIES))
-
-KINDS: dict[str, type] = {
-    "disk": Disk,
-    "table": Table,
-    "contact": PenaltyContact,
-    "dissipation": Dissipation,
-    "start": Start,
-}
 
 
 def home(quantity: Quantity) -> Scenario:
@@ -80,7 +70,8 @@ def beyond(quantity: Quantity) -> list[float | str]:
 
 
 def test_every_number_of_a_data_type_is_declared_with_its_default() -> None:
-    for table, kind in KINDS.items():
+    kinds = {**KINDS, "disk": Disk, "start": Start}
+    for table, kind in kinds.items():
         for field in fields(kind):
             assert f"{table}.{field.name}" in QUANTITIES
             if isinstance(field.default, float):
@@ -111,10 +102,13 @@ def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quant
 
 def test_every_quantity_is_told_with_what_it_means(capsys: pytest.CaptureFixture[str]) -> None:
     shown = " ".join(printed(capsys, "scenario --help").split())
-    for quantity in QUANTITIES.values():
+    page = (Path(__file__).parents[3] / "docs" / "scenario.md").read_text(encoding="utf-8")
+    rows = [row.split(" | ") for row in page.split("\n") if row.startswith("| `")]
+    for quantity, row in zip(QUANTITIES.values(), rows, strict=True):
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
-    page = Path(__file__).parents[3] / "docs" / "scenario.md"
-    assert markdown() in page.read_text(encoding="utf-8")
+        allowed = f" ({quantity.allowed})" if quantity.allowed else ""
+        told = (quantity.unit or "", quantity.shown_default, f"{quantity.meaning}{allowed} |")
+        assert row == [f"| `{quantity.key}`", f"`{quantity.flag}`", *told]
 
 
 @EVERY

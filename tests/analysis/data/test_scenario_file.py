@@ -104,25 +104,24 @@ def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -
 
 
 @pytest.mark.parametrize("level", [1, 4])
-def test_taking_in_a_key_that_was_left_out_changes_nothing(level: Any, tmp_path: Path) -> None:
+def test_taking_in_what_was_left_out_changes_nothing_or_is_the_contact_of_the_way_to_rest(
+    level: Any, tmp_path: Path
+) -> None:
     scenario = Scenario(constraints=MODELS[level], start=Start(beta=1.2, gamma=0.3))
-    text = scenario_text(scenario)
-    begin = text.index("[start]")
-    path = tmp_path / "my.toml"
-    path.write_text(text[:begin] + re.sub(r"^# (?=\w+ =)", "", text[begin:], flags=re.MULTILINE))
-    full = load_scenario(path)
+    text, path = scenario_text(scenario), tmp_path / "my.toml"
+    contact, others, start = (text.index(each) for each in ("# [cont", "# What else", "[start]"))
+
+    def taken_in(begin: int, end: int) -> Scenario:
+        bare = re.sub(r"^# (?=\[|\w+ =)", "", text[begin:end], flags=re.MULTILINE)
+        path.write_text(text[:begin] + bare + text[end:])
+        return load_scenario(path)
+
+    full = taken_in(start, len(text))
     assert isinstance(full.start, Start)
     assert None not in (full.start.x, full.start.gamma_rate, full.start.height)
     assert full.initial_state == scenario.initial_state
-
-
-def test_contact_that_is_taken_in_is_that_of_the_way_to_rest(tmp_path: Path) -> None:
-    text = scenario_text(Scenario())
-    begin, end = text.index("# [contact]"), text.index("# What else")
-    path = tmp_path / "my.toml"
-    taken_in = re.sub(r"^# (?=\[|\w+ =)", "", text[begin:end], flags=re.MULTILINE)
-    path.write_text(text[:begin] + taken_in + text[end:])
-    assert load_scenario(path).contact == Scenario.rest().contact
+    if level == 1:
+        assert taken_in(contact, others).contact == Scenario.rest().contact
 
 
 def test_short_file_holds_what_it_must_and_angles_may_be_text(tmp_path: Path) -> None:

@@ -13,22 +13,13 @@ from tests.helpers import is_running
 
 ROOT = Path(__file__).parents[3]
 
-POOL = """
+SCRIPT = """
 from tests.analysis.data.test_workers import note_and_work
 from analysis.data.workers import Pool
 from sys import argv
 if __name__ == "__main__":
     with Pool(2) as pool:
         list(pool.map(note_and_work, [argv[1]] * 2))
-"""
-
-PROCESSES = """
-from tests.analysis.data.test_workers import note_and_work
-from validation.kit.processes import Processes
-from sys import argv
-if __name__ == "__main__":
-    pool = Processes(2)
-    [each.result() for each in [pool.submit(note_and_work, argv[1]) for _ in range(2)]]
 """
 
 PATIENCE = 60.0
@@ -45,10 +36,9 @@ def note_and_work(folder: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-@pytest.mark.parametrize("code", [POOL, PROCESSES], ids=["pool", "processes"])
-def test_workers_of_a_killed_parent_end(code: str, tmp_path: Path) -> None:
+def test_workers_of_a_killed_parent_end(tmp_path: Path) -> None:
     script = tmp_path / "parent.py"
-    script.write_text(code)
+    script.write_text(SCRIPT)
     notes = tmp_path / "workers"
     notes.mkdir()
     parent = subprocess.Popen(

@@ -37,7 +37,8 @@ from tests.helpers import (
 
 def lowest(body: Body, z: Array) -> Array:
     """Inertial lowest point."""
-    point: Array = body.lowest_points(centre(z)[None], rotation(z)[None])[0]
+    turn = rotation(z)
+    point: Array = centre(z) + turn @ np.array(body.lowest_point(turn[2]))
     return point
 
 

@@ -35,7 +35,7 @@ from analysis import (
 from analysis.data.agreement import until_agreement
 from analysis.data.body import Body
 from analysis.data.checks import Array
-from analysis.data.trajectory import SOURCES, Source
+from analysis.data.sampled import SOURCES, Source
 from tests.calls import printed
 from tests.helpers import mostly_slow, not_none
 from validation.run import run_to_rest

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from tests.calls import Capture, printed
 
 

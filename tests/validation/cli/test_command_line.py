@@ -13,7 +13,7 @@ import mbs_models
 from analysis.data.endings import CONDITIONS
 from analysis.data.inversion import DEFINITION
 from analysis.data.quantities import QUANTITIES
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from analysis.solve.stepping import METHODS
 from analysis.stability.spectra import SYSTEMS
 from mbs_models import INTEGRATORS

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start
-from analysis.data.trajectory import SOURCES, Source
+from analysis.data.sampled import SOURCES, Source
 from validation.run import rest_effort, run, run_effort
 
 TIMES = np.linspace(0.0, 0.05, 6)

@@ -13,7 +13,7 @@ from scipy.optimize import bisect, brute
 
 from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from analysis.mechanics import paper
 from analysis.stability.printed import closed_form, reduced_matrices
 from mbs_models import Scene

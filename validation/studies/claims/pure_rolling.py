@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis import ConstraintSet, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from validation.run import run
 from validation.studies.claims.grades import Judged, within
 from validation.study import Check, Row, Study, at_most, equal

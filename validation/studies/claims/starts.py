@@ -18,7 +18,7 @@ from analysis import LEVELS, MODELS, FlatError, Level, Scenario, Start
 from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
 from analysis.data.inversion import OUTCOMES as DECIDED
 from analysis.data.inversion import STAYING
-from analysis.data.trajectory import Source
+from analysis.data.sampled import Source
 from analysis.stability import printed
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures

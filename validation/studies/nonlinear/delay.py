@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis import Dissipation, Scenario, Start
-from analysis.data.trajectory import Source
+from analysis.data.sampled import Source
 from validation.nonlinear.passage import Passage, SlowPair, follow
 
 SMALL = 0.02

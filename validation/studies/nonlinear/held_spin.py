@@ -17,7 +17,7 @@ import numpy as np
 
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
 from analysis.data.checks import Array
-from analysis.data.trajectory import Source
+from analysis.data.sampled import Source
 from analysis.nonlinear.motions import PeriodicMotion, is_stable
 from analysis.stability.critical import critical_speeds
 from validation.run import run

@@ -11,7 +11,7 @@ import pandas as pd
 
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
-from analysis.data.trajectory import SOURCES
+from analysis.data.sampled import SOURCES
 from analysis.rest.final_stage import fit_power_law, precession
 from analysis.rest.stationary_rolling import (
     axial_spin,

@@ -17,7 +17,7 @@ from analysis import (
     Start,
 )
 from analysis.data.motion_quantities import filled
-from analysis.data.trajectory import SOURCES, Source
+from analysis.data.sampled import SOURCES, Source
 from validation.run import run, run_to_rest
 from validation.study import Row, Study
 
