@@ -188,8 +188,7 @@ class Floating(Model):
     def origin(self) -> Array:
         """What the engine's coordinates are measured from, shape (n,)."""
         data = self.system.systemData
-        found: Array = data.GetODE2CoordinatesTotal() - data.GetODE2Coordinates()
-        return found
+        return np.array(data.GetODE2Coordinates(exu.ConfigurationType.Reference))
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
         place, velocity, parameters, local = _free_motion(coordinates, rates)

@@ -6,7 +6,7 @@ its solvers are stepped here.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from math import asin, nan
+from math import asin, isfinite, isnan, nan
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -238,10 +238,13 @@ def _turn(slip: Callable[[Array], float], before: float, step: Step, after: floa
 
 
 def _step(solver: Any) -> Step:
-    message = solver.step()
-    if solver.status == "failed":
+    # Without a finite derivative, SciPy would look for a first step for ever.
+    lost = isnan(getattr(solver, "h_abs", 0.0))
+    message = None if lost else solver.step()
+    if lost or solver.status == "failed" or not isfinite(solver.y.sum()):
         name = type(solver).__name__
-        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {message}")
+        told = message or "the state is no longer finite"
+        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {told}")
     return Step(solver)
 
 

@@ -7,9 +7,11 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, Scenario, Start, State
+from analysis import LEVELS, STEEL_DISK, PenaltyContact, Scenario, Start, State
 from analysis.data.endings import REACHED, StopWhen
 from mbs_models import FORMULATIONS, Formulation, Scene, formulations
+from mbs_models.accelerations import AccelerationProblem
+from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
 
 TIMES = np.linspace(0.0, 0.5, 51)
@@ -18,6 +20,16 @@ LONG = np.linspace(0.0, 0.6, 121)
 
 def slow(state: State) -> float:
     return state.rates[3] - 39.5
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS[:2])
+def test_accelerations_know_nothing_of_a_run_that_has_exploded(formulation: Formulation) -> None:
+    soft = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
+    motion = AccelerationProblem(Scene(soft, formulation), {})
+    data, start = motion.system.systemData, soft.initial_state.vector
+    data.SetSystemState([np.full(len(part), np.nan) for part in data.GetSystemState()])
+    with solving(motion.system):
+        assert np.isfinite(motion.starting_at(start).right_hand_side(0.0, start)).all()
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:

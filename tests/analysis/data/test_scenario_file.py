@@ -143,6 +143,7 @@ def test_short_file_holds_what_it_must_and_angles_may_be_text(tmp_path: Path) ->
         ("pi/2", pi / 2),
         ("-pi/2 + 0.1", -pi / 2 + 0.1),
         ("2*pi/3 - 45 deg", 2 * pi / 3 - 45 * pi / 180),
+        ("2pi/3", 2 * pi / 3),
         ("1E-3", 1e-3),
         ("+.5", 0.5),
     ],

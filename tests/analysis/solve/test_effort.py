@@ -184,3 +184,13 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
     times = np.linspace(0.0, 2.0, 21)
     run = integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
     assert run.evaluations == next(calls)
+
+
+@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+def test_a_motion_without_finite_derivative_ends_at_once(method: Method) -> None:
+    start = np.ones(2)
+    problem = InitialValueProblem(
+        lambda _, state: state * np.nan, start, None, None, 1.0, lambda states: states
+    )
+    with pytest.raises(ArithmeticError):
+        integrate(problem, np.array([0.0, 1.0]), method, 1e-6, allow_pulling=True, watch=Watch())
