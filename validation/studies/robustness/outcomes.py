@@ -278,6 +278,9 @@ def is_broken(row: Row) -> bool:
 _FALLS, _NO_CONVERGENCE = (
     "falls flat, where Euler angles end", "Newton's iteration does not converge"
 )  # fmt: skip
+UNFINISHED = ("too many steps", _NO_CONVERGENCE)
+"""Causes for which another way may do better."""
+
 _CAUSES = {
     "a contact that pulls": "starts where the contact would pull",
     "lies flat": _FALLS,
@@ -291,11 +294,9 @@ _CAUSES = {
     "cannot be reached": "rounding reached before the tolerance",
     "cannot be followed": "turns lost between samples",
     "before the first sample": "ends before its first sample",
+    "was given up": UNFINISHED[0],
 }
 """Words of a message, and the cause they stand for; the first that fits counts."""
-
-UNFINISHED = ("too many steps", _NO_CONVERGENCE)
-"""Causes for which another way may do better."""
 
 
 def cause(row: Row) -> str:
