@@ -14,7 +14,7 @@ from sphinx.ext import autosummary
 from sphinx.pycode import ModuleAnalyzer
 
 from analysis.data.quantities import QUANTITIES
-from validation.parser.commands import COMMANDS
+from validation.parser.commands import commands
 from validation.parser.options import Command
 
 ROOT = Path(__file__).parent.parent
@@ -88,7 +88,7 @@ def _lead_inside(_: Sphinx, page: nodes.document) -> None:
 def _with_commands(_: Sphinx, page: str, source: list[str]) -> None:
     """Add all commands, as their parsers have them, to the page on them."""
     if page == "commands":
-        source[0] += "".join(map(_section, COMMANDS))
+        source[0] += "".join(map(_section, commands()))
 
 
 def _section(command: Command) -> str:

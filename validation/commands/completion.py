@@ -4,7 +4,7 @@ from argparse import Action
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from validation.parser import commands
+from validation.parser.commands import commands
 
 _BASH = """\
 _tippedisk() {{
@@ -34,7 +34,7 @@ def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHE
         for line in _fish():
             print(f"complete -c tippedisk {line}")
         return 0
-    names, cases = " ".join(each.name for each in commands.COMMANDS), "\n".join(_bash())
+    names, cases = " ".join(each.name for each in commands()), "\n".join(_bash())
     told = _BASH.format(commands=names, cases=cases)
     print(_ZSH + told if shell == "zsh" else told, end="")
     return 0
@@ -46,7 +46,7 @@ def _values(action: Action) -> str:
 
 def _bash() -> Iterator[str]:
     """Words behind an option that takes a value, and anywhere else, by command."""
-    for command in commands.COMMANDS:
+    for command in commands():
         words: list[str] = []
         for action in command.parser().actions:
             words += action.option_strings or [_values(action)]
@@ -57,7 +57,7 @@ def _bash() -> Iterator[str]:
 
 
 def _fish() -> Iterator[str]:
-    for command in commands.COMMANDS:
+    for command in commands():
         about = command.about.partition("\n")[0]
         yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(about)}"
         for action in command.parser().actions:

@@ -25,9 +25,18 @@ _LIGHT = ("pathlib", "typing", "validation.commands.output", "validation.parser"
 """Modules from which signatures have their names."""
 
 
-def _declared(module: str) -> Iterator[Command]:
+def commands() -> list[Command]:
+    """All of them, in the order of the help."""
+    return [each for module in _MODULES for each in _declared(module, _text(module))]
+
+
+def _text(module: str) -> str:
+    return (_FOLDER / f"{module}.py").read_text(encoding="utf-8")
+
+
+def _declared(module: str, text: str) -> Iterator[Command]:
     """Commands of a module, of whose functions the names, parameters and docstrings are kept."""
-    tree = ast.parse((_FOLDER / f"{module}.py").read_text(encoding="utf-8"))
+    tree = ast.parse(text)
     functions = [each for each in tree.body if isinstance(each, ast.FunctionDef)]
     public = [each for each in functions if not each.name.startswith("_")]
     for each in public:
@@ -39,19 +48,22 @@ def _declared(module: str) -> Iterator[Command]:
     yield from (Command(module, names[each.name]) for each in public)
 
 
-COMMANDS: list[Command] = [each for module in _MODULES for each in _declared(module)]
+def _find(name: str) -> Command | None:
+    """The command of a name, for which the module that has it alone is parsed."""
+    for module in _MODULES:
+        if f"\ndef {name}(" in (text := _text(module)):
+            return next((each for each in _declared(module, text) if each.name == name), None)
+    return None
 
 
 def parsed(words: Sequence[str]) -> tuple[Command, Namespace]:
     """Command and options of a call; `SystemExit` if it is a wrong one or asks for help."""
-    by_name = {command.name: command for command in COMMANDS}
     for word in words:
         name, _, value = word.partition("=")
         if name.startswith("--") and value == "--":
             # Taken for the end of the options, it would leave a list without a value.
             _top().error(f"argument {name}: expected a value behind =, got '--'")
-    if words and words[0] in by_name:
-        command = by_name[words[0]]
+    if words and (command := _find(words[0])):
         return command, command.parser().parse_args(words[1:])
     _top().parse_args(list(words[:1]))
     raise AssertionError("a call without a command is refused, or help")
@@ -59,14 +71,14 @@ def parsed(words: Sequence[str]) -> tuple[Command, Namespace]:
 
 def _top() -> Parser:
     """Parser of what stands before a command, or in its place."""
-    about = ast.get_docstring(ast.parse((_FOLDER / "__init__.py").read_text(encoding="utf-8")))
+    about, found = ast.get_docstring(ast.parse(_text("__init__"))), commands()
     top = Parser(
         prog="tippedisk",
         usage="tippedisk [-h] [--version] COMMAND ...",
-        description=(about or "").format(commands="\n".join(map(_line, COMMANDS))),
+        description=(about or "").format(commands="\n".join(map(_line, found))),
     )
     top.add_argument("--version", action=_Version, nargs=0, help="print the version")
-    top.add_argument("command", choices=[each.name for each in COMMANDS], metavar="COMMAND")
+    top.add_argument("command", choices=[each.name for each in found], metavar="COMMAND")
     return top
 
 

@@ -22,7 +22,7 @@ from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
 from validation.parser import runs
-from validation.parser.commands import COMMANDS
+from validation.parser.commands import commands
 from validation.parser.options import Command
 from validation.sweeps.axes import LAYOUTS
 
@@ -59,6 +59,7 @@ FINDING = (
 )
 """Calls of commands that find something."""
 
+COMMANDS = commands()
 EVERY = pytest.mark.parametrize("command", COMMANDS, ids=[each.name for each in COMMANDS])
 
 

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from tests.calls import Capture, printed
-from validation.parser.commands import COMMANDS
+from validation.parser.commands import commands
 
 COMPLETE = """
 COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
@@ -35,7 +35,7 @@ def test_script_of_a_shell_knows_every_command_and_is_understood(
     shell: str, capsys: Capture
 ) -> None:
     script = printed(capsys, "completion", shell)
-    for command in COMMANDS:
+    for command in commands():
         assert f" {command.name} " in script or f":{command.name}:" in script
         for action in command.parser().actions:
             assert all(name.lstrip("-") in script for name in action.option_strings)
