@@ -17,9 +17,14 @@ ABSURD = 1e12
 """Size of a coordinate or rate of the engine that no motion has; a step that was too long does."""
 
 
-_OF_MATH = ("math domain error", "math range error")
-"""What Python's functions say of infinite numbers, at which a step that was too long calls a user
-function; the engine may be back at the start of the step when that is seen here."""
+_OF_MATH = (
+    "math domain error",
+    "math range error",
+    *(f"expected a {kind}" for kind in ("finite input", "nonnegative input", "number in range")),
+)
+"""How messages of Python's functions about infinite numbers begin, from 3.14 on the last ones. A
+step that was too long calls a user function there; the engine may be back at the start of the step
+when that is seen here."""
 
 
 class Ended(Exception):  # noqa: N818 - nothing is wrong
@@ -71,7 +76,7 @@ def solving(system: Any) -> Iterator[None]:
         if raised is None or isinstance(raised, Ended):
             raise
         if isinstance(raised, ValueError | ArithmeticError) and (
-            str(raised) in _OF_MATH or _is_absurd(system)
+            str(raised).startswith(_OF_MATH) or _is_absurd(system)
         ):
             raise exu.SolverError("a step was so long that the motion exploded") from error
         raise raised from None

@@ -62,8 +62,13 @@ def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> N
             signal.raise_signal(signal.SIGINT)
         done.append(new)
 
-    with pytest.raises(KeyboardInterrupt):
-        swept(wanted, path, told=told)
+    # What runs in the background of a script is born deaf to Ctrl-C.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            swept(wanted, path, told=told)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert [rows(path)] == done
 
 
@@ -72,7 +77,6 @@ def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> N
 def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
     # More cases than any machine runs between two commits.
-    # What runs in the background of a script is born deaf to Ctrl-C.
     words = "sweep spin=30:40:1000000 --model 4 --formulation reduced --end 0.05 --workers 2 --out"
     call = ["env", "--default-signal=INT", sys.executable, "-m", "validation", *words.split()]
     count = 0
