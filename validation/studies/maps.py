@@ -1,9 +1,9 @@
 """Maps of what becomes of the disk over two parameters, refined where it changes."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,15 +12,9 @@ from analysis import Scenario
 from analysis.data.checks import Array
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
-from validation.maps.problems import PROBLEMS, Problem, critical_points, label, panels
+from validation.maps.problems import PROBLEMS, critical_points, label, panels
 from validation.maps.refinement import refine
-from validation.maps.uncertainty import (
-    DISTANCES,
-    Uncertainty,
-    pairs_that_differ,
-    shifted_sweeps,
-    uncertainty,
-)
+from validation.maps.uncertainty import DISTANCES, Uncertainty, shifted_sweeps, uncertainty
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.claims.grades import grade
 from validation.study import Check, Row, Study, at_most, relative
@@ -79,12 +73,11 @@ Below, other critical speeds come in, and 4 s are too short for friction to lift
 # --- Measuring -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class Case:
+class Case(NamedTuple):
     """A panel of a map, or some of its cells alone."""
 
-    problem: Problem
     sweep: Sweep
+    to_rest: bool
     levels: int = 0
     numbers: Sequence[int] = ()
 
@@ -97,8 +90,8 @@ def whole() -> dict[str, Case]:
         size: Any = {"cells": CELLS, "levels": levels, "witnesses": WITNESSES}
         sweeps = panels(problem, Scenario(), end=problem.end, **size)
         for sweep in sweeps:
-            label = f"{name} {sweep.scenario.model}" if len(sweeps) > 1 else name
-            made[label] = Case(problem=problem, sweep=sweep, levels=levels)
+            label = f"{name} {sweep.scenario.model}" if problem.basins else name
+            made[label] = Case(sweep, problem.to_rest, levels)
     return made
 
 
@@ -110,7 +103,7 @@ def cases() -> dict[str, Case]:
         **known,
         **{_again(name): _both(known[name], numbers) for name, numbers in REPEATED.items()},
         **{
-            _pairs(distance): Case(problem=rest, sweep=sweep, numbers=range(PAIRS))
+            _pairs(distance): Case(sweep, rest.to_rest, numbers=range(PAIRS))
             for distance, sweep in zip((0.0, *DISTANCES), pairs, strict=True)
         },
     }
@@ -129,23 +122,22 @@ def _both(known: Case, numbers: Sequence[int]) -> Case:
     plan, size = known.sweep.plan, known.sweep.design.size
     step = None if plan.source == "engine" else STEP
     plan = replace(plan, witnesses=size, witness_step=step)
-    return replace(known, sweep=replace(known.sweep, plan=plan), numbers=numbers)
+    return Case(replace(known.sweep, plan=plan), known.to_rest, numbers=numbers)
 
 
 def measure(case: Case) -> list[Row]:
     """Cells with their places and outcomes, and what the other side says."""
-    sweep, to_rest, found = case.sweep, case.problem.to_rest, []
+    sweep, found = case.sweep, []
 
     def run(numbers: Iterable[int]) -> list[Row]:
         for number in numbers:
             row = run_case(sweep, number, TIME_LIMIT)
-            found.append(cell(sweep, row, to_rest=to_rest) | sweep.design.values_of(number))
+            found.append(cell(sweep, row, to_rest=case.to_rest) | sweep.design.values_of(number))
         return found
 
-    if case.numbers:
-        run(case.numbers)
-    else:
+    if case.levels:
         refine(sweep.design.shape, case.levels, run)
+    run(case.numbers)
     return sorted(found, key=lambda each: each["number"])
 
 
@@ -186,18 +178,11 @@ def present(rows: Rows) -> Content:
     models, again = _agreement(basins), _repeated(table)
     return Content(
         numbers={
-            "end": PROBLEMS["basins"].end,
-            "rest_end": PROBLEMS["rest"].end,
-            "near": NEAR,
-            "far": BANDS[-1],
-            "coarse": CELLS,
             "cells": sum(len(each.cells) for each in found.values()),
             "of": sum(each.sweep.design.size for each in found.values()),
             "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
             "agreement": models.set_index("model").iloc[:, -1],
             "fineness": _fineness(table),
-            "distances": DISTANCES,
-            "pairs": PAIRS,
             "repeated": len(again),
         },
         tables={
@@ -206,7 +191,7 @@ def present(rows: Rows) -> Content:
                 columns=["map", "statement", "criterion", "found", "verdict"],
             ),
             "models": models,
-            "panels": pd.DataFrame([_summary(name, each) for name, each in found.items()]),
+            "panels": pd.DataFrame({"map": name, **each.summary} for name, each in found.items()),
             "repeated": again,
         },
         figures={
@@ -340,23 +325,7 @@ def _reduction(found: Mapping[str, Panel]) -> tuple[float, float]:
 
 
 def _fineness(table: pd.DataFrame) -> Uncertainty | None:
-    outcomes = [_of(table, _pairs(distance))["outcome"].tolist() for distance in (0.0, *DISTANCES)]
-    return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
-
-
-def _summary(name: str, panel: Panel) -> Row:
-    apart = panel.seen["difference"]
-    return {
-        "map": name,
-        "model": panel.sweep.scenario.name,
-        "runs": len(panel.cells),
-        "in place of": panel.sweep.design.size,
-        "outcomes": panel.shares,
-        "seen by the other side": len(panel.seen),
-        "of them alike": int(panel.seen["alike"].sum()),
-        "median difference in rad": apart.median(),
-        "largest difference in rad": apart.max(),
-    }
+    return uncertainty([_of(table, _pairs(each))["outcome"] for each in (0.0, *DISTANCES)])
 
 
 def _repeated(table: pd.DataFrame) -> pd.DataFrame:
