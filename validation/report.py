@@ -3,7 +3,7 @@
 import re
 import sqlite3
 import time
-from base64 import b64decode, b64encode
+from base64 import b64decode
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -11,10 +11,11 @@ from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pandas as pd
 
+from analysis.data.files import write_whole
 from analysis.data.trajectory import versions
 from validation import study as kit
 from validation.kit.animation import play
@@ -57,7 +58,7 @@ class MadeSection(NamedTuple):
     checks : list of Check
     verdicts : list of Verdict
     files : dict
-        From names to contents.
+        As in `Section`.
     """
 
     name: str
@@ -66,15 +67,14 @@ class MadeSection(NamedTuple):
     text: str
     checks: list[Check]
     verdicts: list[Verdict]
-    files: dict[str, bytes]
+    files: dict[str, str]
 
     @classmethod
     def of(cls, row: Row) -> "MadeSection":
         """From the row that `draw` makes."""
-        return cls(**row)._replace(
-            checks=[Check(*each) for each in row["checks"]],
-            verdicts=[Verdict(*each) for each in row["verdicts"]],
-            files={name: b64decode(content) for name, content in row["files"]},
+        told = {"checks": Check, "verdicts": Verdict}
+        return cls(
+            **row | {name: [kind(*each) for each in row[name]] for name, kind in told.items()}
         )
 
 
@@ -241,15 +241,7 @@ def _drawing(module: ModuleType, found: Found, results: Path) -> Study:
 
 def draw(case: tuple[str, Found, Path]) -> list[Row]:
     """The row of a section: the fields of a `MadeSection` as plain data."""
-    made = make_section(*case)
-    checks = [[_told(value) for value in check] for check in made.checks]
-    files = [[name, b64encode(content).decode()] for name, content in made.files.items()]
-    return [made._asdict() | {"checks": checks, "verdicts": made.verdicts, "files": files}]
-
-
-def _told(value: Any) -> Any:
-    value = value.item() if hasattr(value, "item") else value
-    return value if isinstance(value, str | int | float | None) else str(value)
+    return [make_section(*case)._asdict()]
 
 
 def make_section(name: str, found: Found, results: Path) -> MadeSection:
@@ -311,8 +303,8 @@ def _write(
     checks = [check for section in sections for check in section.checks]
     files = {name: text for section in sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
-    files["checks.csv"] = table.to_csv(index=False, lineterminator="\n").encode()
-    files["play.html"] = play.page().encode()
+    files["checks.csv"] = table.to_csv(index=False, lineterminator="\n")
+    files["play.html"] = play.page()
     template = environment(Path(__file__).parent / "page").get_template("page.html")
     common = {"checks": checks, "good": verdict(checks), "whole": whole, "made": made}
     shown = []
@@ -321,14 +313,14 @@ def _write(
         shown += [{"path": path, "title": title, "sections": on_it}] if on_it else []
     for each in reversed(shown):
         page = template.render(common, page=each, pages=shown, stored=table_html(stored))
-        files[str(each["path"])] = page.encode()
+        files[str(each["path"])] = page
     earlier = _earlier(folder)
     for name in (earlier - files.keys()) if whole else ():
         (folder / name).unlink(missing_ok=True)
     contents = files.keys() | (set() if whole else earlier)
-    kit.put(folder / _CONTENTS, "\n".join(sorted(contents)))
+    write_whole(folder / _CONTENTS, "\n".join(sorted(contents)))
     for name, content in files.items():
-        kit.put(folder / name, content)
+        write_whole(folder / name, b64decode(content) if name.endswith(".png") else content)
     return folder / str(shown[0]["path"])
 
 

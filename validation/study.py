@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from pebble import ProcessExpired
 
-from analysis.data.files import whole_file
+from analysis.data.files import write_whole
 from analysis.data.trajectory import versions
 from validation.kit.limits import holds
 from validation.kit.processes import open_processes
@@ -211,7 +211,7 @@ class Kept:
                 return
         folder.mkdir(parents=True, exist_ok=True)
         whole = [head, *(json.dumps(each) for each in self.rows.items())]
-        put(self.path, "".join(f"{line}\n" for line in whole))
+        write_whole(self.path, "".join(f"{line}\n" for line in whole))
 
     def add(self, task: Task, rows: list[Row]) -> None:
         """Keep the rows of a task."""
@@ -346,14 +346,10 @@ def write(
     shown = table.assign(
         **{name: table[name].map(json.dumps) for name, kind in kinds.items() if kind == "list"}
     )
-    put(folder / f"{study.name}.csv", shown.to_csv(index=False, lineterminator="\n"))
-    put(folder / f"{study.name}.json", f"{json.dumps(about, indent=1, ensure_ascii=False)}\n")
-
-
-def put(path: Path, content: str | bytes) -> None:
-    """Write a file, whole or not at all."""
-    with whole_file(path) as stream:
-        stream.write(content.encode() if isinstance(content, str) else content)
+    write_whole(folder / f"{study.name}.csv", shown.to_csv(index=False, lineterminator="\n"))
+    write_whole(
+        folder / f"{study.name}.json", f"{json.dumps(about, indent=1, ensure_ascii=False)}\n"
+    )
 
 
 def _kind(values: pd.Series) -> str:
