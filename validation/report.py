@@ -1,11 +1,9 @@
 """The report: all studies measured or confirmed, and two pages with what they found."""
 
 import re
-import sqlite3
 import time
 from base64 import b64decode
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
@@ -39,9 +37,6 @@ PAGES: Sequence[Page] = (
     ("report.html", "The tippedisk: multibody engine against in-house equations", DISK),
     ("method.html", "The tippedisk: how well the method works", METHOD),
 )
-
-KEPT = ".kept"
-"""Folder inside that of a report with what is measured and drawn."""
 
 _CONTENTS = ".contents"
 """File with the names of all files of a report."""
@@ -179,43 +174,27 @@ def make(
     modules = [find(name) for _, _, names in pages for name in names]
     modules = [module for module in modules if not wanted or module.__name__ in wanted]
     studies = {study.name: study for module in modules for study in module.STUDIES}
-    with locked(folder):
-        # What measures times runs last, beside its like.
-        ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
-        tasks = [task for study in ordered for task in study.tasks(whole=False)]
-        found = kit.measured(tasks, folder / KEPT, workers=workers, fresh=fresh, title="measure")
-        sections = _sections(modules, found, folder / KEPT, results, workers)
-        made = f"Made in {time.perf_counter() - begin:.0f} s; {_surroundings()}."
-        stored = stored_table(modules, results)
-        page = _write(folder, pages, sections, stored, made, whole=not only)
-        return Report(page=page, sections=sections)
-
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """See to it that no other process works in a folder meanwhile; `OSError` if one does."""
-    (folder / KEPT).mkdir(parents=True, exist_ok=True)
-    # A lock of SQLite's is known on every system and ends with its process, however that ends.
-    path = folder / KEPT / ".lock"
-    with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as lock:
-        try:
-            lock.execute("BEGIN EXCLUSIVE")
-        except sqlite3.OperationalError as error:
-            reason = "another process works in it" if "locked" in str(error) else error
-            raise OSError(f"{folder} cannot be written to now: {reason}") from error
-        yield
+    # What measures times runs last, beside its like.
+    ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
+    tasks = [task for study in ordered for task in study.tasks(whole=False)]
+    found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
+    sections = _sections(modules, found, folder, results, workers)
+    made = f"Made in {time.perf_counter() - begin:.0f} s; {_surroundings()}."
+    stored = stored_table(modules, results)
+    page = _write(folder, pages, sections, stored, made, whole=not only)
+    return Report(page=page, sections=sections)
 
 
 # --- Sections ----------------------------------------------------------------------------------
 
 
 def _sections(
-    modules: Sequence[ModuleType], found: Found, kept: Path, results: Path, workers: int | None
+    modules: Sequence[ModuleType], found: Found, folder: Path, results: Path, workers: int | None
 ) -> list[MadeSection]:
     """Sections of studies, drawn as cases are measured: side by side, where they are not kept."""
     drawings = [_drawing(module, found, results) for module in modules]
     tasks = [task for each in drawings for task in each.tasks(whole=True)]
-    made = kit.measured(tasks, kept, workers=workers, title="draw")
+    made = kit.measured(tasks, folder, workers=workers, title="draw")
     rows = [made[task.key] for task in tasks]
     return [
         _broken(module, repr(row)) if isinstance(row, Exception) else MadeSection.of(*row)
@@ -397,9 +376,8 @@ def measure(
         If a folder cannot be written, or another process works in it.
     """
     provenance = Provenance.here()  # The commit may move on meanwhile.
-    with locked(folder):
-        tasks = study.tasks(whole=True)
-        found = kit.measured(tasks, folder / KEPT, workers=workers, fresh=fresh, title=study.name)
+    tasks = study.tasks(whole=True)
+    found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
     table = kit.whole_table(study, found)
     results.mkdir(parents=True, exist_ok=True)
     kit.write(study, table, provenance, results)
