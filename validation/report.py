@@ -14,11 +14,10 @@ from typing import NamedTuple
 import pandas as pd
 
 from analysis.data.files import write_whole
-from analysis.data.trajectory import versions
 from validation import study as kit
 from validation.kit.animation import play
 from validation.kit.progress import say
-from validation.kit.provenance import PACKAGES, Provenance, machine
+from validation.kit.provenance import Provenance
 from validation.kit.sources import behind
 from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
@@ -179,7 +178,7 @@ def make(
     tasks = [task for study in ordered for task in study.tasks(whole=False)]
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
     sections = _sections(modules, found, folder, results, workers)
-    made = f"Made in {time.perf_counter() - begin:.0f} s; {_surroundings()}."
+    made = f"Made in {time.perf_counter() - begin:.0f} s; {Provenance.here().text()}."
     stored = stored_table(modules, results)
     page = _write(folder, pages, sections, stored, made, whole=not only)
     return Report(page=page, sections=sections)
@@ -336,11 +335,6 @@ def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows)
-
-
-def _surroundings() -> str:
-    used = ", ".join(f"{name} {version}" for name, version in versions(*PACKAGES).items())
-    return f"{used}, on {machine()}"
 
 
 # --- Stored tables ------------------------------------------------------------------------------

@@ -191,7 +191,6 @@ def measured(
 
 _KEEP = """
 PRAGMA locking_mode = EXCLUSIVE;
-
 BEGIN EXCLUSIVE;
 CREATE TABLE IF NOT EXISTS kept (study, label, behind, rows, PRIMARY KEY (study, label));
 COMMIT
