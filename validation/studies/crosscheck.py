@@ -29,6 +29,7 @@ from validation.studies.comparisons import (
     ACCELERATION_LIMIT,
     ANGLE_LIMIT,
     END,
+    SPINS,
     compare_scene,
 )
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
@@ -157,6 +158,7 @@ def present(rows: Rows) -> Content:
         numbers={
             **most,
             "scenes": scenes,
+            "spins": SPINS,
             "turned": turned,
             "turned_apart": apart,
         },
