@@ -91,44 +91,31 @@ def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
     assert told() == [False, False]
 
 
-def late(seconds: float) -> Callable[[Callable[[], Trajectory]], Trajectory]:
-    """A motion that ends later in the same state."""
-
-    def change(made: Callable[[], Trajectory]) -> Trajectory:
-        found = made()
-        ending = replace(not_none(found.ending), time=not_none(found.ending).time + seconds)
-        return replace(found, times=found.times + seconds, ending=ending)
-
-    return change
-
-
-@pytest.mark.parametrize(
-    ("change", "agrees", "told"),
-    [
-        (late(0.0), True, "over 0.01587 s, where contact would pull"),
-        (late(1e-6), False, "where contact would pull"),
-        (
-            lambda made: replace(made(), ending=None),
-            False,
-            "engine runs through; in-house ended at",
-        ),
-        (lambda made: made(time_limit=1e-9), None, "time limit"),
-    ],
-    ids=["as it is", "late", "otherwise", "no time"],
-)
 def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
-    change: Any, agrees: bool | None, told: str, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def other(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
-        made = partial(run, scenario, times, **how)
-        found: Trajectory = made() if how.get("source") == "in-house" else change(made)
-        return found
+    def told(change: Callable[[Trajectory], Any] = lambda found: found, **more: Any) -> Any:
+        def other(*given: Any, **how: Any) -> Trajectory:
+            if how.get("source") == "in-house":
+                return run(*given, **how)
+            return change(run(*given, **how | more))
 
-    monkeypatch.setattr(comparisons, "run", other)
-    difference, detail = comparisons.motion_difference(PULLING, 0.1)
-    within = holds(difference, comparisons.ANGLE_LIMIT)
-    assert (None if difference is None else within) is agrees
-    assert told in detail
+        monkeypatch.setattr(comparisons, "run", other)
+        return comparisons.motion_difference(PULLING, 0.1)
+
+    def late(found: Trajectory) -> Trajectory:
+        ending = replace(not_none(found.ending), time=not_none(found.ending).time + 1e-6)
+        return replace(found, times=found.times + 1e-6, ending=ending)
+
+    (right, detail), (wrong, _) = told(), told(late)
+    assert detail == "over 0.01587 s, where contact would pull"
+    assert right < comparisons.ANGLE_LIMIT < wrong
+    difference, detail = told(lambda found: replace(found, ending=None))
+    assert difference == inf
+    assert "engine runs through; in-house ended at" in detail
+    difference, detail = told(time_limit=1e-9)
+    assert difference is None
+    assert "time limit" in detail
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
