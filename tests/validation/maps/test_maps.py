@@ -27,7 +27,6 @@ from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
 
 REDUCED = Scenario(constraints=MODELS[4])
-SPIN_FRICTION = PROBLEMS["spin-friction"]
 SIZE = 65
 BARRIER = 9.81 * STEEL_DISK.mass * (STEEL_DISK.radius - STEEL_DISK.eccentricity)
 
@@ -66,6 +65,8 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
 
 JUDGED: list[tuple[bool, dict[str, Any], str]] = [
     (False, {"inversion": "inverted"}, "inverted"),
+    (False, {"inversion": "not inverted"}, "not inverted"),
+    (False, {"inversion": "not inverted", "ending": "flat"}, "flat"),
     (False, {"inversion": "not inverted", "ending": "contact would pull"}, "pulls"),
     (False, {"status": "crashed"}, "failed"),
     (False, {"status": "refused"}, "refused"),
@@ -83,17 +84,13 @@ def test_outcomes_are_told_apart(to_rest: bool, row: dict[str, Any], expected: s
     assert judged(Scenario(), done | row, to_rest=to_rest) == expected
 
 
-@pytest.mark.parametrize(
-    ("other", "seen", "alike"),
-    [(None, False, False), ("failed", True, False)],
-)
-def test_run_that_the_other_side_cannot_make_counts_as_unlike(
-    other: str | None, seen: bool, alike: bool
-) -> None:
+def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
     row = {"number": 0, "status": "done", "inversion": "inverted", "inverted_at": 0.5}
-    row |= {"seconds": 0.1, "other_inversion": other}
-    found = cell(grid(), row, to_rest=False)
-    assert (found["seen"], found["alike"]) == (seen, alike)
+    row |= {"seconds": 0.1}
+    told = [(None, False, False), ("inverted", True, True), ("failed", True, False)]
+    for other, seen, alike in told:
+        found = cell(grid(), row | {"other_inversion": other}, to_rest=False)
+        assert (found["seen"], found["alike"]) == (seen, alike)
 
 
 def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
