@@ -5,7 +5,7 @@ to predictability, Physics Letters A 99 (1983).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from analysis import Scenario
 from analysis.data.checks import Array
 from validation.maps.problems import Problem, quickest_plan
-from validation.sweeps.axes import Axis, Design
+from validation.sweeps.axes import Design
 from validation.sweeps.sweep import Sweep
 
 DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
@@ -63,17 +63,14 @@ def shifted_sweeps(
     compiled : bool
         See `quickest_plan`.
     """
-    (field, first, last), (other, low, high) = problem.right, problem.up
     plan = quickest_plan(scenario, end, 0, compiled=compiled)
+    first, last = (float(problem.right.between(part)) for part in (0.0, 1.0))
     sweeps = []
     for distance in (0.0, *DISTANCES) if number else ():
         # The same random numbers between shifted ends are the same starts, shifted.
         shift = distance * (last - first)
-        axes = (
-            Axis(field=field, first=first + shift, last=last + shift),
-            Axis(field=other, first=low, last=high),
-        )
-        design = Design(axes=axes, layout="random", number=number)
+        shifted = replace(problem.right, first=first + shift, last=last + shift)
+        design = Design(axes=(shifted, problem.up), layout="random", number=number)
         sweeps.append(Sweep(scenario=scenario, design=design, plan=plan))
     return sweeps
 

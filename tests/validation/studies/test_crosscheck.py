@@ -94,7 +94,7 @@ def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
 def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def told(change: Callable[[Trajectory], Any] = lambda found: found, **more: Any) -> Any:
+    def told(change: Callable[[Trajectory], Trajectory] = lambda found: found, **more: Any) -> Any:
         def other(*given: Any, **how: Any) -> Trajectory:
             if how.get("source") == "in-house":
                 return run(*given, **how)
