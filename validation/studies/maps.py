@@ -176,18 +176,19 @@ def present(rows: Rows) -> Content:
     found = _panels(table)
     basins = [each for name, each in found.items() if name.startswith("basins")]
     models, again = _agreement(basins), _repeated(table)
+    fine = uncertainty([_of(table, _pairs(each))["outcome"] for each in (0.0, *DISTANCES)])
     return Content(
         numbers={
             "cells": sum(len(each.cells) for each in found.values()),
             "of": sum(each.sweep.design.size for each in found.values()),
             "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
             "agreement": models[BANDS[-1]],
-            "fineness": _fineness(table),
+            "fineness": fine,
             "repeated": len(again),
         },
         tables={
             "claims": pd.DataFrame(
-                _claims(table, found),
+                _claims(found, fine),
                 columns=["map", "statement", "criterion", "found", "verdict"],
             ),
             "models": models.rename(columns="% within {:g} rad".format).reset_index(),
@@ -276,7 +277,7 @@ Claim = tuple[str, str, str, str, str]
 """Map, statement, criterion, what was found, and whether it holds."""
 
 
-def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
+def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Claim]:
     """What the maps say."""
     for name, least in SPEED_MAPS.items():
         apart = above_critical(found[name], least)
@@ -289,7 +290,6 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
             f"{low:.1f} to {high:.1f} rad/s more",
             grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
         )
-    fine = _fineness(table)
     is_fractal = fine is not None and fine.exponent + 2.0 * fine.error < 1.0
     yield (
         "rest",
@@ -298,19 +298,6 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
         f"{fine.exponent:.2f} ± {fine.error:.2f}" if fine else "no exponent",
         "yes" if is_fractal else "not shown",
     )
-    seen = table[table["seen"]]
-    alike, number = int(seen["alike"].sum()), len(seen)
-    yield (
-        "all",
-        "engine and in-house equations tell the same",
-        "all cases that both have run end alike; partly: 95 %",
-        f"{alike} of {number}",
-        grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
-    )
-
-
-def _fineness(table: pd.DataFrame) -> Uncertainty | None:
-    return uncertainty([_of(table, _pairs(each))["outcome"] for each in (0.0, *DISTANCES)])
 
 
 def _repeated(table: pd.DataFrame) -> pd.DataFrame:
