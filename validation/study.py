@@ -173,17 +173,17 @@ def measured(
         If the folder cannot be written, or another process works in it.
     """
     studies = {task.study.name: task.study for task in tasks}
-    behind_rows = {name: json.dumps(identity(study)) for name, study in studies.items()}
+    hang_on = {name: json.dumps(identity(study)) for name, study in studies.items()}
     found: Found = {}
     with _kept(folder) as file:
         for task in tasks if not fresh else ():
-            asked = (*task.key, behind_rows[task.study.name])
+            asked = (*task.key, hang_on[task.study.name])
             for (rows,) in file.execute(_FIND, asked):
                 found[task.key] = json.loads(rows)
         left = [task for task in tasks if task.key not in found]
         for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
             if not isinstance(rows, Exception):
-                told = (*task.key, behind_rows[task.study.name], json.dumps(rows))
+                told = (*task.key, hang_on[task.study.name], json.dumps(rows))
                 file.execute("REPLACE INTO kept VALUES (?, ?, ?, ?)", told)
             found[task.key] = rows
     return found
@@ -192,10 +192,10 @@ def measured(
 _KEEP = """
 PRAGMA locking_mode = EXCLUSIVE;
 BEGIN EXCLUSIVE;
-CREATE TABLE IF NOT EXISTS kept (study, label, behind, rows, PRIMARY KEY (study, label));
+CREATE TABLE IF NOT EXISTS kept (study, label, hang_on, rows, PRIMARY KEY (study, label));
 COMMIT
 """
-_FIND = "SELECT rows FROM kept WHERE study = ? AND label = ? AND behind = ?"
+_FIND = "SELECT rows FROM kept WHERE study = ? AND label = ? AND hang_on = ?"
 
 
 @contextmanager
@@ -207,10 +207,10 @@ def _kept(folder: Path) -> Iterator[sqlite3.Connection]:
     with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
         try:
             file.executescript(_KEEP)
+            yield file
         except sqlite3.DatabaseError as error:
             reason = "another process works in it" if "locked" in str(error) else error
             raise OSError(f"{folder} cannot be written to now: {reason}") from error
-        yield file
 
 
 def identity(study: Study) -> Row:
