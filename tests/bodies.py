@@ -1,19 +1,11 @@
 """Bodies of several kinds, and states of them, for tests of both sides."""
 
 from dataclasses import dataclass, replace
-from math import pi
 from typing import Any
 
 import numpy as np
 
-from analysis import (
-    Body,
-    EllipticDisk,
-    PenaltyContact,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-)
+from analysis import Body, Scenario, Start
 from analysis.data.elementary import sqrt
 from validation.studies import crosscheck
 
@@ -21,17 +13,7 @@ COMPOSED, TIPPE_TOP = crosscheck.COMPOSED, crosscheck.TOP
 
 LOPSIDED = replace(COMPOSED, inertia_xz=5e-6, inertia_yz=-4e-6)
 
-ELLIPSE = EllipticDisk(
-    radius=0.045,
-    other_radius=0.035,
-    long_axis=0.4,
-    mass=0.4,
-    eccentricity=0.003,
-    inertia_x=2.2e-4,
-    inertia_y=2.1e-4,
-    inertia_z=4.0e-4,
-    inertia_xy=1e-5,
-)
+ELLIPSE = replace(crosscheck.ELLIPSE, long_axis=0.4, inertia_xy=1e-5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,9 +66,5 @@ def random_start(seed: int, pace: float = 1.0) -> Start:
 
 def spinning_top(coefficient: float = 0.3) -> Scenario:
     """The tippe top, spun about its axis with the centre of gravity below, a little aslant."""
-    return Scenario(
-        disk=TIPPE_TOP,
-        friction=SmoothCoulomb(coefficient=coefficient, smoothing=0.01, load="contact"),
-        contact=PenaltyContact.rounded(TIPPE_TOP, stiffness=1e4),
-        start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
-    )
+    law: Any = crosscheck.SPUN.friction
+    return replace(crosscheck.SPUN, friction=replace(law, coefficient=coefficient))

@@ -1,25 +1,23 @@
 """The report: all studies measured or confirmed, and two pages with what they found."""
 
 import re
-import sqlite3
 import time
-from base64 import b64decode, b64encode
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import closing, contextmanager
+from base64 import b64decode
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pandas as pd
 
-from analysis.data.trajectory import versions
+from analysis.data.files import write_whole
 from validation import study as kit
 from validation.kit.animation import play
 from validation.kit.progress import say
-from validation.kit.provenance import PACKAGES, Provenance, machine
+from validation.kit.provenance import Provenance
 from validation.kit.sources import behind
 from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
@@ -39,9 +37,6 @@ PAGES: Sequence[Page] = (
     ("method.html", "The tippedisk: how well the method works", METHOD),
 )
 
-KEPT = ".kept"
-"""Folder inside that of a report with what is measured and drawn."""
-
 _CONTENTS = ".contents"
 """File with the names of all files of a report."""
 
@@ -57,7 +52,7 @@ class MadeSection(NamedTuple):
     checks : list of Check
     verdicts : list of Verdict
     files : dict
-        From names to contents.
+        As in `Section`.
     """
 
     name: str
@@ -66,15 +61,14 @@ class MadeSection(NamedTuple):
     text: str
     checks: list[Check]
     verdicts: list[Verdict]
-    files: dict[str, bytes]
+    files: dict[str, str]
 
     @classmethod
     def of(cls, row: Row) -> "MadeSection":
         """From the row that `draw` makes."""
-        return cls(**row)._replace(
-            checks=[Check(*each) for each in row["checks"]],
-            verdicts=[Verdict(*each) for each in row["verdicts"]],
-            files={name: b64decode(content) for name, content in row["files"]},
+        told = {"checks": Check, "verdicts": Verdict}
+        return cls(
+            **row | {name: [kind(*each) for each in row[name]] for name, kind in told.items()}
         )
 
 
@@ -179,43 +173,27 @@ def make(
     modules = [find(name) for _, _, names in pages for name in names]
     modules = [module for module in modules if not wanted or module.__name__ in wanted]
     studies = {study.name: study for module in modules for study in module.STUDIES}
-    with locked(folder):
-        # What measures times runs last, beside its like.
-        ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
-        tasks = [task for study in ordered for task in study.tasks(whole=False)]
-        found = kit.measured(tasks, folder / KEPT, workers=workers, fresh=fresh, title="measure")
-        sections = _sections(modules, found, folder / KEPT, results, workers)
-        made = f"Made in {time.perf_counter() - begin:.0f} s; {_surroundings()}."
-        stored = stored_table(modules, results)
-        page = _write(folder, pages, sections, stored, made, whole=not only)
-        return Report(page=page, sections=sections)
-
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """See to it that no other process works in a folder meanwhile; `OSError` if one does."""
-    (folder / KEPT).mkdir(parents=True, exist_ok=True)
-    # A lock of SQLite's is known on every system and ends with its process, however that ends.
-    path = folder / KEPT / ".lock"
-    with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as lock:
-        try:
-            lock.execute("BEGIN EXCLUSIVE")
-        except sqlite3.OperationalError as error:
-            reason = "another process works in it" if "locked" in str(error) else error
-            raise OSError(f"{folder} cannot be written to now: {reason}") from error
-        yield
+    # What measures times runs last, beside its like.
+    ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
+    tasks = [task for study in ordered for task in study.tasks(whole=False)]
+    found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
+    sections = _sections(modules, found, folder, results, workers)
+    made = f"Made in {time.perf_counter() - begin:.0f} s; {Provenance.here().text()}."
+    stored = stored_table(modules, results)
+    page = _write(folder, pages, sections, stored, made, whole=not only)
+    return Report(page=page, sections=sections)
 
 
 # --- Sections ----------------------------------------------------------------------------------
 
 
 def _sections(
-    modules: Sequence[ModuleType], found: Found, kept: Path, results: Path, workers: int | None
+    modules: Sequence[ModuleType], found: Found, folder: Path, results: Path, workers: int | None
 ) -> list[MadeSection]:
     """Sections of studies, drawn as cases are measured: side by side, where they are not kept."""
     drawings = [_drawing(module, found, results) for module in modules]
     tasks = [task for each in drawings for task in each.tasks(whole=True)]
-    made = kit.measured(tasks, kept, workers=workers, title="draw")
+    made = kit.measured(tasks, folder, workers=workers, title="draw")
     rows = [made[task.key] for task in tasks]
     return [
         _broken(module, repr(row)) if isinstance(row, Exception) else MadeSection.of(*row)
@@ -241,15 +219,7 @@ def _drawing(module: ModuleType, found: Found, results: Path) -> Study:
 
 def draw(case: tuple[str, Found, Path]) -> list[Row]:
     """The row of a section: the fields of a `MadeSection` as plain data."""
-    made = make_section(*case)
-    checks = [[_told(value) for value in check] for check in made.checks]
-    files = [[name, b64encode(content).decode()] for name, content in made.files.items()]
-    return [made._asdict() | {"checks": checks, "verdicts": made.verdicts, "files": files}]
-
-
-def _told(value: Any) -> Any:
-    value = value.item() if hasattr(value, "item") else value
-    return value if isinstance(value, str | int | float | None) else str(value)
+    return [make_section(*case)._asdict()]
 
 
 def make_section(name: str, found: Found, results: Path) -> MadeSection:
@@ -311,8 +281,8 @@ def _write(
     checks = [check for section in sections for check in section.checks]
     files = {name: text for section in sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
-    files["checks.csv"] = table.to_csv(index=False, lineterminator="\n").encode()
-    files["play.html"] = play.page().encode()
+    files["checks.csv"] = table.to_csv(index=False, lineterminator="\n")
+    files["play.html"] = play.page()
     template = environment(Path(__file__).parent / "page").get_template("page.html")
     common = {"checks": checks, "good": verdict(checks), "whole": whole, "made": made}
     shown = []
@@ -321,14 +291,14 @@ def _write(
         shown += [{"path": path, "title": title, "sections": on_it}] if on_it else []
     for each in reversed(shown):
         page = template.render(common, page=each, pages=shown, stored=table_html(stored))
-        files[str(each["path"])] = page.encode()
+        files[str(each["path"])] = page
     earlier = _earlier(folder)
     for name in (earlier - files.keys()) if whole else ():
         (folder / name).unlink(missing_ok=True)
     contents = files.keys() | (set() if whole else earlier)
-    kit.put(folder / _CONTENTS, "\n".join(sorted(contents)))
+    write_whole(folder / _CONTENTS, "\n".join(sorted(contents)))
     for name, content in files.items():
-        kit.put(folder / name, content)
+        write_whole(folder / name, b64decode(content) if name.endswith(".png") else content)
     return folder / str(shown[0]["path"])
 
 
@@ -367,11 +337,6 @@ def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _surroundings() -> str:
-    used = ", ".join(f"{name} {version}" for name, version in versions(*PACKAGES).items())
-    return f"{used}, on {machine()}"
-
-
 # --- Stored tables ------------------------------------------------------------------------------
 
 
@@ -405,9 +370,8 @@ def measure(
         If a folder cannot be written, or another process works in it.
     """
     provenance = Provenance.here()  # The commit may move on meanwhile.
-    with locked(folder):
-        tasks = study.tasks(whole=True)
-        found = kit.measured(tasks, folder / KEPT, workers=workers, fresh=fresh, title=study.name)
+    tasks = study.tasks(whole=True)
+    found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
     table = kit.whole_table(study, found)
     results.mkdir(parents=True, exist_ok=True)
     kit.write(study, table, provenance, results)

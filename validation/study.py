@@ -8,8 +8,10 @@ measured on the spot, with what is stored.
 
 import json
 import os
+import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
+from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, field
 from math import inf, isfinite, isnan
 from pathlib import Path
@@ -19,7 +21,7 @@ import numpy as np
 import pandas as pd
 from pebble import ProcessExpired
 
-from analysis.data.files import whole_file
+from analysis.data.files import write_whole
 from analysis.data.trajectory import versions
 from validation.kit.limits import holds
 from validation.kit.processes import open_processes
@@ -164,60 +166,51 @@ def measured(
         Measure all of them again.
     title : str
         In front of the progress bar.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written, or another process works in it.
     """
     studies = {task.study.name: task.study for task in tasks}
-    kept = {name: Kept(study, folder) for name, study in studies.items()}
+    hang_on = {name: json.dumps(identity(study)) for name, study in studies.items()}
     found: Found = {}
-    left = []
-    for task in tasks:
-        known = None if fresh else kept[task.study.name].rows.get(task.label)
-        if known is None:
-            left.append(task)
-        else:
-            found[task.key] = known
-    for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
-        if not isinstance(rows, Exception):
-            kept[task.study.name].add(task, rows)
-        found[task.key] = rows
+    with _kept(folder) as file:
+        for task in tasks if not fresh else ():
+            asked = (*task.key, hang_on[task.study.name])
+            for (rows,) in file.execute(_FIND, asked):
+                found[task.key] = json.loads(rows)
+        left = [task for task in tasks if task.key not in found]
+        for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
+            if not isinstance(rows, Exception):
+                told = (*task.key, hang_on[task.study.name], json.dumps(rows))
+                file.execute("REPLACE INTO kept VALUES (?, ?, ?, ?)", told)
+            found[task.key] = rows
     return found
 
 
-class Kept:
-    """Rows of a study that earlier calls of the same code have left in a folder.
+_KEEP = """
+PRAGMA locking_mode = EXCLUSIVE;
+BEGIN EXCLUSIVE;
+CREATE TABLE IF NOT EXISTS kept (study, label, hang_on, rows, PRIMARY KEY (study, label));
+COMMIT
+"""
+_FIND = "SELECT rows FROM kept WHERE study = ? AND label = ? AND hang_on = ?"
 
-    Parameters
-    ----------
-    study : Study
-    folder : Path
 
-    Attributes
-    ----------
-    path : Path
-        A line with what made them, and one for each measurement; the last one counts.
-    rows : dict
-        By label.
-    """
-
-    def __init__(self, study: Study, folder: Path) -> None:
-        self.path = folder / f"{study.name}.jsonl"
-        self.rows: dict[str, list[Row]] = {}
-        head = json.dumps(identity(study))
-        # What follows the last end of a line was being written when a run was interrupted.
-        lines = self.path.read_text("utf-8").split("\n") if self.path.is_file() else [""]
-        partly = lines.pop()
-        if lines and lines[0] == head:
-            self.rows = dict(map(json.loads, lines[1:]))
-            if not partly:
-                return
-        folder.mkdir(parents=True, exist_ok=True)
-        whole = [head, *(json.dumps(each) for each in self.rows.items())]
-        put(self.path, "".join(f"{line}\n" for line in whole))
-
-    def add(self, task: Task, rows: list[Row]) -> None:
-        """Keep the rows of a task."""
-        self.rows[task.label] = rows
-        with self.path.open("a", encoding="utf-8") as stream:
-            stream.write(f"{json.dumps([task.label, rows])}\n")
+@contextmanager
+def _kept(folder: Path) -> Iterator[sqlite3.Connection]:
+    """Rows that earlier calls have left in a folder; `OSError` if another process works in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    # A lock of SQLite's is known on every system and ends with its process, however that ends.
+    path = folder / ".kept.db"
+    with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
+        try:
+            file.executescript(_KEEP)
+            yield file
+        except sqlite3.DatabaseError as error:
+            reason = "another process works in it" if "locked" in str(error) else error
+            raise OSError(f"{folder} cannot be written to now: {reason}") from error
 
 
 def identity(study: Study) -> Row:
@@ -346,14 +339,10 @@ def write(
     shown = table.assign(
         **{name: table[name].map(json.dumps) for name, kind in kinds.items() if kind == "list"}
     )
-    put(folder / f"{study.name}.csv", shown.to_csv(index=False, lineterminator="\n"))
-    put(folder / f"{study.name}.json", f"{json.dumps(about, indent=1, ensure_ascii=False)}\n")
-
-
-def put(path: Path, content: str | bytes) -> None:
-    """Write a file, whole or not at all."""
-    with whole_file(path) as stream:
-        stream.write(content.encode() if isinstance(content, str) else content)
+    write_whole(folder / f"{study.name}.csv", shown.to_csv(index=False, lineterminator="\n"))
+    write_whole(
+        folder / f"{study.name}.json", f"{json.dumps(about, indent=1, ensure_ascii=False)}\n"
+    )
 
 
 def _kind(values: pd.Series) -> str:

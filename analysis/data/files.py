@@ -113,6 +113,12 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
             copyfileobj(content, stream)
 
 
+def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write a file, text in UTF-8, whole or not at all; errors are those of `whole_file`."""
+    with whole_file(path) as stream:
+        stream.write(content.encode() if isinstance(content, str) else content)
+
+
 def is_standard_output(path: str | os.PathLike[str]) -> bool:
     """Whether a path is a name of standard output: `STANDARD_OUTPUT`, or where that leads."""
     if Path(path) == STANDARD_OUTPUT:

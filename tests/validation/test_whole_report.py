@@ -17,7 +17,7 @@ from tests.stated import missing, values
 from validation import report
 from validation import study as kit
 from validation.page.content import Rows
-from validation.study import RESULTS, Check
+from validation.study import Check
 
 ROOT = Path(__file__).parents[2]
 
@@ -91,15 +91,10 @@ def test_a_second_call_takes_what_the_first_has_left(folder: Path) -> None:
 @pytest.mark.parametrize("name", [*report.DISK, *report.METHOD])
 def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder: Path) -> None:
     module = report.find(name)
-    rows: Rows = {}
     whole = [study for study in module.STUDIES if not study.is_stored]
-    for study in module.STUDIES:
-        if study.is_stored:
-            rows = {**rows, study.name: kit.load(study, RESULTS)}
-        else:
-            kept = kit.Kept(study, folder / report.KEPT).rows
-            found: kit.Found = {(study.name, label): made for label, made in kept.items()}
-            rows = {**rows, study.name: kit.whole_table(study, found)}
+    rows = {study.name: kit.load(study) for study in module.STUDIES if study.is_stored}
+    for study in whole:
+        rows[study.name] = kit.whole_table(study, kit.measured(study.tasks(whole=True), folder))
     assert all(check.holds for check in module.present(rows).checks)
     for study in whole:
         table = rows[study.name].copy()

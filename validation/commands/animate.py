@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import validation
-from validation.commands.output import name_of, write_whole
+from validation.commands.output import name_of
 from validation.commands.scenarios import stored_runs
 from validation.parser.kinds import AnimationOut, Own, PageOut, Run
 
@@ -63,10 +63,11 @@ def play(*, out: PageOut = Path("play.html")) -> int:
     out
         Page to write, .html or -.
     """
+    from analysis.data.files import write_whole
     from validation.kit.animation.play import page
 
     made = page()
-    write_whole(made, out)
+    write_whole(out, made)
     size = len(made.encode()) / 1e3
     print(f"{out}: a page of {size:.0f} kB; open it in a browser")
     return 0

@@ -11,9 +11,9 @@ from validation.commands.output import Result, save
 from validation.kit.progress import bar, duration, say
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
-from validation.maps.problems import PROBLEMS, Problem, panels
+from validation.maps.problems import PROBLEMS, panels
 from validation.maps.refinement import expected_cases
-from validation.maps.uncertainty import DISTANCES, Uncertainty, run_pairs, shifted_sweeps
+from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import kinds
 from validation.parser.paths import PICTURES
 from validation.sweeps.pools import open_pool
@@ -92,55 +92,37 @@ def map(  # noqa: A001 - the command's name
         bar(name, unit="cases") as shown,
     ):
         folder = output_folder("out", out)
-        runs = [(sweep, expected_cases(cells, levels)) for sweep in wanted]
-        _announce([*runs, *((sweep, sweep.design.size) for sweep in shifted)], opened.workers)
-        each: dict[str, Any] = {
-            "time_limit": time_limit,
-            "told": lambda new, _: shown.update(new),
-            "to_rest": mapped.to_rest,
-        }
-        done = []
-        for index, sweep in enumerate(wanted, 1):
-            path = folder / f"{name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(sweep, path, opened, levels=levels, **each))
-        fineness = run_pairs(shifted, folder, opened, **each) if pairs else None
-    return Result(
-        tables=[_table(mapped, done, "" if fineness is None else _fineness(fineness))],
-        notes=[str(_draw(folder / name, done))],
+        runs = [(each, levels, expected_cases(cells, levels)) for each in wanted]
+        runs += [(each, 0, pairs) for each in shifted]
+        _announce(runs, opened.workers)
+        done = [
+            run_panel(
+                each,
+                folder / f"{name}-{index}.db",
+                opened,
+                to_rest=mapped.to_rest,
+                levels=halved,
+                time_limit=time_limit,
+                told=lambda new, _: shown.update(new),
+            )
+            for index, (each, halved, _) in enumerate(runs, 1)
+        ]
+    maps, starts = done[: len(wanted)], done[len(wanted) :]
+    rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
+    table = Table(
+        title=mapped.title,
+        columns=tuple(rows[0]),
+        rows=[tuple(row.values()) for row in rows],
+        note=_fineness(starts),
     )
+    return Result(tables=[table], notes=[str(_draw(folder / name, maps))])
 
 
-def _table(problem: Problem, done: Sequence[Panel], note: str) -> Table:
-    """What became of the disk in each panel, and what the other side says of it."""
-    return Table.of(
-        done,
-        {
-            "constraints": lambda each: each.sweep.scenario.name,
-            "outcomes": lambda each: each.shares,
-            "runs": lambda each: len(each.cells),
-            "in place of": lambda each: each.sweep.design.size,
-            "time in s": lambda each: float(each.cells["seconds"].sum()),
-            "seen by the other side": lambda each: len(each.seen),
-            "alike": lambda each: int(each.seen["alike"].sum()),
-            "median difference in rad": lambda each: _of_seen(each, "median"),
-            "largest": lambda each: _of_seen(each, "max"),
-        },
-        title=problem.title,
-        note=note,
-    )
-
-
-def _of_seen(panel: Panel, what: str) -> float | None:
-    if panel.seen.empty:
-        return None
-    return float(getattr(panel.seen["difference"].astype(float), what)())
-
-
-def _announce(runs: Sequence[tuple[Sweep, int]], processes: int) -> None:
+def _announce(runs: Sequence[tuple[Sweep, int, int]], processes: int) -> None:
     """Say about how many runs are coming, and how long they take where none has been made yet."""
-    seconds = sum(count * look_ahead(sweep).seconds for sweep, count in runs)
+    seconds = sum(count * look_ahead(sweep).seconds for sweep, _, count in runs)
     say(
-        f"tippedisk map: some {sum(count for _, count in runs)} cases, roughly "
+        f"tippedisk map: some {sum(count for *_, count in runs)} cases, roughly "
         f"{duration(seconds / processes)} on {processes} processes where none is in the folder yet"
     )
 
@@ -155,7 +137,11 @@ def _draw(path: Path, done: Sequence[Panel]) -> Path:
     return path.with_suffix(PICTURES[0])
 
 
-def _fineness(found: Uncertainty) -> str:
+def _fineness(starts: Sequence[Panel]) -> str:
+    """The uncertainty exponent of starts and of those beside them, in words; none may be shown."""
+    found = uncertainty([each.cells["outcome"] for each in starts]) if starts else None
+    if found is None:
+        return ""
     parts = ", ".join(f"{100 * part:.0f} %" for part in found.parts)
     return (
         f"uncertainty exponent {found.exponent:.2f} ± {found.error:.2f}: of pairs of starts "

@@ -80,15 +80,9 @@ def name_of(path: Path) -> str:
 
 def write(table: Table, path: Path) -> None:
     """Write a table as comma-separated text with all digits."""
-    write_whole(table.to_csv(), path)
+    from analysis.data.files import write_whole
 
-
-def write_whole(text: str, path: Path) -> None:
-    """Write a text in UTF-8, whole or not at all."""
-    from analysis.data.files import whole_file
-
-    with whole_file(path) as stream:
-        stream.write(text.encode())
+    write_whole(path, table.to_csv())
 
 
 def save(figure: Any, path: Path) -> None:

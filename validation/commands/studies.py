@@ -4,7 +4,6 @@ import textwrap
 from typing import Annotated, Literal
 
 from validation.commands.options import output_folder
-from validation.commands.output import write_whole
 from validation.parser.kinds import Folder, OtherFolder, Sections, TextOut
 
 _WIDTH = 98
@@ -40,6 +39,7 @@ def report(
     verbose
         Print all checks.
     """
+    from analysis.data.files import write_whole
     from validation.report import as_text, make
 
     made = make(output_folder("out", out), only=only or (), fresh=fresh)
@@ -56,7 +56,7 @@ def report(
                 print(_indented(f"{word}: {check.name}: {compared}"))
         print()
     if text is not None:
-        write_whole(as_text(made), text)
+        write_whole(text, as_text(made))
     failed = sum(not check.holds for check in made.checks)
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:

@@ -61,10 +61,21 @@ class Panel:
         return self.cells[self.cells["seen"]]
 
     @property
-    def shares(self) -> str:
-        """Parts of the finest grid by outcome, in words."""
+    def summary(self) -> dict[str, Any]:
+        """What became of the disk, with parts of the finest grid, and what the other side says."""
         parts = pd.Series(self.outcomes.ravel()).value_counts(normalize=True)
-        return ", ".join(f"{name} {100.0 * part:.0f} %" for name, part in parts.items())
+        apart = [self.seen["difference"].astype(float).agg(each) for each in ("median", "max")]
+        median, largest = (None if np.isnan(each) else float(each) for each in apart)
+        return {
+            "model": self.sweep.scenario.name,
+            "runs": len(self.cells),
+            "in place of": self.sweep.design.size,
+            "outcomes": ", ".join(f"{name} {100 * part:.0f} %" for name, part in parts.items()),
+            "seen by the other side": len(self.seen),
+            "of them alike": int(self.seen["alike"].sum()),
+            "median difference in rad": median,
+            "largest difference in rad": largest,
+        }
 
     def places(self, cells: pd.DataFrame) -> AnyArray:
         """Row and column of some cells on the finest grid, shape (n, 2)."""

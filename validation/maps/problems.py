@@ -30,8 +30,8 @@ class Problem(NamedTuple):
     Parameters
     ----------
     title : str
-    right, up : tuple of (str, float, float)
-        Horizontal and vertical axis: field, first and last value.
+    right, up : Axis
+        Horizontal and vertical one.
     end : float
         Of each motion in s, unless another is asked for.
     basins : bool
@@ -41,21 +41,21 @@ class Problem(NamedTuple):
     """
 
     title: str
-    right: tuple[str, float, float]
-    up: tuple[str, float, float]
+    right: Axis
+    up: Axis
     end: float = 4.0
     basins: bool = False
     to_rest: bool = False
 
 
-_TILT = ("start.beta", pi / 2 - 0.7, pi / 2 + 0.7)
-_TURN = ("start.gamma", -pi / 2, pi / 2)
-_SPIN = ("start.spin", 20.0, 60.0)
-_TILTING = ("start.beta_rate", -15.0, 15.0)
-_FRICTION = ("friction.coefficient", 0.02, 0.6)
-_ECCENTRICITY = ("disk.eccentricity", 2.5e-4, 6e-3)
-_NEAR_CRITICAL = ("start.spin", 24.0, 36.0)
-_NEAR_UPRIGHT = ("start.beta", pi / 2 - 0.4, pi / 2 + 0.4)
+_TILT = Axis(field="start.beta", first=pi / 2 - 0.7, last=pi / 2 + 0.7)
+_TURN = Axis(field="start.gamma", first=-pi / 2, last=pi / 2)
+_SPIN = Axis(field="start.spin", first=20.0, last=60.0)
+_TILTING = Axis(field="start.beta_rate", first=-15.0, last=15.0)
+_FRICTION = Axis(field="friction.coefficient", first=0.02, last=0.6)
+_ECCENTRICITY = Axis(field="disk.eccentricity", first=2.5e-4, last=6e-3)
+_NEAR_CRITICAL = Axis(field="start.spin", first=24.0, last=36.0)
+_NEAR_UPRIGHT = Axis(field="start.beta", first=pi / 2 - 0.4, last=pi / 2 + 0.4)
 
 PROBLEMS = {
     "spin-friction": Problem("Inversion over spin and friction", _SPIN, _FRICTION),
@@ -121,10 +121,7 @@ def panels(
     whole("witnesses", witnesses, least=0)
     count = cells * 2**levels + 1
     witnesses = min(round(witnesses * count**2 / (cells + 1) ** 2), count**2)
-    axes = tuple(
-        Axis(field=field, first=first, last=last, count=count)
-        for field, first, last in (problem.up, problem.right)
-    )
+    axes = tuple(replace(axis, count=count) for axis in (problem.up, problem.right))
     models = MODELS.values() if problem.basins else [scenario.constraints]
     scenarios = [replace(scenario, constraints=constraints) for constraints in models]
     return [

@@ -33,17 +33,8 @@ def refine(shape: Sequence[int], levels: int, run: Run) -> list[Cell]:
     -------
     list of dict
         Cells of all cases that have been run.
-
-    Raises
-    ------
-    ValueError
-        If the shape does not fit the levels.
     """
     step = 2**levels
-    if levels < 0 or any((size - 1) % step or size <= step for size in shape):
-        raise ValueError(
-            f"shape must be cells * 2**{levels} + 1 along each axis, got {shape[0]} by {shape[1]}"
-        )
     rows, columns = (range(0, size, step) for size in shape)
     cells = run([row * shape[1] + column for row in rows for column in columns])
     while step > 1:

@@ -5,9 +5,7 @@ to predictability, Physics Letters A 99 (1983).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +13,8 @@ from scipy.optimize import brentq
 
 from analysis import Scenario
 from analysis.data.checks import Array
-from validation.maps.panel import run_panel
 from validation.maps.problems import Problem, quickest_plan
-from validation.sweeps.axes import Axis, Design
-from validation.sweeps.pools import Pool
+from validation.sweeps.axes import Design
 from validation.sweeps.sweep import Sweep
 
 DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
@@ -67,76 +63,48 @@ def shifted_sweeps(
     compiled : bool
         See `quickest_plan`.
     """
-    (field, first, last), (other, low, high) = problem.right, problem.up
     plan = quickest_plan(scenario, end, 0, compiled=compiled)
+    first, last = (float(problem.right.between(part)) for part in (0.0, 1.0))
     sweeps = []
     for distance in (0.0, *DISTANCES) if number else ():
         # The same random numbers between shifted ends are the same starts, shifted.
         shift = distance * (last - first)
-        axes = (
-            Axis(field=field, first=first + shift, last=last + shift),
-            Axis(field=other, first=low, last=high),
-        )
-        design = Design(axes=axes, layout="random", number=number)
+        shifted = replace(problem.right, first=first + shift, last=last + shift)
+        design = Design(axes=(shifted, problem.up), layout="random", number=number)
         sweeps.append(Sweep(scenario=scenario, design=design, plan=plan))
     return sweeps
 
 
-def run_pairs(sweeps: Sequence[Sweep], folder: Path, pool: Pool, **how: Any) -> Uncertainty | None:
-    """Uncertainty exponent of a map from `shifted_sweeps`, each with a store in a folder.
-
-    `how` goes to `run_panel`.
-    """
-    panels = [
-        run_panel(sweep, folder / f"pairs-{index}.db", pool, **how)
-        for index, sweep in enumerate(sweeps)
-    ]
-    outcomes = [panel.cells["outcome"] for panel in panels]
-    return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
-
-
-def pairs_that_differ(outcomes: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-    """Whether starts end differently at each distance, shape (n, m).
+def uncertainty(
+    outcomes: npt.ArrayLike, distances: Sequence[float] = DISTANCES
+) -> Uncertainty | None:
+    """Uncertainty exponent from pairs of starts.
 
     Parameters
     ----------
     outcomes : array_like of str, shape (1 + n, k)
         Of k starts, and of those beside them at n distances. Starts of which one outcome is not
         decided are left out.
-    """
-    found = np.asarray(outcomes)
-    decided = ~np.any(np.isin(found, ("not decided", "failed")), axis=0)
-    differs: npt.NDArray[np.bool_] = found[1:, decided] != found[0, decided]
-    return differs
-
-
-def uncertainty(distances: Array, differs: npt.NDArray[np.bool_]) -> Uncertainty | None:
-    """Uncertainty exponent from pairs of starts.
-
-    Parameters
-    ----------
-    distances : ndarray, shape (n,)
-    differs : ndarray of bool, shape (n, m)
-        Whether the classes of m pairs differ at each distance.
+    distances : sequence of float
 
     Returns
     -------
     Uncertainty or None
         None if fewer than two distances have pairs that differ.
     """
-    counts = differs.sum(axis=1)
+    found = np.asarray(outcomes)
+    found = found[:, ~np.any(np.isin(found, ("not decided", "failed")), axis=0)]
+    differs, apart = found[1:] != found[0], np.array(distances)
+    counts, pairs = differs.sum(axis=1), differs.shape[1]
     if np.count_nonzero(counts) < 2:
         return None
     random = np.random.default_rng(0)
-    pairs = differs.shape[1]
     resampled = (
         differs[:, random.integers(pairs, size=pairs)].sum(axis=1) for _ in range(RESAMPLINGS)
     )
-    slopes = [_slope(distances, each) for each in resampled if np.count_nonzero(each) > 1]
+    slopes = [_slope(apart, each) for each in resampled if np.count_nonzero(each) > 1]
     return Uncertainty(
-        parts=counts / pairs,
-        exponent=_slope(distances, counts),
-        error=float(np.std(slopes)),
+        parts=counts / pairs, exponent=_slope(apart, counts), error=float(np.std(slopes))
     )
 
 

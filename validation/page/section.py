@@ -48,7 +48,7 @@ class Section:
     Attributes
     ----------
     files : dict
-        From names to contents of all that lies beside the page.
+        From names to contents of all that lies beside the page: text, and pictures in base 64.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Section:
     ) -> None:
         self.name = name
         self._known = known or {}
-        self.files: dict[str, bytes] = {}
+        self.files: dict[str, str] = {}
         self._content = content
         self._left = {*content.tables, *content.figures, *content.animations}
         self._pieces: list[tuple[str, str]] = []
@@ -145,7 +145,7 @@ class Section:
         """Put a whole table beside the page; a link to it."""
         path, table = f"{self.name}-{name}.csv", _as_frame(self._content.tables[name])
         text = table.to_csv(index=False, lineterminator="\n")
-        return self._piece(self._linked(name, path, text.encode()), f"`{path}`")
+        return self._piece(self._linked(name, path, text), f"`{path}`")
 
     def figure(
         self, name: str, title: str, caption: str = "", paper: str = "", wide: bool = False
@@ -154,7 +154,7 @@ class Section:
         png, svg = drawn(self._content.figures[name])
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
-        image = f'<img alt="{{}}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+        image = f'<img alt="{{}}" src="data:image/png;base64,{png}">'
         title = f"{title} (paper: {paper})" if paper else title
         kind = ' class="wide"' if wide else ""
         return self._figure(f' id="{self.name}-{name}"{kind}', image, title, caption, links)
@@ -162,7 +162,7 @@ class Section:
     def drawing(self, name: str, title: str, caption: str = "") -> str:
         """A drawing that lies beside the text as NAME.svg, in the colours of the page."""
         svg = (self._folder / f"{name}.svg").read_text("utf-8")
-        self.files[f"{self.name}-{name}.svg"] = svg.encode()
+        self.files[f"{self.name}-{name}.svg"] = svg
         return self._figure(' class="drawing"', svg, title, caption)
 
     def _figure(self, kind: str, picture: str, title: str, caption: str, links: str = "") -> str:
@@ -172,11 +172,11 @@ class Section:
     def animation(self, name: str) -> str:
         """A player in the page, and as a page of its own; a page of text does not move."""
         made = self._content.animations[name]
-        link = self._linked(name, f"{self.name}-{name}.html", made.text.encode())
+        link = self._linked(name, f"{self.name}-{name}.html", made.text)
         page = f'{made.fragment}<p class="files">The animation alone: {link}</p>'
         return self._piece(page, "")
 
-    def _linked(self, name: str, path: str, content: bytes) -> str:
+    def _linked(self, name: str, path: str, content: str) -> str:
         self._left.discard(name)
         self.files[path] = content
         return f'<a href="{path}">{path}</a>'
@@ -196,15 +196,15 @@ def environment(folder: Path) -> Environment:
     return made
 
 
-def drawn(figure: Figure) -> tuple[bytes, bytes]:
-    """A figure as PNG and as SVG."""
-    png, svg = io.BytesIO(), io.BytesIO()
+def drawn(figure: Figure) -> tuple[str, str]:
+    """A figure as PNG in base 64 and as SVG."""
+    png, svg = io.BytesIO(), io.StringIO()
     with mpl.rc_context({"svg.hashsalt": "tippedisk"}):
         figure.savefig(png, format="png", dpi=_DPI, pil_kwargs={"optimize": True})
         # What is laid out need not be laid out again.
         figure.set_layout_engine("none")
         figure.savefig(svg, format="svg", metadata={"Date": None})
-    return png.getvalue(), svg.getvalue()
+    return base64.b64encode(png.getvalue()).decode(), svg.getvalue()
 
 
 def table_html(table: pd.DataFrame, title: str = "", digits: int = 4) -> str:

@@ -69,6 +69,14 @@ ELLIPSE = EllipticDisk(
     inertia_z=4.0e-4,
 )
 
+SPUN = Scenario(
+    disk=TOP,
+    friction=SmoothCoulomb(smoothing=0.01, load="contact"),
+    contact=PenaltyContact.rounded(TOP, stiffness=1e4),
+    start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
+)
+"""The tippe top, spun about its axis with the centre of gravity low, a little aslant."""
+
 TURNED = 1e-7
 """By how much in s the times may differ at which the tippe top has turned over."""
 
@@ -114,15 +122,9 @@ STUDY = Study(name="crosscheck", cases=cases, measure=measure, keys=("formulatio
 
 
 def turn_over(source: Source) -> list[Row]:
-    """When the tippe top, spun about its axis with the centre of gravity low, has turned over."""
-    scenario = Scenario(
-        disk=TOP,
-        friction=SmoothCoulomb(smoothing=0.01, load="contact"),
-        contact=PenaltyContact.rounded(TOP, stiffness=1e4),
-        start=Start(beta=pi / 2, gamma=-pi / 2 + 0.1, spin=150.0),
-    )
+    """When `SPUN` has turned over."""
     step: dict[str, Any] = {"step": 1e-4} if source == "engine" else {}
-    ending = run_to_rest(scenario, 2.4, source=source, stop_when="inverted", **step).ending
+    ending = run_to_rest(SPUN, 2.4, source=source, stop_when="inverted", **step).ending
     return [{"turned": None if ending is None else ending.time}]
 
 

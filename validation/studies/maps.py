@@ -1,9 +1,9 @@
 """Maps of what becomes of the disk over two parameters, refined where it changes."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,15 +12,9 @@ from analysis import Scenario
 from analysis.data.checks import Array
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
-from validation.maps.problems import PROBLEMS, Problem, critical_points, label, panels
+from validation.maps.problems import PROBLEMS, critical_points, label, panels
 from validation.maps.refinement import refine
-from validation.maps.uncertainty import (
-    DISTANCES,
-    Uncertainty,
-    pairs_that_differ,
-    shifted_sweeps,
-    uncertainty,
-)
+from validation.maps.uncertainty import DISTANCES, Uncertainty, shifted_sweeps, uncertainty
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.claims.grades import grade
 from validation.study import Check, Row, Study, at_most, relative
@@ -79,12 +73,11 @@ Below, other critical speeds come in, and 4 s are too short for friction to lift
 # --- Measuring -----------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class Case:
+class Case(NamedTuple):
     """A panel of a map, or some of its cells alone."""
 
-    problem: Problem
     sweep: Sweep
+    to_rest: bool
     levels: int = 0
     numbers: Sequence[int] = ()
 
@@ -97,8 +90,8 @@ def whole() -> dict[str, Case]:
         size: Any = {"cells": CELLS, "levels": levels, "witnesses": WITNESSES}
         sweeps = panels(problem, Scenario(), end=problem.end, **size)
         for sweep in sweeps:
-            label = f"{name} {sweep.scenario.model}" if len(sweeps) > 1 else name
-            made[label] = Case(problem=problem, sweep=sweep, levels=levels)
+            label = f"{name} {sweep.scenario.model}" if problem.basins else name
+            made[label] = Case(sweep, problem.to_rest, levels)
     return made
 
 
@@ -110,7 +103,7 @@ def cases() -> dict[str, Case]:
         **known,
         **{_again(name): _both(known[name], numbers) for name, numbers in REPEATED.items()},
         **{
-            _pairs(distance): Case(problem=rest, sweep=sweep, numbers=range(PAIRS))
+            _pairs(distance): Case(sweep, rest.to_rest, numbers=range(PAIRS))
             for distance, sweep in zip((0.0, *DISTANCES), pairs, strict=True)
         },
     }
@@ -129,23 +122,22 @@ def _both(known: Case, numbers: Sequence[int]) -> Case:
     plan, size = known.sweep.plan, known.sweep.design.size
     step = None if plan.source == "engine" else STEP
     plan = replace(plan, witnesses=size, witness_step=step)
-    return replace(known, sweep=replace(known.sweep, plan=plan), numbers=numbers)
+    return Case(replace(known.sweep, plan=plan), known.to_rest, numbers=numbers)
 
 
 def measure(case: Case) -> list[Row]:
     """Cells with their places and outcomes, and what the other side says."""
-    sweep, to_rest, found = case.sweep, case.problem.to_rest, []
+    sweep, found = case.sweep, []
 
     def run(numbers: Iterable[int]) -> list[Row]:
         for number in numbers:
             row = run_case(sweep, number, TIME_LIMIT)
-            found.append(cell(sweep, row, to_rest=to_rest) | sweep.design.values_of(number))
+            found.append(cell(sweep, row, to_rest=case.to_rest) | sweep.design.values_of(number))
         return found
 
-    if case.numbers:
-        run(case.numbers)
-    else:
+    if case.levels:
         refine(sweep.design.shape, case.levels, run)
+    run(case.numbers)
     return sorted(found, key=lambda each: each["number"])
 
 
@@ -184,29 +176,23 @@ def present(rows: Rows) -> Content:
     found = _panels(table)
     basins = [each for name, each in found.items() if name.startswith("basins")]
     models, again = _agreement(basins), _repeated(table)
+    fine = uncertainty([_of(table, _pairs(each))["outcome"] for each in (0.0, *DISTANCES)])
     return Content(
         numbers={
-            "end": PROBLEMS["basins"].end,
-            "rest_end": PROBLEMS["rest"].end,
-            "near": NEAR,
-            "far": BANDS[-1],
-            "coarse": CELLS,
             "cells": sum(len(each.cells) for each in found.values()),
             "of": sum(each.sweep.design.size for each in found.values()),
             "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
-            "agreement": models.set_index("model").iloc[:, -1],
-            "fineness": _fineness(table),
-            "distances": DISTANCES,
-            "pairs": PAIRS,
+            "agreement": models[BANDS[-1]],
+            "fineness": fine,
             "repeated": len(again),
         },
         tables={
             "claims": pd.DataFrame(
-                _claims(table, found),
+                _claims(found, fine),
                 columns=["map", "statement", "criterion", "found", "verdict"],
             ),
-            "models": models,
-            "panels": pd.DataFrame([_summary(name, each) for name, each in found.items()]),
+            "models": models.rename(columns="% within {:g} rad".format).reset_index(),
+            "panels": pd.DataFrame({"map": name, **each.summary} for name, each in found.items()),
             "repeated": again,
         },
         figures={
@@ -215,11 +201,12 @@ def present(rows: Rows) -> Content:
             "rest": figures.draw({"": found["rest"]}),
         },
         checks=checks(table),
-        verdicts=[_verdict(*_reduction(found))],
+        verdicts=[_verdict(models)],
     )
 
 
-def _verdict(near: float, far: float) -> Verdict:
+def _verdict(models: pd.DataFrame) -> Verdict:
+    near, far = models.loc["Model 4", [NEAR, BANDS[-1]]]
     return Verdict(
         statement="The reduced system tells which starts turn the disk upside down.",
         answer=grade(yes=far >= 95.0, partly=near >= 95.0),
@@ -251,14 +238,13 @@ def agreement(first: Panel, other: Panel, band: float) -> float:
 
 
 def _agreement(basins: Sequence[Panel]) -> pd.DataFrame:
+    """Parts of the starts in %, by model and tilt from upright, that end as in the first one."""
     first, *others = basins
-    return pd.DataFrame(
-        {
-            "model": other.sweep.scenario.name,
-            **{f"% within {band:g} rad": agreement(first, other, band) for band in BANDS},
-        }
-        for other in others
-    )
+    found = {
+        each.sweep.scenario.name: [agreement(first, each, band) for band in BANDS]
+        for each in others
+    }
+    return pd.DataFrame.from_dict(found, "index", columns=BANDS).rename_axis("model")
 
 
 def above_critical(panel: Panel, least: float) -> Array:
@@ -291,7 +277,7 @@ Claim = tuple[str, str, str, str, str]
 """Map, statement, criterion, what was found, and whether it holds."""
 
 
-def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
+def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Claim]:
     """What the maps say."""
     for name, least in SPEED_MAPS.items():
         apart = above_critical(found[name], least)
@@ -304,16 +290,6 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
             f"{low:.1f} to {high:.1f} rad/s more",
             grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
         )
-    for band, part in zip((NEAR, BANDS[-1]), _reduction(found), strict=True):
-        near = f"within {band:g} rad of upright"
-        yield (
-            "basins",
-            f"the reduced system tells which starts of Model 1 invert, {near}",
-            "it tells so for at least 95 % of them; partly: 80 %",
-            f"{part:.0f} %",
-            grade(yes=part >= 95.0, partly=part >= 80.0),
-        )
-    fine = _fineness(table)
     is_fractal = fine is not None and fine.exponent + 2.0 * fine.error < 1.0
     yield (
         "rest",
@@ -322,41 +298,6 @@ def _claims(table: pd.DataFrame, found: Mapping[str, Panel]) -> Iterator[Claim]:
         f"{fine.exponent:.2f} ± {fine.error:.2f}" if fine else "no exponent",
         "yes" if is_fractal else "not shown",
     )
-    seen = table[table["seen"]]
-    alike, number = int(seen["alike"].sum()), len(seen)
-    yield (
-        "all",
-        "engine and in-house equations tell the same",
-        "all cases that both have run end alike; partly: 95 %",
-        f"{alike} of {number}",
-        grade(yes=0 < alike == number, partly=0 < 0.95 * number <= alike),
-    )
-
-
-def _reduction(found: Mapping[str, Panel]) -> tuple[float, float]:
-    """Parts in % of the starts near upright, and of all, of which Model 4 tells the end."""
-    first, reduced = found["basins 1"], found["basins 4"]
-    return agreement(first, reduced, NEAR), agreement(first, reduced, BANDS[-1])
-
-
-def _fineness(table: pd.DataFrame) -> Uncertainty | None:
-    outcomes = [_of(table, _pairs(distance))["outcome"].tolist() for distance in (0.0, *DISTANCES)]
-    return uncertainty(np.array(DISTANCES), pairs_that_differ(outcomes))
-
-
-def _summary(name: str, panel: Panel) -> Row:
-    apart = panel.seen["difference"]
-    return {
-        "map": name,
-        "model": panel.sweep.scenario.name,
-        "runs": len(panel.cells),
-        "in place of": panel.sweep.design.size,
-        "outcomes": panel.shares,
-        "seen by the other side": len(panel.seen),
-        "of them alike": int(panel.seen["alike"].sum()),
-        "median difference in rad": apart.median(),
-        "largest difference in rad": apart.max(),
-    }
 
 
 def _repeated(table: pd.DataFrame) -> pd.DataFrame:

@@ -14,25 +14,19 @@ from analysis import MODELS, STEEL_DISK, Scenario
 from analysis.data.checks import Array
 from analysis.stability.printed import critical_speed
 from tests.bodies import ELLIPSE
-from tests.calls import run
+from tests.calls import Capture, run
+from tests.helpers import not_none
 from tests.sweeps import direct
 from validation.maps import panel as room
 from validation.maps import problems
 from validation.maps.panel import cell, judged, run_panel
 from validation.maps.problems import PROBLEMS, critical_points, panels
 from validation.maps.refinement import refine
-from validation.maps.uncertainty import (
-    DISTANCES,
-    pairs_that_differ,
-    run_pairs,
-    shifted_sweeps,
-    uncertainty,
-)
+from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
 
 REDUCED = Scenario(constraints=MODELS[4])
-SPIN_FRICTION = PROBLEMS["spin-friction"]
 SIZE = 65
 BARRIER = 9.81 * STEEL_DISK.mass * (STEEL_DISK.radius - STEEL_DISK.eccentricity)
 
@@ -69,11 +63,6 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
     assert len(refined(4, lambda *_: True)) == 25
 
 
-def test_shape_that_cannot_be_halved_is_refused() -> None:
-    with pytest.raises(ValueError, match="shape must be cells"):
-        refine((16, 17), 2, lambda _: [])
-
-
 JUDGED: list[tuple[bool, dict[str, Any], str]] = [
     (False, {"inversion": "inverted"}, "inverted"),
     (False, {"inversion": "not inverted"}, "not inverted"),
@@ -95,17 +84,13 @@ def test_outcomes_are_told_apart(to_rest: bool, row: dict[str, Any], expected: s
     assert judged(Scenario(), done | row, to_rest=to_rest) == expected
 
 
-@pytest.mark.parametrize(
-    ("other", "seen", "alike"),
-    [(None, False, False), ("inverted", True, True), ("failed", True, False)],
-)
-def test_run_that_the_other_side_cannot_make_counts_as_unlike(
-    other: str | None, seen: bool, alike: bool
-) -> None:
+def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
     row = {"number": 0, "status": "done", "inversion": "inverted", "inverted_at": 0.5}
-    row |= {"seconds": 0.1, "other_inversion": other}
-    found = cell(grid(), row, to_rest=False)
-    assert (found["seen"], found["alike"]) == (seen, alike)
+    row |= {"seconds": 0.1}
+    told = [(None, False, False), ("inverted", True, True), ("failed", True, False)]
+    for other, seen, alike in told:
+        found = cell(grid(), row | {"other_inversion": other}, to_rest=False)
+        assert (found["seen"], found["alike"]) == (seen, alike)
 
 
 def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
@@ -116,15 +101,11 @@ def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
     np.testing.assert_allclose(points[:, 0], critical_speed(REDUCED).spin, rtol=1e-9)
     assert points[[0, -1], 1].tolist() == [0.02, 0.6]
     assert critical_points(grid("attitude")).size == critical_points(grid("rest")).size == 0
+    assert critical_points(grid(scenario=Scenario(disk=ELLIPSE))).size == 0
 
 
-def test_map_of_another_body_runs_where_it_can_be_built_and_has_no_critical_speed() -> None:
-    other = grid(scenario=Scenario(disk=ELLIPSE))
-    assert other.plan.source == "in-house"
-    assert critical_points(other).size == 0
-
-
-def test_each_model_runs_where_it_is_quickest() -> None:
+def test_each_model_and_body_runs_where_it_can_be_built_and_is_quickest() -> None:
+    assert grid(scenario=Scenario(disk=ELLIPSE)).plan.source == "in-house"
     how: Any = {"cells": 2, "levels": 1, "end": 4.0, "witnesses": 9}
     plans = [each.plan for each in panels(PROBLEMS["basins"], Scenario(), **how)]
     assert [plan.source for plan in plans] == ["engine", *["in-house"] * 3]
@@ -171,9 +152,8 @@ def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
 
     starts = np.random.default_rng(2).random(20_000)
     distances = 3.0 ** -np.arange(4.0, 9.0)
-    differs = np.array([measure(starts + each) > measure(starts) for each in distances])
-    found = uncertainty(distances, differs)
-    assert found is not None
+    outcomes = [measure(starts + each) for each in (0.0, *distances)]
+    found = not_none(uncertainty(np.array(outcomes).astype(str), distances.tolist()))
     assert abs(found.exponent - (1.0 - log(2.0) / log(3.0))) < 3.0 * found.error < 0.03
 
 
@@ -188,31 +168,35 @@ def test_pairs_are_the_same_starts_shifted() -> None:
         np.testing.assert_allclose(moved, [[12.0 * distance, 0.0]] * 20, atol=1e-12)
 
 
-def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None:
-    sweeps = shifted_sweeps(PROBLEMS["attitude"], REDUCED, number=10, end=0.03)
-    # Too short to tell, so that there is no exponent.
-    assert run_pairs(sweeps, tmp_path, direct(), to_rest=False, time_limit=1.0) is None
-    assert len(list(tmp_path.glob("pairs-*.db"))) == 1 + len(DISTANCES)
-    outcomes = [["a", "a", "b", "a"], ["b", "not decided", "b", "failed"]]
-    assert pairs_that_differ(outcomes).tolist() == [[True, False]]
+def test_exponent_is_that_of_starts_that_are_decided() -> None:
+    # Two more of the starts are not.
+    rows = [list("aaaaaaaaab"), list("aaaabbbbbb"), list("aaaaaabbbb")]
+    rows[0][-2], rows[2][-1] = "failed", "not decided"
+    found = not_none(uncertainty(rows, (0.2, 0.1)))
+    assert found.parts.tolist() == [0.5, 0.25]
+    assert found.exponent == pytest.approx(1.0)
+    assert uncertainty(rows[:2], (0.2,)) is None
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "stores", "seen"),
-    [("spin-friction", 1, 2), ("basins", 4, 0), ("rest", 1, 0)],
+    ("name", "panels", "pairs", "seen"),
+    [("spin-friction", 1, 3, 2), ("basins", 4, 0, 0), ("rest", 1, 0, 0)],
 )
 def test_map_is_drawn_and_told(
-    name: str, stores: int, seen: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, panels: int, *, pairs: int, seen: int, tmp_path: Path, capsys: Capture
 ) -> None:
     call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen}"
-    call += f" --csv {tmp_path}/map.csv"
+    call += f" --pairs {pairs} --csv {tmp_path}/map.csv"
     assert run(*call.split()) == 0
     said, beside = capsys.readouterr()
-    assert re.match(rf"tippedisk map: some {9 * stores} cases, roughly \S+ \w+ on ", beside)
+    starts = 1 + len(DISTANCES) if pairs else 0
+    cases = 9 * panels + pairs * starts
+    assert re.match(rf"tippedisk map: some {cases} cases, roughly \S+ \w+ on ", beside)
     rows = pd.read_csv(tmp_path / "map.csv")
-    assert rows["in place of"].tolist() == [9] * stores
+    assert rows["in place of"].tolist() == [9] * panels
     assert (rows["seen by the other side"].sum() > 0) == (seen > 0)
     assert f"{tmp_path / name}.png" in said
     assert (tmp_path / f"{name}.svg").stat().st_size > 5000
-    assert len(list(tmp_path.glob("*.db"))) == stores
+    stores = {f"{name}-{index}.db" for index in range(1, 1 + panels + starts)}
+    assert {path.name for path in tmp_path.glob("*.db")} == stores

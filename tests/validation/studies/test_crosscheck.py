@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cache, partial
 from math import inf, nan, pi
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -23,7 +24,6 @@ from analysis import (
     Table,
     Trajectory,
 )
-from analysis.data.checks import Array
 from mbs_models import Scene
 from tests.helpers import failing, model, not_none, planted
 from validation.kit.limits import holds
@@ -49,11 +49,10 @@ def forget() -> None:
     [
         (model(1), True),
         (model(4), True),
-        (Scenario(constraints=POSSIBLE_SETS[-1]), True),
         (Scenario(table=SLOPE, friction=SmoothCoulomb(load="contact")), False),
         (YIELDING, False),
     ],
-    ids=["model 1", "model 4", "slips held", "slope, load contact", "slope, penalty"],
+    ids=["model 1", "model 4", "slope, load contact", "slope, penalty"],
 )
 def test_every_formulation_agrees(scenario: Scenario, *, has_spectra: bool) -> None:
     found = compare_scenario(scenario, states=5, end=0.05)
@@ -65,8 +64,8 @@ def test_every_formulation_agrees(scenario: Scenario, *, has_spectra: bool) -> N
 
 @pytest.mark.parametrize(
     ("scenario", "end"),
-    [(Scenario(), 0.05), (YIELDING, 0.05), (Scenario.rest(start=Start(height=5e-3)), 0.2)],
-    ids=["ideal", "penalty", "drop"],
+    [(Scenario(), 0.05), (Scenario.rest(start=Start(height=5e-3)), 0.2)],
+    ids=["ideal", "drop"],
 )
 def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
     scenario: Scenario, end: float, monkeypatch: pytest.MonkeyPatch
@@ -92,44 +91,31 @@ def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
     assert told() == [False, False]
 
 
-def late(seconds: float) -> Callable[[Callable[[], Trajectory]], Trajectory]:
-    """A motion that ends later in the same state."""
-
-    def change(made: Callable[[], Trajectory]) -> Trajectory:
-        found = made()
-        ending = replace(not_none(found.ending), time=not_none(found.ending).time + seconds)
-        return replace(found, times=found.times + seconds, ending=ending)
-
-    return change
-
-
-@pytest.mark.parametrize(
-    ("change", "agrees", "told"),
-    [
-        (late(0.0), True, "over 0.01587 s, where contact would pull"),
-        (late(1e-6), False, "where contact would pull"),
-        (
-            lambda made: replace(made(), ending=None),
-            False,
-            "engine runs through; in-house ended at",
-        ),
-        (lambda made: made(time_limit=1e-9), None, "time limit"),
-    ],
-    ids=["as it is", "late", "otherwise", "no time"],
-)
 def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
-    change: Any, agrees: bool | None, told: str, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def other(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
-        made = partial(run, scenario, times, **how)
-        found: Trajectory = made() if how.get("source") == "in-house" else change(made)
-        return found
+    def told(change: Callable[[Trajectory], Trajectory] = lambda found: found, **more: Any) -> Any:
+        def other(*given: Any, **how: Any) -> Trajectory:
+            if how.get("source") == "in-house":
+                return run(*given, **how)
+            return change(run(*given, **how | more))
 
-    monkeypatch.setattr(comparisons, "run", other)
-    difference, detail = comparisons.motion_difference(PULLING, 0.1)
-    within = holds(difference, comparisons.ANGLE_LIMIT)
-    assert (None if difference is None else within) is agrees
-    assert told in detail
+        monkeypatch.setattr(comparisons, "run", other)
+        return comparisons.motion_difference(PULLING, 0.1)
+
+    def late(found: Trajectory) -> Trajectory:
+        ending = replace(not_none(found.ending), time=not_none(found.ending).time + 1e-6)
+        return replace(found, times=found.times + 1e-6, ending=ending)
+
+    (right, detail), (wrong, _) = told(), told(late)
+    assert detail == "over 0.01587 s, where contact would pull"
+    assert right < comparisons.ANGLE_LIMIT < wrong
+    difference, detail = told(lambda found: replace(found, ending=None))
+    assert difference == inf
+    assert "engine runs through; in-house ended at" in detail
+    difference, detail = told(time_limit=1e-9)
+    assert difference is None
+    assert "time limit" in detail
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
@@ -149,19 +135,17 @@ def accelerations(states: int, **fields: Any) -> Comparison:
     return next(compare_scene(Scene(Scenario(**fields), "euler-tree"), states=states, end=None))
 
 
-@pytest.mark.parametrize("has_solution", [True, False])
+@pytest.mark.parametrize(
+    "singular",
+    [Mock(return_value=(np.full(6, nan), np.ones(1))), Mock(side_effect=ArithmeticError)],
+)
 def test_one_state_without_a_number_on_one_side_is_no_agreement(
-    *, has_solution: bool, monkeypatch: pytest.MonkeyPatch
+    singular: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    right, calls = mbs_models.acceleration, iter(range(1000))
+    right, calls = mbs_models.acceleration, iter(range(3))
 
-    def acceleration(*arguments: Any) -> tuple[Array, Array]:
-        found, forces = right(*arguments)
-        if next(calls) != 2:
-            return found, forces
-        if has_solution:
-            return nan * found, forces
-        raise ArithmeticError("singular")
+    def acceleration(*given: Any) -> Any:
+        return right(*given) if next(calls) < 2 else singular()
 
     assert accelerations(3).agrees
     monkeypatch.setattr(mbs_models, "acceleration", acceleration)
@@ -179,7 +163,6 @@ def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
     found = accelerations(20, friction=SmoothCoulomb(coefficient=1e3, load="contact"))
     assert 0 < not_none(found.counted) < 20
     assert f"at {found.counted} of 20 random states" in found.detail
-    assert accelerations(20).detail == "relative, at 20 random states"
     assert accelerations(0).agrees is False
 
 
@@ -243,7 +226,3 @@ def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> No
     assert missing == {"crosscheck: accelerations, the paper's models, scenes"}
     fewer = failing(present(planted(rows, 0, "counted", 249)).checks)
     assert fewer == {"crosscheck: accelerations, the paper's models, states with a solution"}
-
-
-def test_a_tippe_top_turns_over_in_house() -> None:
-    assert crosscheck.turn_over("in-house")[0]["turned"] == pytest.approx(1.228924, abs=1e-6)

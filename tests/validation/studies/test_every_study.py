@@ -1,14 +1,17 @@
 """What is stored of any study is confirmed, and a wrong number on either side is not."""
 
 from math import nan
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from jinja2.meta import find_undeclared_variables
 
 from tests.helpers import failing
 from validation import report
 from validation import study as kit
+from validation.page.section import environment
 from validation.study import Found, Study
 
 STORED = {
@@ -17,6 +20,13 @@ STORED = {
     for study in report.find(name).STUDIES
     if study.is_stored
 }
+
+
+@pytest.mark.parametrize("name", [*report.DISK, *report.METHOD])
+def test_constants_that_a_text_names_stand_in_its_module(name: str) -> None:
+    (text,) = Path(kit.__file__).parent.glob(f"studies/**/{name}.md")
+    named = find_undeclared_variables(environment(text.parent).parse(text.read_text("utf-8")))
+    assert not {each for each in named if each.isupper()} - vars(report.find(name)).keys()
 
 
 def fresh(study: Study, stored: pd.DataFrame) -> Found:
