@@ -2,22 +2,18 @@
 
 import numpy as np
 
-from analysis.data.agreement import until_agreement
-from analysis.data.checks import positive
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import StopWhen
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.watch import Progress
-from analysis.solve.until_rest import RestCall
 from mbs_models.effort import rest_effort
-from mbs_models.rest_run import RestRun, largest_step, rounded_contact
+from mbs_models.rest_run import EngineWay, largest_step
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError
 
-LOCAL_PART, COARSEST = 1e-6, 1e-9
-"""Part of the tolerance that the first run allows in a step, as the sum over a motion is larger;
-and error in a step from which on two runs may agree by the longest step that both take."""
+COARSEST = 1e-9
+"""Error in a step from which on two runs may agree by the longest step that both take."""
 
 
 def simulate_to_rest(
@@ -94,9 +90,9 @@ def simulate_to_rest(
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     scene = Scene.of(scene)
-    largest = largest_step(scene)
-    call = RestCall(
-        scene.scenario,
+    scenario = scene.scenario
+    way = EngineWay(
+        scenario,
         end,
         spacing=spacing,
         criterion=criterion,
@@ -104,24 +100,22 @@ def simulate_to_rest(
         time_limit=time_limit,
         progress=progress,
     )
+    if scene.has_constraints:
+        raise ValueError(
+            "scene must be of formulation 'floating-lie', which the explicit integrator of this "
+            f"run can take, got {scene.built_as!r}"
+        )
     rest_effort(scene, end, step).check()
-    runs = RestRun(scene, call)
-    if step is not None:
-        if step > largest:
-            raise ValueError(_beyond(scene, step, largest))
-        motion = runs.by_steps(step)
-        if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
-            raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
-        return motion
-
-    tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(runs.by_accelerations, min(LOCAL_PART * tolerance, COARSEST), tolerance)
-
-
-def _beyond(scene: Scene, step: float, limit: float) -> str:
-    contact = rounded_contact(scene)
-    return (
-        f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
-        f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
-        f"{scene.scenario.friction_gradient:g}, got {step:g}"
-    )
+    if step is None:
+        return way.agreed(way.by_accelerations, tolerance, COARSEST)
+    if step > (largest := largest_step(scenario)):
+        contact, gradient = scenario.penalty_contact, scenario.friction_gradient
+        raise ValueError(
+            f"step must not exceed {largest:.3g} s, the predicted stability limit at stiffness "
+            f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
+            f"{gradient:g}, got {step:g}"
+        )
+    motion = way.by_steps(step)
+    if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
+        raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
+    return motion

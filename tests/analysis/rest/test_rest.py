@@ -32,10 +32,10 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.data.agreement import until_agreement
 from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.sampled import SOURCES, Source
+from analysis.solve.until_rest import until_agreement
 from tests.calls import printed
 from tests.helpers import mostly_slow, not_none
 from validation.run import run_to_rest

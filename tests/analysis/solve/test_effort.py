@@ -73,7 +73,7 @@ def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> N
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
     scene = rest_scene()
-    step = rest_run.SAFETY * rest_run.largest_step(scene)
+    step = rest_run.SAFETY * rest_run.largest_step(scene.scenario)
     fixed, free = (
         mbs_models.simulate_to_rest(scene, 0.1, step=each).counts["steps"] for each in (step, None)
     )
