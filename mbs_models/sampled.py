@@ -19,7 +19,6 @@ from mbs_models.scene import Scene
 
 COORDINATES = slice(0, 6)
 RATES = slice(6, 12)
-FORCES = slice(12, None)
 
 ALPHA, BETA, GAMMA = 3, 4, 5
 TURNING = [ALPHA, GAMMA]

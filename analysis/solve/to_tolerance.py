@@ -196,7 +196,10 @@ def agree(
             done = fine.estimates <= needed(tolerance, fine.ended(FLAT))
             fine.cut_to_samples(limited & done)
         for row in np.flatnonzero(limited & ~done).tolist():
-            failed[int(pending[row])] = _in_time(fine.ends[row], tolerance)
+            failed[int(pending[row])] = TimeLimitError(
+                f"time limit met at t = {fine.ends[row]:.6g} s of a run before two runs agreed to "
+                f"{tolerance:g} rad"
+            )
         if failed:
             failures |= failed
             done |= np.isin(pending, list(failed))
@@ -217,13 +220,6 @@ def agree(
             )
     assert kept is not None
     return kept, failures
-
-
-def _in_time(moment: float, tolerance: float) -> TimeLimitError:
-    return TimeLimitError(
-        f"time limit met at t = {moment:.6g} s of a run before two runs agreed to "
-        f"{tolerance:g} rad"
-    )
 
 
 def estimated_errors(
