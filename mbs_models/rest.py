@@ -7,6 +7,7 @@ from analysis.data.endings import StopWhen
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.watch import Progress
+from analysis.solve.until_rest import until_agreement
 from mbs_models.effort import rest_effort
 from mbs_models.rest_run import EngineWay, largest_step
 from mbs_models.scene import Scene
@@ -107,7 +108,7 @@ def simulate_to_rest(
         )
     rest_effort(scene, end, step).check()
     if step is None:
-        return way.agreed(way.by_accelerations, tolerance, COARSEST)
+        return until_agreement(way.by_accelerations, tolerance, COARSEST)
     if step > (largest := largest_step(scenario)):
         contact, gradient = scenario.penalty_contact, scenario.friction_gradient
         raise ValueError(

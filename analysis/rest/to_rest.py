@@ -22,7 +22,7 @@ from analysis.mechanics.free_body import FreeBody
 from analysis.mechanics.states import paper_of
 from analysis.solve.effort import contact_time, rest_effort
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
-from analysis.solve.until_rest import TIGHTEST, WayToRest
+from analysis.solve.until_rest import TIGHTEST, WayToRest, until_agreement
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
@@ -120,7 +120,7 @@ def simulate_to_rest(
     run = partial(way.run, method)
     if local_tolerance is not None:
         return run(one_step("local_tolerance", local_tolerance, TIGHTEST))
-    return way.agreed(run, tolerance)
+    return until_agreement(run, tolerance)
 
 
 class InHouseWay(WayToRest):
@@ -192,18 +192,12 @@ class InHouseWay(WayToRest):
 
 def start_vector(disk: Body, start: State) -> Array:
     """State of `FreeBody` for a start in the paper's coordinates, shape (19,)."""
-    position, rotation = frames.poses(np.array([start.coordinates]))
-    velocity, angular = frames.twists(np.array([start.coordinates]), np.array([start.rates]))
-    A = rotation[0]
-    offset = disk.eccentricity * A[:, 0]
-    cog = position[0] + offset
-    cog_velocity = velocity[0] + np.cross(angular[0], offset)
+    coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
+    (position,), rotation = frames.poses(coordinates)
+    (velocity,), (angular,) = frames.twists(coordinates, rates)
+    offset = disk.eccentricity * rotation[0, :, 0]
+    (quaternion,) = frames.quaternions(rotation)
+    velocity, angular = velocity + np.cross(angular, offset), rotation[0].T @ angular
     return np.concatenate(
-        (
-            cog,
-            frames.quaternions(rotation)[0],
-            cog_velocity,
-            A.T @ angular[0],
-            np.zeros(len(CAUSES)),
-        )
+        (position + offset, quaternion, velocity, angular, np.zeros(len(CAUSES)))
     )

@@ -203,28 +203,9 @@ class WayToRest(ABC):
             ending=ending,
         )
 
-    def agreed(
-        self,
-        run: Callable[[float], SpatialMotion],
-        tolerance: float | None,
-        coarsest: float = inf,
-    ) -> SpatialMotion:
-        """The motion to a tolerance, or to the usual one, by `until_agreement`.
-
-        Parameters
-        ----------
-        run : callable
-            From a local tolerance to a motion.
-        tolerance : float, optional
-        coarsest : float
-            Largest local tolerance.
-        """
-        tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-        return until_agreement(run, min(LOCAL_PART * tolerance, coarsest), tolerance)
-
 
 def until_agreement(
-    run: Callable[[float], SpatialMotion], first: float, tolerance: float
+    run: Callable[[float], SpatialMotion], tolerance: float | None, coarsest: float = inf
 ) -> SpatialMotion:
     """Tighten the local tolerance tenfold until two runs agree, of a sensitive motion three.
 
@@ -232,11 +213,11 @@ def until_agreement(
     ----------
     run : callable
         From a local tolerance to a motion.
-    first : float
-        Local tolerance of the first run.
-    tolerance : float
+    tolerance : float, optional
         Largest `SpatialMotion.deviation` of the last two runs, and `error_at_ending` where a
-        condition ends them.
+        condition ends them; 1e-3 by default.
+    coarsest : float
+        Largest local tolerance.
 
     Returns
     -------
@@ -248,10 +229,13 @@ def until_agreement(
 
     Raises
     ------
+    ValueError
+        If the tolerance is not positive.
     ToleranceError
         If no two runs agree.
     """
-    rungs = tighter_and_tighter(first, TIGHTEST)[:RUNS]
+    tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
+    rungs = tighter_and_tighter(min(LOCAL_PART * tolerance, coarsest), TIGHTEST)[:RUNS]
     coarse = run(rungs[0])
     if _event(coarse) == TIME_LIMIT:
         return coarse

@@ -176,11 +176,11 @@ def test_runs_that_disagree_or_agree_by_chance_are_no_result(settled: SpatialMot
         return lambda _: replace(settled, dissipated=settled.dissipated + next(offs) * energy)
 
     with pytest.raises(ToleranceError, match=r"2\.0e-01, 1\.0e-01, 5\.0e-02, the last two by 5e"):
-        until_agreement(runs(0.8, 0.4, 0.2, 0.1, 0.05), 1e-8, 1e-3)
+        until_agreement(runs(0.8, 0.4, 0.2, 0.1, 0.05), 1e-3)
     # The whole difference is the estimate.
-    found = until_agreement(runs(3e-3, 1.5e-3, 0.75e-3), 1e-8, 1e-3)
+    found = until_agreement(runs(3e-3, 1.5e-3, 0.75e-3), 1e-3)
     assert found.error_estimate == pytest.approx(7.5e-4)
-    found = until_agreement(runs(0.0, 1e-4, 5e-3, 4.9e-3), 1e-9, 1e-3)
+    found = until_agreement(runs(0.0, 1e-4, 5e-3, 4.9e-3), 1e-3)
     assert found.error_estimate == pytest.approx(4.9e-4)
 
 
@@ -382,10 +382,10 @@ def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
     ending = replace(not_none(ended.ending), time=late)
     ahead = replace(ended, times=np.append(ended.times[:-1], late), ending=ending)
     runs = iter([ended, ahead])
-    agreed = until_agreement(lambda _local: next(runs), 1e-6, 1.0)
+    agreed = until_agreement(lambda _local: next(runs), 1.0)
     # Both end at the same tilt: by the states alone, they would not differ.
     moved = 1e-5 * float(np.hypot(*ended.angular_velocities[-1, :2]))
     assert agreed.error_estimate == pytest.approx(max(moved, 1e-5), rel=1e-6)
     different = itertools.cycle([ended, whole])
     with pytest.raises(ToleranceError, match="differ by inf"):
-        until_agreement(lambda _local: next(different), 1e-9, 1.0)
+        until_agreement(lambda _local: next(different), 1.0)
