@@ -245,7 +245,8 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
     [
         ("contact-tree", {"integrator": dopri5(1e-11)}),
         ("contact-tree", {"tolerance": 1e-6, "integrator": "RK67"}),
-        ("euler-tree", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
+        # A later span begins at velocities that the joints allow, or forces are off by 1e-4 N.
+        ("floating", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
         ("floating-lie", {"tolerance": 1e-6}),
     ],
 )
@@ -257,7 +258,7 @@ def test_uneven_times_give_the_same_motion_as_even_ones(
     run = mbs_models.simulate(scene_of(1, formulation), uneven, **accuracy)
     np.testing.assert_array_equal(run.times, uneven)
     np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-5)
-    np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-3)
+    np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
 
 
 @pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))

@@ -1,5 +1,6 @@
 """What a run will take is known before it starts, and what would never end is refused."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -14,7 +15,7 @@ from analysis.data.checks import Array
 from analysis.data.limits import MOST_STEPS, Effort
 from analysis.data.watch import Watch
 from analysis.solve import effort
-from analysis.solve.stepping import InitialValueProblem, integrate
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
 from mbs_models import Integrator, Scene, rest_run
 from mbs_models import effort as engine_effort
 from tests.helpers import model
@@ -165,7 +166,16 @@ def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> No
     replace(short, steps=float(MOST_STEPS)).check()
 
 
-@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+def run_of(right_hand_side: Callable[[float, Array], Array], method: Method) -> Run:
+    start, times = np.array([1.0, 0.0]), np.linspace(0.0, 2.0, 21)
+    problem = InitialValueProblem(right_hand_side, start, None, None, 0.5, lambda states: states)
+    return integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
+
+
+STEPPED = pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+
+
+@STEPPED
 def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
     calls = count()
 
@@ -173,24 +183,10 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
         next(calls)
         return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
 
-    problem = InitialValueProblem(
-        right_hand_side,
-        np.array([1.0, 0.0]),
-        leaning=None,
-        normal_force=None,
-        longest_step=0.5,
-        attitudes=lambda states: states,
-    )
-    times = np.linspace(0.0, 2.0, 21)
-    run = integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
-    assert run.evaluations == next(calls)
+    assert run_of(right_hand_side, method).evaluations == next(calls)
 
 
-@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+@STEPPED
 def test_a_motion_without_finite_derivative_ends_at_once(method: Method) -> None:
-    start = np.ones(2)
-    problem = InitialValueProblem(
-        lambda _, state: state * np.nan, start, None, None, 1.0, lambda states: states
-    )
     with pytest.raises(ArithmeticError):
-        integrate(problem, np.array([0.0, 1.0]), method, 1e-6, allow_pulling=True, watch=Watch())
+        run_of(lambda _, state: state * np.nan, method)
