@@ -36,7 +36,7 @@ from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene
-from mbs_models.rest_run import largest_step
+from mbs_models.rest import largest_step
 from validation import by_hand
 from validation.kit.limits import holds
 from validation.kit.provenance import machine

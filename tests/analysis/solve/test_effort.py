@@ -16,7 +16,7 @@ from analysis.data.limits import MOST_STEPS, Effort
 from analysis.data.watch import Watch
 from analysis.solve import effort
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
-from mbs_models import Integrator, Scene, rest_run
+from mbs_models import Integrator, Scene, rest
 from mbs_models import effort as engine_effort
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
@@ -74,7 +74,7 @@ def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> N
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
     scene = rest_scene()
-    step = rest_run.SAFETY * rest_run.largest_step(scene.scenario)
+    step = rest.SAFETY * rest.largest_step(scene.scenario)
     fixed, free = (
         mbs_models.simulate_to_rest(scene, 0.1, step=each).counts["steps"] for each in (step, None)
     )

@@ -21,7 +21,7 @@ from analysis.rest.stationary_rolling import (
     time_to_flat,
     upright_rolling_spin,
 )
-from mbs_models.rest_run import largest_step
+from mbs_models.rest import largest_step
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows
 from validation.run import run_to_rest
