@@ -16,13 +16,12 @@ from analysis.data.checks import Array
 from analysis.data.dissipation import RestCriterion
 from analysis.data.endings import FLATTEST, TIME_LIMIT, StopWhen
 from analysis.data.frames import Poses
-from analysis.data.sampled import Setting
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import State
 from analysis.data.watch import Progress
 from analysis.solve.effort import contact_time
-from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from mbs_models.effort import rest_effort
 from mbs_models.endings import dips, until_ending
@@ -37,7 +36,7 @@ from mbs_models.solving import EngineError, stepping
 COARSEST = 1e-9
 """Error in a step from which on two runs may agree by the longest step that both take."""
 
-STRETCHES = {"RK44": 0.1, "LSODA": 1.0}
+STRETCH = 0.1
 """Time in s after which a run chooses a fixed step anew and looks for rest."""
 
 SAFETY = 0.6
@@ -206,7 +205,7 @@ def states_of(records: Array) -> Array:
 class EngineWay(WayToRest):
     """By the engine: its Runge-Kutta method, or its own accelerations stepped by LSODA."""
 
-    source, package = "engine", "exudyn"
+    source, package, stepper = "engine", "exudyn", "integrator"
     method: Final = "LSODA"
 
     def build(self) -> None:
@@ -222,20 +221,12 @@ class EngineWay(WayToRest):
         They are cut where rolling resistance makes a nearly flat disk stiff.
         """
         advance = partial(self._over_steps, FloatingWithLosses(self.scenario), step)
-        return self.motion(advance, STRETCHES["RK44"], {"integrator": "RK44", "step": step})
+        return self.motion(advance, {self.stepper: "RK44", "step": step}, STRETCH)
 
     def by_accelerations(self, local: float) -> SpatialMotion:
         """With steps of the engine's accelerations, to this relative and absolute error each."""
-
-        def advance(times: Array, state: Array) -> Run:
-            problem = self.starting_at(state)
-            return integrate(
-                problem, times, self.method, local, allow_pulling=True, watch=self.watch
-            )
-
-        settings: dict[str, Setting] = {"integrator": self.method, "local_tolerance": local}
         with stepping(self.system):
-            return self.motion(advance, STRETCHES[self.method], settings)
+            return self.stepped(self.method, local)
 
     def starting_at(self, state: Array) -> InitialValueProblem:
         """The problem from a state on; to be solved within `solving`."""

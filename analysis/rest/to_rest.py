@@ -1,6 +1,5 @@
 """In-house simulation of the disk until it lies still, in any attitude."""
 
-from dataclasses import replace
 from functools import partial
 from math import atan2, cos, hypot, sin
 from typing import Literal, get_args
@@ -21,15 +20,12 @@ from analysis.mechanics.attitude import EulerTurning, Quaternion
 from analysis.mechanics.free_body import FreeBody
 from analysis.mechanics.states import paper_of
 from analysis.solve.effort import contact_time, rest_effort
-from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.stepping import InitialValueProblem
 from analysis.solve.until_rest import TIGHTEST, WayToRest, until_agreement
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
 """SciPy's Radau and BDF overflow: their numerical Jacobian meets states nothing depends on."""
-
-STRETCH = 1.0
-"""Time in s after which the quaternion is normalised and rest is looked for."""
 
 
 def simulate_to_rest(
@@ -117,7 +113,7 @@ def simulate_to_rest(
         progress=progress,
     )
     rest_effort(scenario, end).check()
-    run = partial(way.run, method)
+    run = partial(way.stepped, method)
     if local_tolerance is not None:
         return run(one_step("local_tolerance", local_tolerance, TIGHTEST))
     return until_agreement(run, tolerance)
@@ -126,18 +122,18 @@ def simulate_to_rest(
 class InHouseWay(WayToRest):
     """By the in-house equations; a state is one of `FreeBody`."""
 
-    source, package = "in-house", "scipy"
+    source, package, stepper = "in-house", "scipy", "method"
 
     def build(self) -> None:
         """Record the equations."""
         self._body = FreeBody(self.scenario)
         self.start = start_vector(self.scenario.disk, self.scenario.initial_state)
 
-    def run(self, method: RestMethod, local_tolerance: float) -> SpatialMotion:
-        """Motion to this relative tolerance of a step, up to rest or as far as it comes."""
-        problem = InitialValueProblem(
+    def starting_at(self, state: Array) -> InitialValueProblem:
+        """The motion from a state on."""
+        return InitialValueProblem(
             self._body.derivative,
-            self.start,
+            _of_unit_length(state),
             leaning=None,
             normal_force=None,
             longest_step=contact_time(self.scenario),
@@ -145,21 +141,6 @@ class InHouseWay(WayToRest):
             conditions=self.conditions,
             absolute=0.01,
         )
-
-        def advance(times: Array, start: Array) -> Run:
-            found = integrate(
-                replace(problem, start=start),
-                times,
-                method,
-                local_tolerance,
-                allow_pulling=False,
-                watch=self.watch,
-            )
-            found.states[:, 3:7] /= np.linalg.norm(found.states[:, 3:7], axis=1)[:, None]
-            return found
-
-        settings = {"method": method, "local_tolerance": local_tolerance}
-        return self.motion(advance, STRETCH, settings)
 
     def still(self, states: Array) -> tuple[Array, Array]:
         """Kinetic energies, and how far the centre of gravity is above its height at rest."""
@@ -169,6 +150,7 @@ class InHouseWay(WayToRest):
 
     def readings(self, states: Array) -> dict[str, Array]:
         """Arrays of a `SpatialMotion` by their names."""
+        states = _of_unit_length(states)
         attitudes = {"quaternions": states[:, 3:7], "dissipated": states[:, 13:]}
         return attitudes | self._body.readings(states)
 
@@ -188,6 +170,13 @@ class InHouseWay(WayToRest):
         turning = (*position, *angles, *velocity, *moving.angular)
         coordinates, rates = paper_of(self.scenario.disk, turning, EulerTurning)
         return State(coordinates=coordinates, rates=rates)
+
+
+def _of_unit_length(states: Array) -> Array:
+    """The same states, shape (..., 19), with quaternions of unit length."""
+    found = states.copy()
+    found[..., 3:7] /= np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
+    return found
 
 
 def start_vector(disk: Body, start: State) -> Array:

@@ -35,7 +35,7 @@ from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.data.state import State
 from analysis.data.trajectory import versions
 from analysis.data.watch import Progress, Watch
-from analysis.solve.stepping import Run
+from analysis.solve.stepping import InitialValueProblem, Method, Run, integrate
 from analysis.solve.to_tolerance import error_at_ending, tighter_and_tighter
 
 RUNS = 5
@@ -53,6 +53,9 @@ where both were off by 2e-3.
 
 LOCAL_PART = 1e-6
 """Part of the tolerance that the first run allows in a step; the sum over a motion is larger."""
+
+STRETCH = 1.0
+"""Time in s after which rest is looked for."""
 
 Advance = Callable[[Array, Array], Run]
 """From times of a stretch in s and the state at the first of them to what a run has reached."""
@@ -84,7 +87,10 @@ class WayToRest(ABC):
     source: ClassVar[Source]
 
     package: ClassVar[str]
-    """What steps, besides NumPy."""
+    """What steps, besides NumPy,"""
+
+    stepper: ClassVar[str]
+    """and what its methods are called among the settings."""
 
     start: Array
 
@@ -140,8 +146,23 @@ class WayToRest(ABC):
         found = self.paper_state(state)
         return 1.0 if found is None else condition(found)
 
+    @abstractmethod
+    def starting_at(self, state: Array) -> InitialValueProblem:
+        """The motion from a state on."""
+
+    def stepped(self, method: Method, local_tolerance: float) -> SpatialMotion:
+        """The motion by a method of SciPy, to this relative tolerance of a step."""
+
+        def advance(times: Array, state: Array) -> Run:
+            problem, watch = self.starting_at(state), self.watch
+            return integrate(
+                problem, times, method, local_tolerance, allow_pulling=True, watch=watch
+            )
+
+        return self.motion(advance, {self.stepper: method, "local_tolerance": local_tolerance})
+
     def motion(
-        self, advance: Advance, stretch: float, method: Mapping[str, Setting]
+        self, advance: Advance, method: Mapping[str, Setting], stretch: float = STRETCH
     ) -> SpatialMotion:
         """Run in stretches until the disk is at rest, or the run ends otherwise.
 
@@ -149,10 +170,10 @@ class WayToRest(ABC):
         ----------
         advance : callable
             See `Advance`.
-        stretch : float
-            Time in s after which rest is looked for.
         method : mapping
             What steps, and its settings.
+        stretch : float
+            Time in s after which rest is looked for.
 
         Raises
         ------
