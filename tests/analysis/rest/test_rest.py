@@ -375,19 +375,6 @@ def test_ending_after_impacts_is_located() -> None:
     assert np.min(whole.tilt[before]) > 0.2 > whole.tilt[~before][0]
 
 
-@pytest.mark.parametrize("source", SOURCES)
-def test_the_first_of_two_conditions_ends_the_run_though_both_hold_at_the_next_sample(
-    source: Source,
-) -> None:
-    def later(state: State) -> float:
-        return LIMIT + 0.001 - state.coordinates[4]
-
-    how: dict[str, Any] = {"source": source, "spacing": 0.05, "tolerance": 1e-3}
-    for both in ([tilted, later], [later, tilted]):
-        motion = run_to_rest(SCENARIO, 0.3, stop_when=both, **how)
-        assert not_none(motion.ending).reason == "tilted"
-
-
 def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
     whole: SpatialMotion, ended: SpatialMotion
 ) -> None:
