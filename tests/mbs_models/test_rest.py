@@ -43,6 +43,14 @@ def test_fixed_steps_converge_with_order_4() -> None:
     assert np.min(np.log2(np.divide(measured[:-1], measured[1:]))) > 3.5
 
 
+def test_fixed_steps_are_cut_where_rolling_resistance_makes_a_nearly_flat_disk_stiff() -> None:
+    start = Start(beta=2e-3, gamma=-1.57, spin=0.0)
+    scene = rest_scene(dissipation=Dissipation(rolling_dry=2.5e-4, pivoting=8e-6), start=start)
+    other = analysis.simulate_to_rest(scene.scenario, 0.05, local_tolerance=1e-10)
+    # Steps of the length asked for are a hundred times less accurate.
+    assert mbs_models.simulate_to_rest(scene, 0.05, step=3e-4).deviation(other) < 1e-5
+
+
 @pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-5], [None]))
 def test_impacts_meet_the_tolerance_and_its_estimate(tolerance: float | None) -> None:
     scene = rest_scene(start=Start(height=5e-3))

@@ -182,6 +182,22 @@ def test_runs_that_disagree_or_agree_by_chance_are_no_result(settled: SpatialMot
     assert found.error_estimate == pytest.approx(4.9e-4)
 
 
+def test_a_run_at_its_time_limit_tells_how_far_it_is_from_the_one_before(
+    settled: SpatialMotion,
+) -> None:
+    moved = replace(settled, dissipated=settled.dissipated + 0.1 * settled.energies[0].sum())
+    limit = replace(not_none(settled.ending), reason="time limit")
+    both = iter([moved, replace(settled, ending=limit)])
+    assert until_agreement(lambda _: next(both), 1e-6).error_estimate == pytest.approx(0.1)
+
+
+def test_runs_at_rest_a_sample_apart_agree(settled: SpatialMotion) -> None:
+    late = settled.times + 2e-3 * (settled.times == settled.times[-1])
+    ending = replace(not_none(settled.ending), time=float(late[-1]))
+    both = iter([settled, replace(settled, times=late, ending=ending)])
+    assert not_none(until_agreement(lambda _: next(both), 1e-3).error_estimate) < 1e-9
+
+
 def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
     for turn, expected in (([0.0, 0.0, 0.3], 0.0), ([2e-3, 0.0, 0.0], 2e-3)):
         turned = Rotation.from_rotvec(turn) * Rotation.from_matrix(settled.rotations)
@@ -386,6 +402,12 @@ def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
     # Both end at the same tilt: by the states alone, they would not differ.
     moved = 1e-5 * float(np.hypot(*ended.angular_velocities[-1, :2]))
     assert agreed.error_estimate == pytest.approx(max(moved, 1e-5), rel=1e-6)
+    # What is left at the ending counts, too.
+    taken = ended.dissipated.copy()
+    taken[-1] += 1e-4 * ended.energies[0].sum()
+    runs = iter([ended, replace(ahead, dissipated=taken)])
+    agreed = until_agreement(lambda _local: next(runs), 1.0)
+    assert agreed.error_estimate == pytest.approx(1e-4 + 1e-5)
     different = itertools.cycle([ended, whole])
     with pytest.raises(ToleranceError, match="differ by inf"):
         until_agreement(lambda _local: next(different), 1.0)
