@@ -183,8 +183,6 @@ def pulling_times(
     """
     times, values = np.asarray(moments), np.asarray(forces)
     negative = values < 0.0
-    if not np.any(negative):
-        return ()
     edges = np.flatnonzero(negative[1:] != negative[:-1])
     share = values[edges] / (values[edges] - values[edges + 1])
     crossings = (times[edges] + share * np.diff(times)[edges]).tolist()

@@ -5,11 +5,11 @@ from functools import partial
 
 import numpy as np
 
-from analysis.data.agreement import needed
 from analysis.data.checks import Array, TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.state import FlatError
 from analysis.data.trajectory import Trajectory
+from analysis.solve.to_tolerance import needed
 from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator, IntegratorName
 from mbs_models.model import Formulation

@@ -19,7 +19,7 @@ from mbs_models import sampled
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Place, dips, pulling_times, until_ending
 from mbs_models.integrators import Integrator
-from mbs_models.runs import Samples, Start, Stop, run, settle
+from mbs_models.runs import Samples, Stop, run
 from mbs_models.sampled import Call, leaning, state_of
 from mbs_models.scene import build
 from mbs_models.solving import EngineError, solving
@@ -92,7 +92,6 @@ class _Spans:
         motion.probe.check_start()
         with solving(motion.system):
             pulls_at_start(motion.starting_at(self._here), allow_pulling=not self._must_not_pull)
-        self._start: Start | None = settle(self._model, motion.probe)
         # Times and records of each span, and which of these are samples.
         self._done: list[tuple[Array, Array, Any]] = []
         self.ended: str | None = None
@@ -105,7 +104,6 @@ class _Spans:
         call = self._call
         if self._done:
             self._model = build(call.scene.starting_at(state_of(self._here)))
-            self._start = None
         finer, substeps = self._fineness(spacing, substeps, halvings)
         period = spacing / finer
         reasons: list[str] = []
@@ -181,7 +179,6 @@ class _Spans:
             intervals=intervals,
             substeps=substeps,
             begin=begin,
-            start=self._start,
             stop=self._stop(begin, reasons),
             most=watch.steps_left,
             whole=False,

@@ -1,23 +1,49 @@
-"""Engine simulation of the disk until it lies still, to a tolerance or to a step size."""
+"""Engine simulation of the disk until it lies still, to a tolerance or to a step size.
+
+A state is a row of 19 numbers: position of G, attitude as a quaternion of any length, velocity of
+G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`.
+"""
+
+from collections import Counter
+from functools import partial
+from math import hypot, sqrt
+from typing import Any, Final
 
 import numpy as np
 
-from analysis.data.agreement import until_agreement
-from analysis.data.checks import positive
+from analysis.data import frames
+from analysis.data.checks import Array
 from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import StopWhen
+from analysis.data.endings import FLATTEST, TIME_LIMIT, StopWhen
+from analysis.data.frames import Poses
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
+from analysis.data.state import State
 from analysis.data.watch import Progress
-from analysis.solve.until_rest import RestCall
+from analysis.solve.effort import contact_time
+from analysis.solve.stepping import InitialValueProblem, Run
+from analysis.solve.until_rest import WayToRest, until_agreement
 from mbs_models.effort import rest_effort
-from mbs_models.rest_run import RestRun, largest_step, rounded_contact
+from mbs_models.endings import dips, until_ending
+from mbs_models.floating import FloatingWithLosses, quaternion_rates
+from mbs_models.integrators import Integrator
+from mbs_models.loads import largest_lever, loads_of
+from mbs_models.probe import Probe
+from mbs_models.runs import run
 from mbs_models.scene import Scene
-from mbs_models.solving import EngineError
+from mbs_models.solving import EngineError, stepping
 
-LOCAL_PART, COARSEST = 1e-6, 1e-9
-"""Part of the tolerance that the first run allows in a step, as the sum over a motion is larger;
-and error in a step from which on two runs may agree by the longest step that both take."""
+COARSEST = 1e-9
+"""Error in a step from which on two runs may agree by the longest step that both take."""
+
+STRETCH = 0.1
+"""Time in s after which a run chooses a fixed step anew and looks for rest."""
+
+SAFETY = 0.6
+"""Part of the predicted stability limit that a fixed step may use."""
+
+POSE, TURNING, TAKEN = slice(3, 7), slice(10, 13), slice(13, None)
+"""Columns of attitude, angular velocity and energies."""
 
 
 def simulate_to_rest(
@@ -94,9 +120,9 @@ def simulate_to_rest(
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
     scene = Scene.of(scene)
-    largest = largest_step(scene)
-    call = RestCall(
-        scene.scenario,
+    scenario = scene.scenario
+    way = EngineWay(
+        scenario,
         end,
         spacing=spacing,
         criterion=criterion,
@@ -104,24 +130,213 @@ def simulate_to_rest(
         time_limit=time_limit,
         progress=progress,
     )
+    if scene.has_constraints:
+        raise ValueError(
+            "scene must be of formulation 'floating-lie', which the explicit integrator of this "
+            f"run can take, got {scene.built_as!r}"
+        )
     rest_effort(scene, end, step).check()
-    runs = RestRun(scene, call)
-    if step is not None:
-        if step > largest:
-            raise ValueError(_beyond(scene, step, largest))
-        motion = runs.by_steps(step)
-        if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
-            raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
-        return motion
+    if step is None:
+        return until_agreement(way.by_accelerations, tolerance, COARSEST)
+    if step > (largest := largest_step(scenario)):
+        contact, gradient = scenario.penalty_contact, scenario.friction_gradient
+        raise ValueError(
+            f"step must not exceed {largest:.3g} s, the predicted stability limit at stiffness "
+            f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
+            f"{gradient:g}, got {step:g}"
+        )
+    motion = way.by_steps(step)
+    if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
+        raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
+    return motion
 
-    tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(runs.by_accelerations, min(LOCAL_PART * tolerance, COARSEST), tolerance)
 
+def largest_step(scenario: Scenario, leaning: float = 1.0) -> float:
+    """Step in s above which explicit Runge-Kutta runs of order 4 are predicted to diverge.
 
-def _beyond(scene: Scene, step: float, limit: float) -> str:
-    contact = rounded_contact(scene)
-    return (
-        f"step must not exceed {limit:.3g} s, the predicted stability limit at stiffness "
-        f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
-        f"{scene.scenario.friction_gradient:g}, got {step:g}"
+    Parameters
+    ----------
+    scenario : Scenario
+        With a penalty contact.
+    leaning : float
+        Sine of the smallest inclination, 0 flat. The lower the disk leans, the more a rolling
+        resistance on the fast contour brakes its turning.
+
+    Returns
+    -------
+    float
+        The least of three limits: of the contact's spring and damper, of sliding friction at no
+        slip, and of the rolling resistance.
+
+    Raises
+    ------
+    ValueError
+        If the contact is the ideal one.
+    """
+    disk, contact, loss = scenario.disk, scenario.penalty_contact, scenario.dissipation
+    frequency = sqrt(contact.stiffness * disk.contact_mobility)
+    slope = loss.rolling_viscous + loss.rolling_dry / loss.rolling_smoothing
+    reach = largest_lever(disk, leaning, contact.half_thickness)
+    decay = max(
+        contact.damping * disk.contact_mobility,
+        scenario.slip_decay,
+        slope * scenario.weight * reach**2 / disk.least_moment,
     )
+    # Stability limits of the method along the imaginary and the negative real axis.
+    return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency
+
+
+def spatial(states: Array) -> Poses:
+    """Poses and how they move, in inertial components."""
+    attitudes = states[:, POSE]
+    rotation = frames.rotations(attitudes / np.linalg.norm(attitudes, axis=1)[:, None])
+    angular = np.einsum("nij,nj->ni", rotation, states[:, TURNING])
+    return Poses(states[:, :3], rotation, states[:, 7:10], angular)
+
+
+def states_of(records: Array) -> Array:
+    """States, shape (n, 19), from records of the engine, shape (n, 24)."""
+    rotation = records[:, 3:12].reshape(-1, 3, 3)
+    angular = np.einsum("nji,nj->ni", rotation, records[:, 15:18])
+    attitude = frames.quaternions(rotation)
+    return np.column_stack((records[:, :3], attitude, records[:, 12:15], angular, records[:, 18:]))
+
+
+class EngineWay(WayToRest):
+    """By the engine: its Runge-Kutta method, or its own accelerations stepped by LSODA."""
+
+    source, package, stepper = "engine", "exudyn", "integrator"
+    method: Final = "LSODA"
+
+    def build(self) -> None:
+        """Build the model that is asked for accelerations."""
+        self.model = FloatingWithLosses(self.scenario)
+        self.system = self.model.system
+        self._probe = Probe(self.model)
+        self.start = states_of(self.model.record()[None])[0]
+
+    def by_steps(self, step: float) -> SpatialMotion:
+        """With fixed steps of the engine's Runge-Kutta method of order 4, of at most so many s.
+
+        They are cut where rolling resistance makes a nearly flat disk stiff.
+        """
+        advance = partial(self._over_steps, FloatingWithLosses(self.scenario), step)
+        return self.motion(advance, {self.stepper: "RK44", "step": step}, STRETCH)
+
+    def by_accelerations(self, local: float) -> SpatialMotion:
+        """With steps of the engine's accelerations, to this relative and absolute error each."""
+        with stepping(self.system):
+            return self.stepped(self.method, local)
+
+    def starting_at(self, state: Array) -> InitialValueProblem:
+        """The problem from a state on; to be solved within `solving`."""
+        return InitialValueProblem(
+            self._derivative,
+            state,
+            None,
+            None,
+            contact_time(self.scenario),
+            lambda states: states[:, POSE],
+            self.conditions,
+        )
+
+    def _derivative(self, _: float, state: Array) -> list[float]:
+        values = state.tolist()
+        turn, rates = values[POSE], values[7:13]
+        place = np.array((*values[:3], *self.model.rotation_vector(turn))) - self.model.origin
+        self._probe.put(place.tolist(), rates)
+        # The engine has just asked for the loads in this state.
+        second, _unused = self._probe.solved()
+        assert self.model.loads is not None
+        return [
+            *rates[:3],
+            *quaternion_rates(turn, rates[3:]),
+            *second.tolist(),
+            *self.model.loads.last.taken,
+        ]
+
+    def samples(self, states: Array) -> Array:
+        """States as they are sampled."""
+        return states
+
+    def paper_state(self, state: Array) -> State | None:
+        """The paper's coordinates and their rates of a state; None on a flat disk."""
+        poses = spatial(state[None])
+        if hypot(*poses.rotations[0, 2, :2]) <= FLATTEST:
+            return None
+        z, u = frames.from_poses(*poses)
+        return State(coordinates=tuple(z[0].tolist()), rates=tuple(u[0].tolist()))
+
+    def _over_steps(
+        self, model: FloatingWithLosses, step: float, times: Array, state: Array
+    ) -> Run:
+        leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
+        step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
+        spacing = float(self.times[1])
+        samples = run(
+            model,
+            Integrator(name="RK44"),
+            spacing=spacing,
+            intervals=times.size - 1,
+            substeps=int(np.ceil(spacing / step - 1e-9)),
+            begin=float(times[0]),
+        )
+        states, counts = states_of(samples.records), Counter(samples.counts)
+        ended, times, states = until_ending(
+            times,
+            states,
+            (
+                place
+                for reason, says in self.conditions.items()
+                for place in dips(np.array([says(each) for each in states]), reason)
+            ),
+            self,
+            period=spacing,
+            work=counts,
+        )
+        last = self.times[-1]
+        if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:
+            ended = TIME_LIMIT
+        return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
+
+    def still(self, states: Array) -> tuple[Array, Array]:
+        """Kinetic energies, and how far the centre of gravity is above its height at rest."""
+        disk, contact = self.scenario.disk, self.scenario.penalty_contact
+        height = states[:, 2] + disk.eccentricity * spatial(states).rotations[:, 2, 0]
+        rise = height - contact.resting_height(disk, self.scenario.weight)
+        return self._kinetic(states), rise
+
+    def _kinetic(self, states: Array) -> Array:
+        """Kinetic energy in J, shape (n,)."""
+        disk, local = self.scenario.disk, states[:, TURNING]
+        _, rotation, v, w = spatial(states)
+        about_centre = np.einsum("ni,ij,nj->n", local, disk.tensor, local)
+        arm = disk.eccentricity * rotation[:, :, 0]
+        coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
+        result: Array = 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
+        return result
+
+    def readings(self, states: Array) -> dict[str, Any]:
+        """Arrays of a `SpatialMotion` by their names."""
+        disk, loads = self.scenario.disk, loads_of(self.scenario)
+        place, rotation, velocity, angular = poses = spatial(states)
+        values = np.array(
+            [
+                (*load.point, load.slip, contour, load.force[2], load.elastic)
+                for load, contour in loads.over(*poses)
+            ]
+        )
+        cog = place + disk.eccentricity * rotation[:, :, 0]
+        potential = -disk.mass * cog @ np.array(self.scenario.table.vector)
+        return {
+            "positions": place,
+            "quaternions": frames.quaternions(rotation),
+            "velocities": velocity,
+            "angular_velocities": angular,
+            "contact_points": place + values[:, :3],
+            "slip_speeds": values[:, 3],
+            "contour_speeds": values[:, 4],
+            "normal_force": values[:, 5],
+            "energies": np.column_stack((self._kinetic(states), potential, values[:, 6])),
+            "dissipated": states[:, TAKEN],
+        }

@@ -64,7 +64,6 @@ def run(
     intervals: int,
     substeps: int,
     begin: float = 0.0,
-    start: Start | None = None,
     stop: Stop | None = None,
     most: float = inf,
     whole: bool = True,
@@ -84,8 +83,6 @@ def run(
         Steps per interval; the least number of them if the integrator controls its step.
     begin : float
         Time at which it starts in s, for messages.
-    start : Start, optional
-        What `settle` has returned, if it has been called.
     stop : callable, optional
         Ends the run early.
     most : float
@@ -105,8 +102,7 @@ def run(
         If the run did not reach its end with finite results, or step control gave up.
     """
     system, duration = model.system, spacing * intervals
-    if start is None and (integrator.implicit or model.closes_contact):
-        start = settle(model, Probe(model))
+    start = settle(model) if integrator.implicit or model.closes_contact else None
     if integrator.implicit:
         complete_jacobian(model)
     settings = _settings(model, integrator, duration, intervals * substeps)
@@ -216,18 +212,14 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def settle(model: Model, probe: Probe) -> Start:
+def settle(model: Model) -> Start:
     """Give the engine its own accurate initial accelerations, and return them.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
     to know, and leaves out terms of velocity-level joints. Either makes every later result
     first-order accurate.
     """
-    data = model.system.systemData
-    # The probe may have been elsewhere, and there are two quaternions to a pose.
-    probe.put(
-        data.GetODE2Coordinates(_INITIAL).tolist(), data.GetODE2Coordinates_t(_INITIAL).tolist()
-    )
+    data, probe = model.system.systemData, Probe(model)
     if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, _INITIAL)

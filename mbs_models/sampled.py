@@ -7,19 +7,18 @@ from math import pi
 
 import numpy as np
 
-from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array, TimeLimitError
 from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition, Ending
 from analysis.data.state import State
 from analysis.data.trajectory import Trajectory, versions
 from analysis.data.watch import Watch
 from analysis.solve.stepping import Run
+from analysis.solve.to_tolerance import error_at_ending
 from mbs_models.integrators import Integrator
 from mbs_models.scene import Scene
 
 COORDINATES = slice(0, 6)
 RATES = slice(6, 12)
-FORCES = slice(12, None)
 
 ALPHA, BETA, GAMMA = 3, 4, 5
 TURNING = [ALPHA, GAMMA]

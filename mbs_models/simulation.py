@@ -116,13 +116,11 @@ def simulate(
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
     step, tolerance = _accuracy(chosen, step, tolerance)
-    tried, told = [chosen], None if integrator is None else chosen
-    if told is None and tolerance is not None:
-        tried = ways(scene, times, tolerance)
-    effort = simulation_effort(scene, times, told, step=step, tolerance=tolerance)
+    effort = simulation_effort(scene, times, integrator, step=step, tolerance=tolerance)
     effort.check()
-    most = effort.most
-    if len(tried) > 1:
+    tried, most = [chosen], effort.most
+    if integrator is None and tolerance is not None:
+        tried = ways(scene, times, tolerance)
         # There is another way to try.
         most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)

@@ -36,7 +36,7 @@ from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene
-from mbs_models.rest_run import largest_step
+from mbs_models.rest import largest_step
 from validation import by_hand
 from validation.kit.limits import holds
 from validation.kit.provenance import machine
@@ -170,7 +170,7 @@ def to_rest(_: int) -> Iterator[Check]:
     """The engine's long run to rest: a minute of motion may take half a minute."""
     scene = Scene(Scenario.rest(dissipation=Dissipation(rolling_dry=2.5e-4, pivoting=8e-6)))
     begin = time.process_time()
-    motion = mbs_models.simulate_to_rest(scene, 120.0, step=0.6 * largest_step(scene))
+    motion = mbs_models.simulate_to_rest(scene, 120.0, step=0.6 * largest_step(scene.scenario))
     taken = time.process_time() - begin
     if motion.rest_time is None:
         raise ArithmeticError("the disk did not come to rest")

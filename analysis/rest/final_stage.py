@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from analysis.data import frames
 from analysis.data.checks import Array, increasing_times
 from analysis.data.spatial_motion import SpatialMotion
 
@@ -77,8 +78,5 @@ def precession(motion: SpatialMotion) -> Array:
 
     Not defined for a disk that lies exactly flat.
     """
-    axis, angular = motion.rotations[:, :, 2], motion.angular_velocities
-    along = np.sum(axis * angular, axis=1)
-    across = axis[:, 0] ** 2 + axis[:, 1] ** 2
-    result: Array = (angular[:, 2] - along * axis[:, 2]) / across
-    return result
+    _, rates = frames.from_poses(*motion.poses)
+    return rates[:, 3]

@@ -1,6 +1,5 @@
 """In-house simulation of the disk until it lies still, in any attitude."""
 
-from dataclasses import replace
 from functools import partial
 from math import atan2, cos, hypot, sin
 from typing import Literal, get_args
@@ -8,33 +7,25 @@ from typing import Literal, get_args
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.agreement import TIGHTEST, until_agreement
 from analysis.data.body import Body
-from analysis.data.checks import Array, choice, instance, positive
+from analysis.data.checks import Array, choice, instance
 from analysis.data.checks import local_tolerance as one_step
 from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import FLATTEST, Condition, StopWhen
+from analysis.data.endings import FLATTEST, StopWhen
 from analysis.data.scenario import Scenario
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import State
-from analysis.data.trajectory import versions
 from analysis.data.watch import Progress
 from analysis.mechanics.attitude import EulerTurning, Quaternion
 from analysis.mechanics.free_body import FreeBody
 from analysis.mechanics.states import paper_of
 from analysis.solve.effort import contact_time, rest_effort
-from analysis.solve.stepping import InitialValueProblem, Run, integrate
-from analysis.solve.until_rest import RestCall
+from analysis.solve.stepping import InitialValueProblem
+from analysis.solve.until_rest import TIGHTEST, WayToRest, until_agreement
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
 """SciPy's Radau and BDF overflow: their numerical Jacobian meets states nothing depends on."""
-
-LOCAL_PART = 1e-6
-"""Part of the tolerance that the first run allows in a step; the sum over a motion is larger."""
-
-STRETCH = 1.0
-"""Time in s after which the quaternion is normalised and rest is looked for."""
 
 
 def simulate_to_rest(
@@ -112,9 +103,7 @@ def simulate_to_rest(
     choice("method", method, REST_METHODS)
     if tolerance is not None and local_tolerance is not None:
         raise ValueError("give either tolerance or local_tolerance, not both")
-    if not (scenario.penalty_contact and scenario.is_smooth):
-        raise ValueError("half_thickness must be positive for the disk to lie flat, got 0")
-    call = RestCall(
+    way = InHouseWay(
         scenario,
         end,
         spacing=spacing,
@@ -124,96 +113,80 @@ def simulate_to_rest(
         progress=progress,
     )
     rest_effort(scenario, end).check()
-    run = partial(_motion, call, FreeBody(scenario), method)
+    run = partial(way.stepped, method)
     if local_tolerance is not None:
         return run(one_step("local_tolerance", local_tolerance, TIGHTEST))
-    tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
-    return until_agreement(run, LOCAL_PART * tolerance, tolerance)
+    return until_agreement(run, tolerance)
 
 
-def _motion(
-    call: RestCall, model: FreeBody, method: RestMethod, local_tolerance: float
-) -> SpatialMotion:
-    """Motion to this relative tolerance of a step, up to rest or as far as it comes."""
-    scenario, disk = call.scenario, call.scenario.disk
-    low = model.contact.resting_height(disk, scenario.weight)
-    problem = InitialValueProblem(
-        model.derivative,
-        start_vector(disk, scenario.initial_state),
-        leaning=None,
-        normal_force=None,
-        longest_step=contact_time(scenario),
-        attitudes=lambda states: states[..., 3:7],
-        conditions={name: partial(_says, disk, each) for name, each in call.conditions.items()},
-        absolute=0.01,
-    )
+class InHouseWay(WayToRest):
+    """By the in-house equations; a state is one of `FreeBody`."""
 
-    def advance(times: Array, start: Array) -> Run:
-        found = integrate(
-            replace(problem, start=start),
-            times,
-            method,
-            local_tolerance,
-            allow_pulling=False,
-            watch=call.watch,
+    source, package, stepper = "in-house", "scipy", "method"
+
+    def build(self) -> None:
+        """Record the equations."""
+        self._body = FreeBody(self.scenario)
+        self.start = start_vector(self.scenario.disk, self.scenario.initial_state)
+
+    def starting_at(self, state: Array) -> InitialValueProblem:
+        """The motion from a state on."""
+        return InitialValueProblem(
+            self._body.derivative,
+            _of_unit_length(state),
+            leaning=None,
+            normal_force=None,
+            longest_step=contact_time(self.scenario),
+            attitudes=lambda states: states[..., 3:7],
+            conditions=self.conditions,
+            absolute=0.01,
         )
-        found.states[:, 3:7] /= np.linalg.norm(found.states[:, 3:7], axis=1)[:, None]
-        return found
 
-    def still(states: Array) -> tuple[Array, Array]:
-        kinetic = np.array([model.energies(state)[0] for state in states.tolist()])
+    def still(self, states: Array) -> tuple[Array, Array]:
+        """Kinetic energies, and how far the centre of gravity is above its height at rest."""
+        kinetic = np.array([self._body.energies(state)[0] for state in states.tolist()])
+        low = self._body.contact.resting_height(self.scenario.disk, self.scenario.weight)
         return kinetic, states[:, 2] - low
 
-    states, told = call.until_rest(problem.start, advance, STRETCH, problem.conditions, still)
-    return SpatialMotion(
-        **(told | model.readings(states)),
-        quaternions=states[:, 3:7],
-        dissipated=states[:, 13:],
-        scenario=scenario,
-        source="in-house",
-        method={"method": method, "local_tolerance": local_tolerance},
-        versions=versions("numpy", "scipy"),
-    )
+    def readings(self, states: Array) -> dict[str, Array]:
+        """Arrays of a `SpatialMotion` by their names."""
+        states = _of_unit_length(states)
+        attitudes = {"quaternions": states[:, 3:7], "dissipated": states[:, 13:]}
+        return attitudes | self._body.readings(states)
+
+    def paper_state(self, state: Array) -> State | None:
+        """The paper's coordinates and their rates of a state; None on a flat disk."""
+        moving = Quaternion.moving(state[:13].tolist())
+        ahead, across, up = moving.frame
+        leaning = hypot(up[0], up[1])
+        if leaning <= FLATTEST:
+            return None
+        alpha = atan2(ahead[2], -across[2])
+        sa, ca = sin(alpha), cos(alpha)
+        (x, y, z), (u, v, w) = moving.position, moving.velocity
+        position = (ca * x + sa * y, ca * y - sa * x, z)
+        velocity = (ca * u + sa * v, ca * v - sa * u, w)
+        angles = (alpha, atan2(leaning, up[2]), atan2(up[0], up[1]))
+        turning = (*position, *angles, *velocity, *moving.angular)
+        coordinates, rates = paper_of(self.scenario.disk, turning, EulerTurning)
+        return State(coordinates=coordinates, rates=rates)
 
 
-def _says(disk: Body, condition: Condition, vector: Array) -> float:
-    """A condition of what is integrated; it is not negative on a flat disk."""
-    state = paper_state(disk, vector)
-    return 1.0 if state is None else condition(state)
+def _of_unit_length(states: Array) -> Array:
+    """The same states, shape (..., 19), with quaternions of unit length."""
+    found = states.copy()
+    found[..., 3:7] /= np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
+    return found
 
 
 def start_vector(disk: Body, start: State) -> Array:
     """State of `FreeBody` for a start in the paper's coordinates, shape (19,)."""
-    position, rotation = frames.poses(np.array([start.coordinates]))
-    velocity, angular = frames.twists(np.array([start.coordinates]), np.array([start.rates]))
-    A = rotation[0]
-    offset = disk.eccentricity * A[:, 0]
-    cog = position[0] + offset
-    cog_velocity = velocity[0] + np.cross(angular[0], offset)
+    coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
+    (position,), rotation = frames.poses(coordinates)
+    (velocity,), (angular,) = frames.twists(coordinates, rates)
+    offset = disk.eccentricity * rotation[0, :, 0]
+    (quaternion,) = frames.quaternions(rotation)
+    velocity, angular = velocity + np.cross(angular, offset), rotation[0].T @ angular
     return np.concatenate(
-        (
-            cog,
-            frames.quaternions(rotation)[0],
-            cog_velocity,
-            A.T @ angular[0],
-            np.zeros(len(CAUSES)),
-        )
+        (position + offset, quaternion, velocity, angular, np.zeros(len(CAUSES)))
     )
-
-
-def paper_state(disk: Body, vector: Array) -> State | None:
-    """The paper's coordinates and their rates of a state of `FreeBody`; None on a flat disk."""
-    moving = Quaternion.moving(vector[:13].tolist())
-    ahead, across, up = moving.frame
-    leaning = hypot(up[0], up[1])
-    if leaning <= FLATTEST:
-        return None
-    alpha = atan2(ahead[2], -across[2])
-    sa, ca = sin(alpha), cos(alpha)
-    (x, y, z), (u, v, w) = moving.position, moving.velocity
-    position = (ca * x + sa * y, ca * y - sa * x, z)
-    velocity = (ca * u + sa * v, ca * v - sa * u, w)
-    angles = (alpha, atan2(leaning, up[2]), atan2(up[0], up[1]))
-    turning = (*position, *angles, *velocity, *moving.angular)
-    coordinates, rates = paper_of(disk, turning, EulerTurning)
-    return State(coordinates=coordinates, rates=rates)

@@ -146,7 +146,17 @@ def integrate(
     started: list[Any] = []
 
     def solver(*span: Any, **first: Any) -> Any:
-        started.append(_solver(problem, method, local_tolerance, *span, **first))
+        started.append(
+            getattr(solvers, method)(
+                problem.right_hand_side,
+                *span,
+                rtol=local_tolerance,
+                atol=problem.absolute * local_tolerance,
+                max_step=problem.longest_step,
+                **first,
+                **_jacobian(problem, method),
+            )
+        )
         return started[-1]
 
     ended: str | None = None
@@ -176,24 +186,6 @@ def integrate(
         ended,
         lookout.pulling(reached[-1]),
         watch.steps - begun,
-    )
-
-
-def _solver(
-    problem: InitialValueProblem, method: Method, local_tolerance: float, *span: Any, **first: Any
-) -> Any:
-    """Solver of SciPy for a span: from a time and a state to another time."""
-    begin, state, end = span
-    return getattr(solvers, method)(
-        problem.right_hand_side,
-        begin,
-        state,
-        end,
-        rtol=local_tolerance,
-        atol=problem.absolute * local_tolerance,
-        max_step=problem.longest_step,
-        **first,
-        **_jacobian(problem, method),
     )
 
 

@@ -4,11 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
+import numpy.typing as npt
 
-from analysis.data.agreement import error_at_ending, needed
 from analysis.data.checks import Array, TimeLimitError, ToleranceError
 from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.data.files import AnyArray
+from analysis.data.limits import LEAST_TILT
 from analysis.data.members import Rows
 from analysis.solve.stepping import InitialValueProblem, Run, endings
 
@@ -23,6 +24,9 @@ COARSEST = 1e-5
 
 SHORTER = 0.8
 """Part of the longest step that the next run may take: not both may take the longest there are."""
+
+LEAST_RATE = 1.0
+"""Rate in rad/s by which a difference in the time of an ending counts at least."""
 
 _MOMENT = 1e-7
 """Time in s over which rates are told by a difference."""
@@ -192,7 +196,10 @@ def agree(
             done = fine.estimates <= needed(tolerance, fine.ended(FLAT))
             fine.cut_to_samples(limited & done)
         for row in np.flatnonzero(limited & ~done).tolist():
-            failed[int(pending[row])] = _in_time(fine.ends[row], tolerance)
+            failed[int(pending[row])] = TimeLimitError(
+                f"time limit met at t = {fine.ends[row]:.6g} s of a run before two runs agreed to "
+                f"{tolerance:g} rad"
+            )
         if failed:
             failures |= failed
             done |= np.isin(pending, list(failed))
@@ -213,13 +220,6 @@ def agree(
             )
     assert kept is not None
     return kept, failures
-
-
-def _in_time(moment: float, tolerance: float) -> TimeLimitError:
-    return TimeLimitError(
-        f"time limit met at t = {moment:.6g} s of a run before two runs agreed to "
-        f"{tolerance:g} rad"
-    )
 
 
 def estimated_errors(
@@ -256,6 +256,50 @@ def estimated_errors(
         late = error_at_ending(at_end, fine.ends - coarse.ends, meant * rates(fine))
         worst = np.where(ended, np.maximum(worst, late), worst)
     return np.where(alike, np.maximum(CAUTION * worst, ROUNDING), np.inf)
+
+
+def error_at_ending(
+    apart: npt.ArrayLike, time_apart: npt.ArrayLike, rates: npt.ArrayLike
+) -> Array:
+    """Difference of two runs where each ends by itself, its time included.
+
+    A condition that ends a run fixes the state there, so that the states of two endings agree
+    however far apart their times are. The later of the two states is at most this far from the
+    earlier run at the same time.
+
+    Parameters
+    ----------
+    apart : array_like, shape (..., k)
+        Differences of beta and gamma between the two endings in rad.
+    time_apart : array_like, shape (...)
+        Difference of their times in s.
+    rates : array_like, shape (..., k)
+        Rates of beta and gamma at an ending in rad/s; `LEAST_RATE` where they are smaller, so
+        that the time is as accurate as the angles where these stand still.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In rad.
+    """
+    moved = np.maximum(np.abs(rates), LEAST_RATE) * np.abs(time_apart)[..., None]
+    found: Array = np.max(np.abs(apart) + moved, axis=-1)
+    return found
+
+
+def needed(tolerance: npt.ArrayLike, flat: npt.ArrayLike) -> Array:
+    """Largest errors in rad of runs that are asked for to a tolerance.
+
+    A disk that is said to lie flat has to be told from one that passes by.
+
+    Parameters
+    ----------
+    tolerance : array_like, shape (...)
+        In rad.
+    flat : array_like of bool, shape (...)
+        Whether a run ends where the disk lies flat.
+    """
+    return np.where(flat, np.minimum(tolerance, LEAST_TILT), tolerance)
 
 
 def run_to(

@@ -1,6 +1,7 @@
 """Why a motion of the engine ends, and where: as the in-house one does."""
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from mbs_models import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
+from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.5, 51)
 LONG = np.linspace(0.0, 0.6, 121)
@@ -48,6 +50,17 @@ def test_a_contact_that_may_pull_ends_nothing(formulation: Formulation) -> None:
     assert np.min(run.normal_force) < -10.0
     assert run.ending is None
     np.testing.assert_array_equal(run.times, TIMES[:11])
+
+
+def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later() -> None:
+    scene = scene_of(1, "euler-tree", start=Start(beta=1.407, gamma=-1.799, spin=114.6))
+    accuracies: list[dict[str, Any]] = [{"step": 4e-3}, {"tolerance": 1e-6}]
+    coarse, fine = (
+        not_none(mbs_models.simulate(scene, np.linspace(0.0, 0.2, 21), **each).ending)
+        for each in accuracies
+    )
+    assert coarse.reason == fine.reason == "contact would pull"
+    assert coarse.time < fine.time
 
 
 def turning(state: State) -> float:

@@ -78,7 +78,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(to_rest, rest_scene(), 1.0, step=1e-3), "the predicted stability limit"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-4, tolerance=1e-3), "either step or tolerance"),
     (partial(to_rest, rest_scene(), 1.0, spacing=2.0), "spacing must not exceed end"),
-    (partial(to_rest, Scene(), 1.0), "scene must have a penalty contact, got contact None"),
+    (partial(to_rest, Scene(), 1.0), "contact must be a PenaltyContact, got None"),
     (partial(to_rest, scene_of(1, "floating-lie", contact=YIELDING), 1.0),
      "half_thickness must be positive"),
     (partial(to_rest, scene_of(1, "floating", contact=ROUNDED), 1.0),

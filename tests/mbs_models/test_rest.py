@@ -1,8 +1,6 @@
 """The engine's way to rest against the in-house one."""
 
 from dataclasses import fields
-from itertools import pairwise
-from math import log2
 
 import numpy as np
 import pytest
@@ -15,8 +13,6 @@ from analysis import (
     PenaltyContact,
     Scenario,
     Start,
-    TimeLimitError,
-    ToleranceError,
 )
 from tests.bodies import BODIES, spinning_top
 from tests.helpers import mostly_slow, not_none
@@ -34,20 +30,25 @@ def test_fixed_steps_converge_with_order_4() -> None:
     other = analysis.simulate_to_rest(
         scene.scenario, 0.5, spacing=1e-2, method="DOP853", local_tolerance=1e-12
     )
-    errors, unexplained, damping = [], [], []
+    measured = []
     for step in (2e-4, 1e-4, 5e-5):
         found = mbs_models.simulate_to_rest(scene, 0.5, step=step, spacing=1e-2)
-        errors.append(float(np.max(np.abs(found.rotations - other.rotations))))
-        unexplained.append(float(np.max(np.abs(found.energy_residual))))
+        apart = found.rotations - other.rotations, found.energy_residual
         taken = [motion.energy_taken("damping")[-1] for motion in (found, other)]
-        damping.append(abs(taken[0] - taken[1]))
+        measured.append([*(np.max(np.abs(each)) for each in apart), abs(taken[0] - taken[1])])
         np.testing.assert_allclose(found.positions, other.positions, atol=1e-9)
-    assert errors[-1] < 1e-8
+    assert measured[-1][0] < 1e-8
     np.testing.assert_allclose(found.dissipated, other.dissipated, atol=1e-9)
     assert taken[0] == pytest.approx(taken[1], rel=0.01)
-    for measured in (errors, unexplained, damping):
-        for coarse, fine in pairwise(measured):
-            assert log2(coarse / fine) > 3.5
+    assert np.min(np.log2(np.divide(measured[:-1], measured[1:]))) > 3.5
+
+
+def test_fixed_steps_are_cut_where_rolling_resistance_makes_a_nearly_flat_disk_stiff() -> None:
+    start = Start(beta=2e-3, gamma=-1.57, spin=0.0)
+    scene = rest_scene(dissipation=Dissipation(rolling_dry=2.5e-4, pivoting=8e-6), start=start)
+    other = analysis.simulate_to_rest(scene.scenario, 0.05, local_tolerance=1e-10)
+    # Steps of the length asked for are a hundred times less accurate.
+    assert mbs_models.simulate_to_rest(scene, 0.05, step=3e-4).deviation(other) < 1e-5
 
 
 @pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-5], [None]))
@@ -57,35 +58,6 @@ def test_impacts_meet_the_tolerance_and_its_estimate(tolerance: float | None) ->
     found = mbs_models.simulate_to_rest(scene, 0.5, tolerance=tolerance, spacing=5e-3)
     assert found.deviation(impacts) <= not_none(found.error_estimate) <= (tolerance or 1e-3)
     assert found.energy_taken("damping")[-1] == pytest.approx(0.0213610, rel=tolerance or 1e-3)
-
-
-def test_no_two_runs_that_agree_is_an_error() -> None:
-    scene = rest_scene(start=Start(height=1e-3))
-    with pytest.raises(ToleranceError, match="tolerance 1e-15 cannot be reached"):
-        mbs_models.simulate_to_rest(scene, 0.04, tolerance=1e-15, spacing=1e-2)
-
-
-def test_time_limit_ends_runs_with_what_they_reached(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter(range(10**9))
-    monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: 0.1 * next(clock))
-    told: list[tuple[float, float]] = []
-    for settings, limit in (({"step": 1e-4}, 0.45), ({"tolerance": 1e-3}, 15.0)):
-        found = mbs_models.simulate_to_rest(
-            rest_scene(),
-            1.0,
-            time_limit=limit,
-            progress=lambda reached, end: told.append((reached, end)),
-            **settings,  # type: ignore[arg-type]
-        )
-        ending = not_none(found.ending)
-        assert ending.reason == "time limit"
-        assert ending.time == found.times[-1] < 1.0
-        assert ending.value > limit
-        assert found.rest_time is found.error_estimate is None
-    assert {end for _, end in told} == {1.0}
-    assert max(reached for reached, _ in told) > 0.1
-    with pytest.raises(TimeLimitError, match="before the first sample"):
-        mbs_models.simulate_to_rest(rest_scene(), 1.0, time_limit=1e-3)
 
 
 def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -> None:

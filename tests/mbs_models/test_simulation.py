@@ -204,17 +204,15 @@ def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
 
 
 def test_options_of_an_integrator_change_the_run_and_go_with_it() -> None:
-    options: list[dict[str, Any]] = [
-        {"name": "GeneralizedAlpha"},
-        {"name": "GeneralizedAlpha", "spectral_radius": 0.6},
-        {"name": "TrapezoidalIndex2"},
-        {"name": "TrapezoidalIndex2", "newton": Newton(relative=1e-4, absolute=1e-6)},
-    ]
+    loosely = Newton(relative=1e-4, absolute=1e-6)
     usual, damped, tight, loose = (
-        mbs_models.simulate(
-            scene_of(1, "floating-lie"), TIMES, step=5e-3, integrator=Integrator(**each)
+        mbs_models.simulate(scene_of(1, "floating-lie"), TIMES, step=5e-3, integrator=each)
+        for each in (
+            Integrator(name="GeneralizedAlpha"),
+            Integrator(name="GeneralizedAlpha", spectral_radius=0.6),
+            Integrator(name="TrapezoidalIndex2"),
+            Integrator(name="TrapezoidalIndex2", newton=loosely),
         )
-        for each in options
     )
     assert deviation(usual, damped) > 1e-6
     assert [run.method["spectral_radius"] for run in (usual, damped)] == [0.9, 0.6]
@@ -245,7 +243,8 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
     [
         ("contact-tree", {"integrator": dopri5(1e-11)}),
         ("contact-tree", {"tolerance": 1e-6, "integrator": "RK67"}),
-        ("euler-tree", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
+        # A later span begins at velocities that the joints allow, or forces are off by 1e-4 N.
+        ("floating", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
         ("floating-lie", {"tolerance": 1e-6}),
     ],
 )
@@ -257,7 +256,7 @@ def test_uneven_times_give_the_same_motion_as_even_ones(
     run = mbs_models.simulate(scene_of(1, formulation), uneven, **accuracy)
     np.testing.assert_array_equal(run.times, uneven)
     np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-5)
-    np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-3)
+    np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
 
 
 @pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))

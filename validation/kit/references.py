@@ -12,10 +12,10 @@ import numpy as np
 
 import analysis
 from analysis import Method, Scenario, Trajectory
-from analysis.data.agreement import error_at_ending
 from analysis.data.checks import Array
 from analysis.data.endings import FLAT, StopWhen
 from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
+from analysis.solve.to_tolerance import error_at_ending
 from mbs_models import EngineError, Integrator
 from validation.kit.limits import largest
 from validation.kit.located import up_to_ending

@@ -1,6 +1,8 @@
 """What a run will take is known before it starts, and what would never end is refused."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from typing import Any
 
@@ -14,8 +16,8 @@ from analysis.data.checks import Array
 from analysis.data.limits import MOST_STEPS, Effort
 from analysis.data.watch import Watch
 from analysis.solve import effort
-from analysis.solve.stepping import InitialValueProblem, integrate
-from mbs_models import Integrator, Scene, rest_run
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from mbs_models import Integrator, Scene, rest
 from mbs_models import effort as engine_effort
 from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
@@ -73,7 +75,7 @@ def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> N
 
 def test_steps_to_rest_are_predicted_on_both_sides() -> None:
     scene = rest_scene()
-    step = rest_run.SAFETY * rest_run.largest_step(scene)
+    step = rest.SAFETY * rest.largest_step(scene.scenario)
     fixed, free = (
         mbs_models.simulate_to_rest(scene, 0.1, step=each).counts["steps"] for each in (step, None)
     )
@@ -88,34 +90,27 @@ def test_steps_to_rest_are_predicted_on_both_sides() -> None:
 STEEP = Scenario(friction=SmoothCoulomb(smoothing=1e-12))
 LOW = Scenario(start=Start(beta=1.1e-6))
 HARD = Scenario.rest(contact=PenaltyContact.rounded(STEEL_DISK, stiffness=1e12))
-SIDES: dict[str, Any] = {"in-house": analysis, "engine": mbs_models}
+SIDES: tuple[Any, ...] = (analysis, mbs_models)
+ENDLESS: list[tuple[Callable[[], object], str]] = [
+    (partial(analysis.simulate, STEEP, [0.0, 2.0]), r"friction gradient 3e\+11 s/m .* would take"),
+    (partial(analysis.simulate, Scenario(), [0.0, 1e9]), "tolerance 1e-08 up to t = 1e.09 s"),
+    (partial(analysis.simulate, LOW, [0.0, 10.0]), "beta 1.1e-06 rad up to t = 10 s would take"),
+    (partial(mbs_models.simulate, Scene(), [0.0, 2.0], step=1e-12),
+     "step 1e-12 s up to t = 2 s would take about 2"),
+    (partial(mbs_models.simulate, scene_of(3), [0.0, 1e6]), "tolerance 1e-08 up to t = 1e.06 s"),
+    (partial(mbs_models.simulate, STEEP, [0.0, 1e4], integrator="DOP853"),
+     r"friction gradient 3e\+11 s/m .* would"),
+    *((partial(side.simulate_to_rest, HARD, 80.0),
+       r"stiffness 1e\+12 N/m until end = 80 s would") for side in SIDES),
+    *((partial(side.simulate_to_rest, Scenario.rest(), 1e9),
+       r"end asks for 5e\+11 samples") for side in SIDES),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("side", "problem", "end", "given", "message"),
-    [
-        ("in-house", STEEP, 2.0, {}, r"friction gradient 3e\+11 s/m .* would take about"),
-        ("in-house", Scenario(), 1e9, {}, "tolerance 1e-08 up to t = 1e.09 s would take about"),
-        ("in-house", LOW, 10.0, {}, "beta 1.1e-06 rad up to t = 10 s would take"),
-        ("engine", Scene(), 2.0, {"step": 1e-12}, "step 1e-12 s up to t = 2 s would take about 2"),
-        ("engine", scene_of(3), 1e6, {}, "tolerance 1e-08 up to t = 1e.06 s"),
-        ("engine", STEEP, 1e4, {"integrator": "DOP853"}, r"friction gradient 3e\+11 s/m .* would"),
-    ],
-)
-def test_endless_run_is_refused(
-    side: str, problem: Any, end: float, given: dict[str, Any], message: str
-) -> None:
+@pytest.mark.parametrize(("call", "message"), ENDLESS)
+def test_endless_run_is_refused(call: Callable[[], object], message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}"):
-        SIDES[side].simulate(problem, [0.0, end], **given)
-
-
-@pytest.mark.parametrize("side", SIDES)
-def test_endless_way_to_rest_is_refused(side: str) -> None:
-    to_rest = SIDES[side].simulate_to_rest
-    with pytest.raises(ValueError, match=r"^stiffness 1e\+12 N/m until end = 80 s would"):
-        to_rest(HARD, 80.0)
-    with pytest.raises(ValueError, match=r"^end asks for 5e\+11 samples"):
-        to_rest(Scenario.rest(), 1e9)
+        call()
 
 
 @pytest.mark.parametrize(
@@ -165,7 +160,16 @@ def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> No
     replace(short, steps=float(MOST_STEPS)).check()
 
 
-@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+def run_of(right_hand_side: Callable[[float, Array], Array], method: Method) -> Run:
+    start, times = np.array([1.0, 0.0]), np.linspace(0.0, 2.0, 21)
+    problem = InitialValueProblem(right_hand_side, start, None, None, 0.5, lambda states: states)
+    return integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
+
+
+STEPPED = pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+
+
+@STEPPED
 def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
     calls = count()
 
@@ -173,24 +177,10 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
         next(calls)
         return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
 
-    problem = InitialValueProblem(
-        right_hand_side,
-        np.array([1.0, 0.0]),
-        leaning=None,
-        normal_force=None,
-        longest_step=0.5,
-        attitudes=lambda states: states,
-    )
-    times = np.linspace(0.0, 2.0, 21)
-    run = integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
-    assert run.evaluations == next(calls)
+    assert run_of(right_hand_side, method).evaluations == next(calls)
 
 
-@pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+@STEPPED
 def test_a_motion_without_finite_derivative_ends_at_once(method: Method) -> None:
-    start = np.ones(2)
-    problem = InitialValueProblem(
-        lambda _, state: state * np.nan, start, None, None, 1.0, lambda states: states
-    )
     with pytest.raises(ArithmeticError):
-        integrate(problem, np.array([0.0, 1.0]), method, 1e-6, allow_pulling=True, watch=Watch())
+        run_of(lambda _, state: state * np.nan, method)

@@ -21,8 +21,7 @@ from analysis.rest.stationary_rolling import (
     time_to_flat,
     upright_rolling_spin,
 )
-from mbs_models import Scene
-from mbs_models.rest_run import largest_step
+from mbs_models.rest import largest_step
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows
 from validation.run import run_to_rest
@@ -105,7 +104,7 @@ def measure(case: Rolling | str) -> list[Row]:
     if isinstance(case, str):
         return [{"source": "in-house", **row} for row in _last_moments(case)]
     scenario = replace(ON_TABLE, start=case.start)
-    step = 0.6 * largest_step(Scene(scenario))
+    step = 0.6 * largest_step(scenario)
     controls: dict[Any, Any] = {"engine": {"step": step}, "in-house": {"local_tolerance": 1e-10}}
     found = []
     for source in SOURCES:
