@@ -1,9 +1,9 @@
 """Hard cases, each run to its end and classified from measured error, drift and energy."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from math import inf, nan
 from typing import Any
 
@@ -60,14 +60,9 @@ Known = Reference | ArithmeticError | ValueError
 """The reference of a problem, or why there is none: a `ValueError` if it cannot start."""
 
 COLUMNS = {
-    "axis": "what is extreme",
-    "label": "how extreme",
-    "model": "of the paper; none for another set of constraints",
     "way": "formulation and integrator",
     "tolerance": "error asked for in rad, and of the time of an ending in s",
     "verdict": "verdict",
-    "broken": "whether it crashed, broke its promise or, run again, gave other bits",
-    "cause": "why there is no accurate result",
     "error": "largest error of β and γ in rad",
     "ending_error": "error of the time at which it ends in s; infinite for another reason",
     "doubt": "difference of both references in rad or s",
@@ -75,16 +70,9 @@ COLUMNS = {
     "drift": "drift / radius",
     "energy": "energy error, relative",
     "repeatable": "whether a second run gives the same bits",
-    "steps": "of all passes",
     "seconds": "time in s by the clock",
     "reason": "what the run said",
 }
-
-
-@cache
-def cases() -> Mapping[str, Problem]:
-    """All problems by name."""
-    return {each.name: each for each in problems()}
 
 
 def ways(problem: Problem) -> list[Way]:
@@ -123,24 +111,24 @@ def measure(problem: Problem) -> list[Row]:
 def failed(problem: Problem, reason: str) -> list[Row]:
     """Rows of a problem of which the process had to be ended, or ended itself."""
     verdict = "time limit" if reason.startswith("not finished") else "crashed"
-    found: Row = {"verdict": verdict, "reason": reason, "steps": 0}
-    return [_told(problem, way, found) for way in ways(problem)]
+    found = {"tolerance": problem.tolerance, "verdict": verdict, "reason": reason}
+    return [{"way": way.name, **found} for way in ways(problem)]
 
 
 def outcome(problem: Problem, way: Way, known: Known) -> Row:
     """Run a problem in one way, and classify what becomes of it."""
     count, begin = StepLimit(STEPS[way.source], problem.end), time.perf_counter()
     run = _or_error(partial(simulate, problem, way, count))
-    found: Row = {"steps": count.steps, "seconds": time.perf_counter() - begin}
+    found: Row = {"way": way.name, "tolerance": problem.tolerance, "reason": ""}
+    found["seconds"] = time.perf_counter() - begin
     if isinstance(run, Exception):
-        return _told(problem, way, found | _failure(run, count.steps))
-    found |= judged(problem, run, known)
+        return found | _failure(run, count.steps)
     if problem.samples <= FEW and problem.stop_when is None:
         again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
         names = ("coordinates", "rates", "multipliers")
         pairs = ((getattr(run, name), getattr(again, name)) for name in names)
         found["repeatable"] = all(np.array_equal(*both) for both in pairs)
-    return _told(problem, way, found)
+    return found | judged(problem, run, known)
 
 
 def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
@@ -168,20 +156,6 @@ def _failure(error: Exception, steps: int) -> Row:
         # What is refused is so before anything is computed.
         verdict = "crashed" if steps else "refused"
     return {"verdict": verdict, "reason": _line(error)}
-
-
-def _told(problem: Problem, way: Way, found: Row) -> Row:
-    """A whole row."""
-    row = {
-        "axis": problem.axis,
-        "label": problem.label,
-        "model": str(problem.scenario.model or "none"),
-        "way": way.name,
-        "tolerance": problem.tolerance,
-        "reason": "",
-    } | found
-    row |= {"broken": is_broken(row), "cause": cause(row)}
-    return {name: row.get(name) for name in COLUMNS}
 
 
 def _line(error: Exception) -> str:
@@ -275,28 +249,16 @@ def is_broken(row: Row) -> bool:
     return promises and row["verdict"] != "reference in doubt" and not _has_right_angles(row)
 
 
-_FALLS, _NO_CONVERGENCE = (
-    "falls flat, where Euler angles end", "Newton's iteration does not converge"
-)  # fmt: skip
+_NO_CONVERGENCE = "Newton's iteration does not converge"
 UNFINISHED = ("too many steps", _NO_CONVERGENCE)
 """Causes for which another way may do better."""
 
 _CAUSES = {
-    "a contact that pulls": "starts where the contact would pull",
-    "lies flat": _FALLS,
-    "lies nearly flat": _FALLS,
-    "each newton of normal force": (
-        "contact load: friction calls for more normal force than it gets"
-    ),
+    "lies nearly flat": "falls flat, where Euler angles end",
     "Newton's iteration did not converge": _NO_CONVERGENCE,
-    "singular": "singular system matrix",
-    "minimum step": "step control at its minimum step",
-    "cannot be reached": "rounding reached before the tolerance",
-    "cannot be followed": "turns lost between samples",
-    "before the first sample": "ends before its first sample",
     "was given up": UNFINISHED[0],
 }
-"""Words of a message, and the cause they stand for; the first that fits counts."""
+"""Words of a message, and the cause they stand for; other messages stand for themselves."""
 
 
 def cause(row: Row) -> str:
@@ -346,13 +308,13 @@ SAMPLE = (
 
 CASES = Study(
     name="robustness",
-    cases=cases,
+    cases=problems,
     measure=measure,
     keys=("way",),
     sample=SAMPLE,
     confirm={
         "verdict": None,
-        "broken": None,
+        "repeatable": None,
         "error": lambda stored: DOUBT * float(stored["tolerance"]),
     },
     limit=TIME_LIMIT,
@@ -361,11 +323,21 @@ CASES = Study(
 )
 
 
+def explained(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of cases with what is extreme, the cause of a failure, and whether it is broken."""
+    rows = table.to_dict("records")
+    return table.assign(
+        axis=table["case"].str.rpartition(": ")[0],
+        cause=[cause(row) for row in rows],
+        broken=[is_broken(row) for row in rows],
+    )
+
+
 def unfinished() -> dict[str, Problem]:
     """Problems in which a way of the engine's own does not finish, left to the library."""
-    table = load(CASES)
+    table = explained(load(CASES))
     names = table.loc[table["cause"].isin(UNFINISHED), "case"].unique()
-    return {name: replace(cases()[name], cover="chosen") for name in names}
+    return {name: replace(problems()[name], cover="chosen") for name in names}
 
 
 CHOSEN = replace(
