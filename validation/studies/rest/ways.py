@@ -138,14 +138,15 @@ def checks(runs: Mapping[str, Row]) -> list[Check]:
                 at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where),
                 at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where),
             ]
-    uneven = abs(numbers(runs)["growth"] * made.FASTER[1] / made.FASTER[0] - 1.0)
+    more, less = made.FASTER.values()
+    uneven = abs(numbers(runs)["growth"] * less / more - 1.0)
     return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
 
 
 def numbers(runs: Mapping[str, Row]) -> Row:
     """Those of the text."""
     base, apart_by = runs[INHOUSE[SHOWN]], differences(runs)
-    large, small = (apart(runs[f"spin {more:g} rad/s faster"], base) for more in made.FASTER)
+    large, small = (apart(runs[name], base) for name in made.FASTER)
     times = made.EVERY * made.SPACING * np.arange(large.size)
     return {
         "base": base,
@@ -166,7 +167,7 @@ def verdict(runs: Mapping[str, Row]) -> Verdict:
     flat = {losses: runs[name]["flat"] for losses, name in INHOUSE.items()}
     lies = [losses for losses, time in flat.items() if not pd.isna(time)]
     answer = "yes" if SLIDING in lies else "partly" if lies else "not shown"
-    lean = runs[INHOUSE[SLIDING]]["lean"][-1]
+    lean = runs[INHOUSE[SLIDING]]["lean"]
     return Verdict(
         statement="On a slow timescale the disk comes to lie flat on the table.",
         answer=answer,
