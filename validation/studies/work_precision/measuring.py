@@ -246,7 +246,6 @@ def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
 
 
 _COSTS = ("seconds", "work", "steps")
-_ERRORS = ("error", "angle_error", "energy_error", "force_error", "drift", "velocity_drift")
 
 
 def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory | None]:
@@ -256,7 +255,7 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
         run, seconds = curve.run(setting, kind)
         row |= errors(run, reference(curve.problem))
     except ArithmeticError as error:
-        nothing = dict.fromkeys((*_COSTS, *_ERRORS))
+        nothing = dict.fromkeys((*_COSTS, "error", "angle_error"))
         return {**row, **nothing, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
