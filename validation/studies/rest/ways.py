@@ -49,16 +49,14 @@ def shift(one: Row, other: Row) -> float:
 
     What lies behind the end of a run is not asked for.
     """
-    found: list[float | None] = []
-    for phase in PHASES:
-        begins: tuple[Any, Any] = one.get(phase), other.get(phase)
-        ends = one["end"], other["end"]
-        lacks = [bool(pd.isna(begin)) for begin in begins]
-        if not any(lacks):
-            found.append(abs(begins[0] - begins[1]))
-        elif not all(lacks) and begins[lacks.index(False)] <= ends[lacks.index(True)]:
-            found.append(None)
-    return largest(found)
+    begins, others = (
+        np.array([row.get(phase) for phase in PHASES], float) for row in (one, other)
+    )
+    passed = (np.isnan(begins) & (others <= one["end"])) | (
+        np.isnan(others) & (begins <= other["end"])
+    )
+    found = np.where(passed, np.inf, np.abs(begins - others))
+    return largest(found[~np.isnan(found)])
 
 
 def apart(one: Row, other: Row) -> Array:

@@ -28,7 +28,7 @@ from validation.studies.work_precision.measuring import (
     curves,
     measure,
 )
-from validation.studies.work_precision.problems import SAFETY, TIMES, TITLES
+from validation.studies.work_precision.problems import SAFETY, TITLES
 from validation.study import Check, Row, Study, at_most, relative
 
 TITLE = "Error against run time"
@@ -215,24 +215,9 @@ def cheapest(runs: pd.DataFrame, by: Sequence[str], cost: str = "seconds") -> pd
     return best.set_index([*by, "goal"], drop=False)
 
 
-def shortfall(runs: pd.DataFrame) -> str:
-    """Why no run meets a goal; "not reached" only where every ladder went to its end."""
-    best = runs["error"].min()
-    found = f", best {best:.0e}" if best <= USEFUL else ""
-    open_ended = runs[runs["end"].isin(["work", "goal"])]
-    if open_ended.empty:
-        return f"not reached{found}"
-    finest = open_ended.loc[open_ended["kind"] == "step", "setting"].min()
-    steps = round(TIMES[-1] / finest)
-    return (
-        f"fails up to {steps} steps" if best == inf else f"not tried beyond {steps} steps{found}"
-    )
-
-
 def ways(runs: pd.DataFrame) -> pd.DataFrame:
-    """Fastest way to each goal, in the engine and in-house, or why there is none."""
+    """Fastest way to each goal, in the engine and in-house; nothing where none reaches it."""
     best = cheapest(runs, ["problem", "side"])
-    groups = dict(tuple(runs.groupby(["problem", "side"])))
     rows = []
     for problem, goal in product(TITLES, GOALS):
         row: Row = {"problem": TITLES[problem], "error at most": power(goal)}
@@ -242,8 +227,6 @@ def ways(runs: pd.DataFrame) -> pd.DataFrame:
                 row[head] = f"{run['formulation']}, {run['way']}"
                 row[f"evaluations, {side}"] = int(run["work"])
                 row[f"time in ms, {side}"] = float(sig(run["milliseconds"], 3))
-            else:
-                row[head] = shortfall(groups[problem, side])
         rows.append(row)
     return pd.DataFrame(rows)
 
