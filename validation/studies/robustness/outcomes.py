@@ -1,9 +1,7 @@
 """Hard cases, each run to its end and classified from measured error, drift and energy."""
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from math import inf, nan
 from typing import Any
 
@@ -33,8 +31,8 @@ IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 GOOD = ("accurate", "ends: contact would pull", "ends: condition met", "ends: lies flat")
 """Verdicts on what is as it should be."""
 
-BAD = ("inaccurate", "reference in doubt", "diverged", "refused", "not finished in the limit")
-VERDICTS = (*GOOD, *BAD, "time limit", "crashed")
+BAD = ("inaccurate", "reference in doubt", "diverged", "not finished in the limit", "time limit")
+VERDICTS = (*GOOD, *BAD, "crashed")
 """All of them."""
 
 STEPS = {"engine": 50_000, "in-house": 20_000}
@@ -56,8 +54,8 @@ FEW = 3
 """Samples up to which a run is repeated, to see whether it gives the same bits; but for those
 of which the ending is looked at, which are many."""
 
-Known = Reference | ArithmeticError | ValueError
-"""The reference of a problem, or why there is none: a `ValueError` if it cannot start."""
+Known = Reference | ArithmeticError
+"""The reference of a problem, or why there is none."""
 
 COLUMNS = {
     "way": "formulation and integrator",
@@ -102,9 +100,11 @@ def ways(problem: Problem) -> list[Way]:
 
 def measure(problem: Problem) -> list[Row]:
     """What becomes of a problem in each of its ways."""
-    known: Known = _or_error(
-        partial(reference, problem.scenario, problem.times, stop_when=problem.stop_when)
-    )
+    known: Known
+    try:
+        known = reference(problem.scenario, problem.times, stop_when=problem.stop_when)
+    except ArithmeticError as error:
+        known = error
     return [outcome(problem, way, known) for way in ways(problem)]
 
 
@@ -117,45 +117,32 @@ def failed(problem: Problem, reason: str) -> list[Row]:
 
 def outcome(problem: Problem, way: Way, known: Known) -> Row:
     """Run a problem in one way, and classify what becomes of it."""
-    count, begin = StepLimit(STEPS[way.source], problem.end), time.perf_counter()
-    run = _or_error(partial(simulate, problem, way, count))
     found: Row = {"way": way.name, "tolerance": problem.tolerance, "reason": ""}
+    begin = time.perf_counter()
+    try:
+        run = simulate(problem, way)
+    except (ArithmeticError, ValueError) as error:
+        # What is asked for can be run: a refusal is a crash.
+        verdict = "diverged" if isinstance(error, ArithmeticError) else "crashed"
+        if isinstance(error, WorkLimitError):
+            verdict = "not finished in the limit"
+        found |= {"verdict": verdict, "reason": _line(error)}
+        return found | {"seconds": time.perf_counter() - begin}
     found["seconds"] = time.perf_counter() - begin
-    if isinstance(run, Exception):
-        return found | _failure(run, count.steps)
     if problem.samples <= FEW and problem.stop_when is None:
-        again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
-        names = ("coordinates", "rates", "multipliers")
+        again, names = simulate(problem, way), ("coordinates", "rates", "multipliers")
         pairs = ((getattr(run, name), getattr(again, name)) for name in names)
         found["repeatable"] = all(np.array_equal(*both) for both in pairs)
     return found | judged(problem, run, known)
 
 
-def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
-    """Simulate a problem to its tolerance, with the steps that `count` allows."""
+def simulate(problem: Problem, way: Way) -> Trajectory:
+    """Simulate a problem to its tolerance, with so many steps as it may take."""
     # Step control has a local tolerance of its own and promises nothing more.
     tolerance = None if way.integrator == "DOPRI5" else problem.tolerance
-    how: Any = {"stop_when": problem.stop_when or (), "progress": count}
-    with count:
+    with StepLimit(STEPS[way.source], problem.end) as count:
+        how: Any = {"stop_when": problem.stop_when or (), "progress": count}
         return way.run(problem.scenario, problem.times, tolerance=tolerance, **how)
-
-
-def _or_error(call: Callable[[], Any]) -> Any:
-    """What a call returns, or the error of a run or refusal."""
-    try:
-        return call()
-    except (ArithmeticError, ValueError) as error:
-        return error
-
-
-def _failure(error: Exception, steps: int) -> Row:
-    verdict = "diverged"
-    if isinstance(error, WorkLimitError):
-        verdict = "not finished in the limit"
-    elif isinstance(error, ValueError):
-        # What is refused is so before anything is computed.
-        verdict = "crashed" if steps else "refused"
-    return {"verdict": verdict, "reason": _line(error)}
 
 
 def _line(error: Exception) -> str:
@@ -174,9 +161,6 @@ def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
     `inaccurate`: it is beyond that. `reference in doubt`: no reference is good enough.
     """
     found: Row = {"tolerance": problem.tolerance, "estimate": run.error_estimate}
-    if isinstance(known, ValueError):
-        reason = f"runs, and the reference cannot start: {_line(known)}"
-        return found | {"verdict": "inaccurate", "reason": reason}
     if isinstance(known, ArithmeticError):
         reason = f"the reference fails: {_line(known)}"
         return found | {"verdict": "reference in doubt", "reason": reason}
@@ -263,19 +247,20 @@ _CAUSES = {
 
 def cause(row: Row) -> str:
     """Why a case is not accurate; empty if it is."""
-    if row["verdict"] in GOOD:
+    verdict = row["verdict"]
+    if verdict in GOOD:
         return ""
-    if row["verdict"] == "inaccurate" and pd.notna(row.get("error")):
+    if verdict == "inaccurate":
         right = _has_right_angles(row)
         return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
-    if row["verdict"] in {"diverged", "refused"}:
+    if verdict == "diverged":
         reason = str(row["reason"])
         return next((told for words, told in _CAUSES.items() if words in reason), reason)
-    return {
-        "inaccurate": "runs where the reference cannot start",
-        "not finished in the limit": UNFINISHED[0],
+    told = {
         "reference in doubt": "no reference is good enough",
-    }.get(row["verdict"], str(row["verdict"]))
+        "not finished in the limit": UNFINISHED[0],
+    }
+    return told.get(verdict, verdict)
 
 
 # --- The studies --------------------------------------------------------------------------------
