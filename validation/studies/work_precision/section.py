@@ -6,9 +6,8 @@ reference that two different methods agree on.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise, product
-from math import inf, log
-from statistics import median
+from itertools import product
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from mbs_models.integrators import RULES
 from validation.kit.figures import new_figure
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power, sig, span
@@ -24,6 +24,7 @@ from validation.studies.work_precision.measuring import (
     CONSTRAINED,
     GOALS,
     IN_HOUSE,
+    INTEGRATORS,
     USEFUL,
     curves,
     measure,
@@ -33,6 +34,8 @@ from validation.study import Check, Row, Study, at_most, relative
 
 TITLE = "Error against run time"
 
+ORDER = 0.1
+"""Largest difference of an observed order from the rule's own."""
 
 REFERENCES = Study(
     name="work-precision-references",
@@ -86,7 +89,7 @@ def present(rows: Rows) -> Content:
     """Tables, diagrams and the lesson."""
     references, runs = rows[REFERENCES.name], prepared(rows[CURVES.name])
     least, to_goals, fastest = floors(references), asked(runs), ways(runs)
-    numbers = _lesson(runs, to_goals)
+    numbers, found = _lesson(runs, to_goals), orders(runs, least)
     compared = references.assign(problem=references["case"], floor=references["case"].map(least))
     shown = ["problem", *REFERENCES.columns]
     return Content(
@@ -96,21 +99,23 @@ def present(rows: Rows) -> Content:
             "ways": fastest,
             "tolerances": tolerances(to_goals),
             "references": compared[shown].rename(columns=REFERENCES.columns),
-            "orders": orders(runs, least),
+            "orders": found,
             "runs": rows[CURVES.name],
         },
         figures={"fronts": fronts(runs, least)},
-        checks=_checks(to_goals, least),
+        checks=_checks(to_goals, least, found),
         verdicts=[_verdict(numbers["topology"])],
     )
 
 
-def _checks(to_goals: pd.DataFrame, least: dict[str, float]) -> list[Check]:
-    """That the references can judge the finest goal, and runs to a tolerance keep it."""
+def _checks(to_goals: pd.DataFrame, least: dict[str, float], found: pd.DataFrame) -> list[Check]:
+    """References judge the finest goal, runs to a tolerance keep it, rules have their orders."""
     kept = to_goals[~to_goals["failed"]].groupby(["problem", "formulation"])["over"].max()
+    off = (found["observed"] - found["order"]).abs().groupby(found["scheme"]).max()
     values: dict[str, tuple[float, float]] = {
         **{f"floor of {problem}": (floor, GOALS[-1]) for problem, floor in least.items()},
         **{f"error over tolerance, {', '.join(key)}": (over, 1.0) for key, over in kept.items()},
+        **{f"order of {scheme}": (apart, ORDER) for scheme, apart in off.items()},
     }
     return [at_most(f"work-precision: {name}", *value, "stored") for name, value in values.items()]
 
@@ -174,15 +179,6 @@ NAMES = {formulation: name for formulation, (name, *_) in LOOKS.items()}
 CURVE = ["problem", "formulation", "scheme"]
 
 _SIDES = {"engine": "in the engine", "in-house": "in-house"}
-
-_LEAST_RATIO = 1.4
-"""Of steps or evaluations between two rungs from which an order can be told."""
-
-_LEAST_RUNGS = 4
-"""Rungs in the asymptotic range from which an order can be told."""
-
-_SETTLED = 0.6
-"""Largest spread of the slopes between those rungs."""
 
 
 def prepared(runs: pd.DataFrame) -> pd.DataFrame:
@@ -265,45 +261,21 @@ def tolerances(to_goals: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
-    """Observed order of each method, or why it has none, with a column for each problem."""
-    shown = runs[runs["kind"].isin(["step", "local tolerance"])]
-    groups: Any = shown.groupby(CURVE, sort=False)
-    found = pd.Series({key: observed_order(group, floor[key[0]]) for key, group in groups})
-    methods = list(dict.fromkeys((form, scheme) for _, form, scheme in found.index))
-    table = found.unstack(0).reindex(index=methods, columns=list(TITLES)).fillna("")
-    table.index = pd.Index([", ".join(method) for method in methods], name="method")
-    return table.rename(columns=TITLES).reset_index()
+    """Observed orders of the engine's rules of fixed steps, beside their own.
 
-
-def observed_order(runs: pd.DataFrame, floor: float) -> float | str:
-    """Median slope of the error against the number of steps, with its sign turned.
-
-    Evaluations of the right-hand side stand for the steps of methods that control them. Counted
-    are the finest consecutive rungs whose errors lie between what can be measured and what is
-    useful and fall from each to the next; there must be 4 of them, and the slopes between the
-    last ones must agree to 0.6.
-
-    Parameters
-    ----------
-    runs : DataFrame
-        Of one method on one problem, from coarse to fine.
-    floor : float
-        Smallest error that can be measured.
+    That is the median slope between two rungs, over all problems, where the error is useful,
+    can be measured and falls.
     """
-    slopes: list[list[float]] = [[]]
-    for coarse, fine in pairwise(runs.to_dict("records")):
-        by_step = coarse["kind"] == "step"
-        finer = coarse["setting"] / fine["setting"] if by_step else fine["work"] / coarse["work"]
-        if floor < fine["error"] < coarse["error"] < USEFUL and finer > _LEAST_RATIO:
-            slopes[-1].append(log(coarse["error"] / fine["error"]) / log(finer))
-        elif slopes[-1]:
-            slopes.append([])
-    last = max(slopes, key=len)[1 - _LEAST_RUNGS :]
-    if len(last) < _LEAST_RUNGS - 1:
-        return "– few rungs"
-    if max(last) - min(last) > _SETTLED:
-        return f"– unsettled, {min(last):.1f} to {max(last):.1f}"
-    return round(median(last), 2)
+    rungs = runs[runs["kind"] == "step"]
+    coarse, fine = rungs.groupby(CURVE, sort=False)["error"].shift(), rungs["error"]
+    told = (coarse < USEFUL) & (fine < coarse) & (fine > rungs["problem"].map(floor))
+    slopes = rungs[told].assign(observed=np.log2(coarse[told] / fine[told]))
+    table = slopes.groupby(["formulation", "scheme"], sort=False)["observed"].agg(
+        ["size", "median"]
+    )
+    table = table.rename(columns={"size": "pairs of rungs", "median": "observed"}).reset_index()
+    own = [RULES[INTEGRATORS[scheme].name].exponents[0] for scheme in table["scheme"]]
+    return table.assign(order=own)
 
 
 def ranked(names: "pd.Series[str]") -> dict[str, int]:
