@@ -49,7 +49,6 @@ ENGINE = runs.ENGINE[runs.SHOWN]
         ("flat", lambda _: nan, "phases in s"),
         ("taken_by_sliding", lambda taken: 1.1 * taken, "energy taken"),
         ("face", lambda _: "second", "face apart"),
-        ("complete", lambda _: False, "complete"),
         ("rise", lambda _: 1e-6, "rise of the energy"),
         ("force", lambda _: -1.0, "contact pulls"),
         ("unexplained", lambda _: 1e-3, "unexplained part"),

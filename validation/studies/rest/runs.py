@@ -113,7 +113,6 @@ def measure(case: Case | None) -> list[Row]:
         return [{"end": times[-1], **phases}]
     motion = case.run()
     row = course(motion)
-    row["complete"] = motion.rest_time is not None or bool(motion.times[-1] > case.end - 1e-9)
     if case == Case(SLIDING):
         row |= losses(motion)
     if case == Case(SHOWN):
@@ -126,7 +125,6 @@ def course(motion: SpatialMotion) -> Row:
     until = motion.times <= ENGINE_END + 1e-9
     energy = motion.energies.sum(axis=1)[until]
     return {
-        "source": motion.source,
         "end": motion.times[-1],
         **{phase: getattr(motion.phases, phase) for phase in PHASES},
         "face": "first" if motion.tilt[-1] < np.pi / 2 else "second",
@@ -157,7 +155,6 @@ def losses(motion: SpatialMotion) -> Row:
 
 COLUMNS = {
     **dict.fromkeys(PHASES, "when the phase began in s"),
-    "complete": "whether it ran until rest, or to the end asked for",
     "face": "which lies up at last",
     "energy": "at the start in J",
     "left": f"energy at the end, or after {ENGINE_END:g} s, in J",
@@ -172,7 +169,7 @@ STUDY = Study(
     cases=stored_cases,
     measure=measure,
     sample=(COARSE,),
-    confirm={"tilt": 1e-5, "face": None, "complete": None, "force": 1e-2}
+    confirm={"tilt": 1e-5, "face": None, "force": 1e-2}
     | dict.fromkeys(PHASES, 1e-2)
     | dict.fromkeys(TAKEN, 1e-6),
     columns=COLUMNS,
