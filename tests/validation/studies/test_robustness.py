@@ -180,7 +180,7 @@ def test_problem_of_which_the_process_ends_has_a_row_for_each_way() -> None:
 @pytest.fixture(scope="module")
 def rows() -> dict[str, pd.DataFrame]:
     """The stored tables, and others in which all holds."""
-    kept = {**dict.fromkeys(conservation.COLUMNS, 0.0), "allowed": 1e-6}
+    kept = dict.fromkeys(conservation.COLUMNS, 0.0)
     long = [{**kept, "case": case} for case in conservation.STUDY.cases()]
     tends = [
         {"case": name, "stiffness": stiffness, "load": load, "angles": 1.0 / stiffness,
@@ -222,6 +222,7 @@ def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.Da
         ("robustness-steps", [0], {"above": True}, "the predicted limit"),
         ("robustness-conservation", [0], {"position": 1e-3}, "position"),
         ("robustness-conservation", [0], {"energy": nan}, "energy"),
+        ("robustness-conservation", [-1], {"spin": 1e-3}, "spin"),
         ("robustness-conservation", [2], {"growth": 2.0}, "growth"),
         ("robustness-penalty", [0], {"angles": 1.0}, "order less one"),
         ("robustness-penalty", [0], {"estimate": 1.0}, "error of integration"),
@@ -231,7 +232,7 @@ def test_what_is_wrong_in_a_table_fails(
     study: str, places: Any, wrong: kit.Row, check: str, rows: dict[str, pd.DataFrame]
 ) -> None:
     table = rows[study]
-    for place in places:
+    for place in table.index[places]:
         for column, value in wrong.items():
             table = planted(table, place, column, value)
     found = failing(section.present({**rows, study: table}).checks)
