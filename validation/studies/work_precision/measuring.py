@@ -168,8 +168,7 @@ def extrapolated(ladder: Ladder, run: Trajectory, step: float) -> Trajectory | N
     ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
     if not np.isfinite(ladder.estimate):
         return None
-    coordinates, rates, multipliers = np.split(ladder.best, (6, 12), axis=1)
-    return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
+    return replace(run, coordinates=ladder.best[:, :6])
 
 
 def measure(curve: Curve) -> list[Row]:

@@ -130,11 +130,13 @@ def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     careful = to_goals.groupby("setting", sort=False)[["over", "excess"]].median()
     return {
         "topology": (best["seconds"] / free).dropna(),
-        "won": {g: ranked(best.loc[best["goal"] == g, "formulation"]) for g in GOALS},
+        "won": {
+            g: best.loc[best["goal"] == g, "formulation"].value_counts().to_dict() for g in GOALS
+        },
         "failing": failed.T.to_dict("list"),
         "careful": careful.assign(over=1.0 / careful["over"]).T.to_dict("list"),
         "stiff": _stiff(runs),
-        "own": ranked(own["scheme"]),
+        "own": own["scheme"].value_counts().to_dict(),
     }
 
 
@@ -142,10 +144,9 @@ def _stiff(runs: pd.DataFrame) -> dict[str, Any]:
     """The rungs of RK67 around its limit of stability on the stiff problem, and DOPRI5 there."""
     tree = runs[(runs["problem"] == "stiff") & (runs["formulation"] == "contact-tree")]
     rungs = tree[(tree["scheme"] == "RK67") & (tree["kind"] == "step")]
-    good = (rungs["error"] <= GOALS[-1]).to_numpy()
-    first = int(good.argmax()) if good.any() else len(rungs) - 1
+    good = rungs["error"] <= GOALS[-1]
     control = cheapest(tree[tree["scheme"] == "DOPRI5"], ["scheme"]).iloc[0]
-    return {"unstable": rungs.iloc[first - 1], "stable": rungs.iloc[first], "control": control}
+    return {"unstable": rungs[~good].iloc[-1], "stable": rungs[good].iloc[0], "control": control}
 
 
 def _verdict(ratios: "pd.Series[float]") -> Verdict:
@@ -276,12 +277,6 @@ def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
     table = table.rename(columns={"size": "pairs of rungs", "median": "observed"}).reset_index()
     own = [RULES[INTEGRATORS[scheme].name].exponents[0] for scheme in table["scheme"]]
     return table.assign(order=own)
-
-
-def ranked(names: "pd.Series[str]") -> dict[str, int]:
-    """How often each name comes, the most frequent first."""
-    counts = names.value_counts()
-    return {str(n): int(counts[n]) for n in sorted(counts.index, key=lambda n: (-counts[n], n))}
 
 
 # --- Diagram ------------------------------------------------------------------------------------
