@@ -245,7 +245,7 @@ _CAUSES = {
 
 def cause(row: Row) -> str:
     """Why a case is not accurate; empty if it is."""
-    verdict = row["verdict"]
+    verdict = str(row["verdict"])
     if verdict in GOOD:
         return ""
     if verdict == "inaccurate":
