@@ -166,14 +166,6 @@ def test_failed_refused_and_unfinished_runs_are_told_apart(
     assert str(error) in found["reason"] or "50000 steps taken" in found["reason"]
 
 
-def test_problem_of_which_the_process_ends_has_a_row_for_each_way() -> None:
-    for reason, verdict in (("not finished in 1 s", "time limit"), ("ended with -11", "crashed")):
-        rows = outcomes.failed(EASY, reason)
-        assert [row["way"] for row in rows] == [way.name for way in ways(EASY)]
-        told = {(row["verdict"], outcomes.is_broken(row)) for row in rows}
-        assert told == {(verdict, verdict == "crashed")}
-
-
 # --- Whatever is wrong fails a check ------------------------------------------------------------
 
 

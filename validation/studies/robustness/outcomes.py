@@ -31,7 +31,7 @@ IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 GOOD = ("accurate", "ends: contact would pull", "ends: condition met", "ends: lies flat")
 """Verdicts on what is as it should be."""
 
-BAD = ("inaccurate", "reference in doubt", "diverged", "not finished in the limit", "time limit")
+BAD = ("inaccurate", "reference in doubt", "diverged", "not finished in the limit")
 VERDICTS = (*GOOD, *BAD, "crashed")
 """All of them."""
 
@@ -105,13 +105,6 @@ def measure(problem: Problem) -> list[Row]:
     except ArithmeticError as error:
         known = error
     return [outcome(problem, way, known) for way in ways(problem)]
-
-
-def failed(problem: Problem, reason: str) -> list[Row]:
-    """Rows of a problem of which the process had to be ended, or ended itself."""
-    verdict = "time limit" if reason.startswith("not finished") else "crashed"
-    found = {"tolerance": problem.tolerance, "verdict": verdict, "reason": reason}
-    return [{"way": way.name, **found} for way in ways(problem)]
 
 
 def outcome(problem: Problem, way: Way, known: Known) -> Row:
@@ -301,7 +294,6 @@ CASES = Study(
         "error": lambda stored: DOUBT * float(stored["tolerance"]),
     },
     limit=TIME_LIMIT,
-    failed=failed,
     columns=COLUMNS,
 )
 
