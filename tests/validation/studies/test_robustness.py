@@ -39,10 +39,12 @@ def test_grid_covers_all_formulations_and_integrators_of_each_model_and_all_sets
     every = problems()
     grid = [(each.scenario.constraints, way) for each in every.values() for way in ways(each)]
     tried = {(constraints, way.name) for constraints, way in grid}
-    for constraints in MODELS.values():
-        for formulation in mbs_models.formulations(Scenario(constraints=constraints)):
-            for integrator in mbs_models.integrators(formulation):
-                assert (constraints, f"{formulation}, {integrator}") in tried
+    assert tried >= {
+        (constraints, f"{formulation}, {integrator}")
+        for constraints in MODELS.values()
+        for formulation in mbs_models.formulations(Scenario(constraints=constraints))
+        for integrator in mbs_models.integrators(formulation)
+    }
     sides = {(constraints, way.source) for constraints, way in grid}
     assert sides == {(each, side) for each in POSSIBLE_SETS for side in ("engine", "in-house")}
     sampled, axes = (
@@ -76,13 +78,12 @@ def test_right_results_and_right_endings_are_called_so(way: Way) -> None:
         assert found["error"] < TOLERANCE
 
 
-def moved(run: Trajectory, angle: float, column: int = 5) -> Trajectory:
-    shift = angle * (np.arange(6) == column)
-    return replace(run, coordinates=run.coordinates + shift)
+def moved(run: Trajectory, angle: float = 1e-4, column: int = 5) -> Trajectory:
+    return replace(run, coordinates=run.coordinates + angle * np.eye(6)[column])
 
 
 def faster(run: Trajectory) -> Trajectory:
-    return replace(run, rates=run.rates + 0.1 * (np.arange(6) == 4))
+    return replace(run, rates=run.rates + 0.1 * np.eye(6)[4])
 
 
 def later(run: Trajectory) -> Trajectory:
@@ -98,8 +99,7 @@ def otherwise(run: Trajectory) -> Trajectory:
 
 @pytest.mark.parametrize(
     ("problem", "spoil"),
-    [(EASY, partial(moved, angle=1e-4)), (INVERTED, later), (INVERTED, otherwise)],
-    ids=["angles", "late", "reason"],
+    [(EASY, moved), (INVERTED, later), (INVERTED, otherwise)],
 )
 def test_wrong_angles_or_endings_break_the_promise_of_runs_that_make_one(
     problem: Problem, spoil: Callable[[Trajectory], Trajectory]
@@ -124,11 +124,6 @@ def test_drift_and_energy_count_as_well_as_the_angles(wrong: str, right: str, sp
     assert found["cause"] == "angles accurate, energy or constraint not"
 
 
-def test_run_in_which_the_contact_pulls_silently_is_not_accurate() -> None:
-    run = analysis.simulate(FAST.scenario, FAST.times, allow_pulling=True, tolerance=1e-8)
-    assert judge(FAST, run, Reference(first=run, second=run))["verdict"] == "inaccurate"
-
-
 def test_accurate_needs_a_reference_known_to_a_tenth_of_the_tolerance() -> None:
     first, second = known(EASY).first, known(EASY).second
     for doubt, error, verdict in (
@@ -140,6 +135,10 @@ def test_accurate_needs_a_reference_known_to_a_tenth_of_the_tolerance() -> None:
         assert judge(EASY, moved(second, error), truth)["verdict"] == verdict
     found = judge(EASY, first, ArithmeticError("too stiff"))
     assert (found["verdict"], found["broken"]) == ("reference in doubt", False)
+    # One in which the contact pulls silently is not, either.
+    pulling = analysis.simulate(FAST.scenario, FAST.times, allow_pulling=True, tolerance=1e-8)
+    both = Reference(first=pulling, second=pulling)
+    assert judge(FAST, pulling, both)["verdict"] == "inaccurate"
 
 
 @pytest.mark.parametrize(
@@ -173,24 +172,22 @@ def test_failed_refused_and_unfinished_runs_are_told_apart(
 def rows() -> dict[str, pd.DataFrame]:
     """The stored tables, and others in which all holds."""
     kept = dict.fromkeys(conservation.COLUMNS, 0.0)
-    long = [{**kept, "case": case} for case in conservation.STUDY.cases()]
-    tends = [
-        {"case": name, "stiffness": stiffness, "load": load, "angles": 1.0 / stiffness,
-         "normal_force": 1.0 / stiffness, "estimate": 1e-3 / stiffness}
-        for name, (stiffness, load) in penalty.STUDY.cases().items()
-    ]  # fmt: skip
-    steps_right = [
-        {"case": case, "over": over, "value": value, "integrator": each, "below": True,
-         "above": False}
-        for case, (over, value) in steps.STUDY.cases().items()
-        for each in steps.EXPLICIT
-    ]  # fmt: skip
-    stored = {study.name: kit.load(study) for study in (CASES, CHOSEN)}
-    return stored | {
-        steps.STUDY.name: kit.frame(steps_right),
-        conservation.STUDY.name: kit.frame(long),
-        penalty.STUDY.name: kit.frame(tends),
+    right = {
+        conservation.STUDY.name: [{**kept, "case": case} for case in conservation.STUDY.cases()],
+        penalty.STUDY.name: [
+            {"case": name, "stiffness": stiffness, "load": load, "estimate": 1e-3 / stiffness}
+            | dict.fromkeys(("angles", "normal_force"), 1.0 / stiffness)
+            for name, (stiffness, load) in penalty.STUDY.cases().items()
+        ],
+        steps.STUDY.name: [
+            {"case": name, "over": over, "value": value, "integrator": each}
+            | {"below": True, "above": False}
+            for name, (over, value) in steps.STUDY.cases().items()
+            for each in steps.EXPLICIT
+        ],
     }
+    stored = {study.name: kit.load(study) for study in (CASES, CHOSEN)}
+    return stored | {name: kit.frame(told) for name, told in right.items()}
 
 
 def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.DataFrame]) -> None:
@@ -204,28 +201,25 @@ def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.Da
 
 
 @pytest.mark.parametrize(
-    ("study", "places", "wrong", "check"),
+    ("study", "place", "column", "value", "check"),
     [
-        ("robustness", [0], {"error": 1e-3}, "promise broken"),
-        ("robustness-chosen", [0], {"energy": inf}, "against their numbers"),
-        ("robustness-chosen", [0], {"way": "another"}, "missing or too many"),
-        ("robustness-chosen", range(4), {"verdict": "diverged"}, "without an accurate result"),
-        ("robustness-steps", [0], {"below": False}, "the predicted limit"),
-        ("robustness-steps", [0], {"above": True}, "the predicted limit"),
-        ("robustness-conservation", [0], {"position": 1e-3}, "position"),
-        ("robustness-conservation", [0], {"energy": nan}, "energy"),
-        ("robustness-conservation", [-1], {"spin": 1e-3}, "spin"),
-        ("robustness-conservation", [2], {"growth": 2.0}, "growth"),
-        ("robustness-penalty", [0], {"angles": 1.0}, "order less one"),
-        ("robustness-penalty", [0], {"estimate": 1.0}, "error of integration"),
+        ("robustness", 0, "error", 1e-3, "promise broken"),
+        ("robustness-chosen", 0, "energy", inf, "against their numbers"),
+        ("robustness-chosen", 0, "way", "another", "missing or too many"),
+        ("robustness-chosen", 0, "verdict", "diverged", "without an accurate result"),
+        ("robustness-steps", 0, "below", False, "the predicted limit"),
+        ("robustness-steps", 0, "above", True, "the predicted limit"),
+        ("robustness-conservation", 0, "position", 1e-3, "position"),
+        ("robustness-conservation", 0, "energy", nan, "energy"),
+        ("robustness-conservation", 2, "growth", 2.0, "growth"),
+        ("robustness-conservation", 14, "spin", 1e-3, "spin"),
+        ("robustness-penalty", 0, "angles", 1.0, "order less one"),
+        ("robustness-penalty", 0, "estimate", 1.0, "error of integration"),
     ],
 )
 def test_what_is_wrong_in_a_table_fails(
-    study: str, places: Any, wrong: kit.Row, check: str, rows: dict[str, pd.DataFrame]
+    study: str, place: int, column: str, *, value: Any, check: str, rows: dict[str, pd.DataFrame]
 ) -> None:
-    table = rows[study]
-    for place in table.index[places]:
-        for column, value in wrong.items():
-            table = planted(table, place, column, value)
+    table = planted(rows[study], place, column, value)
     found = failing(section.present({**rows, study: table}).checks)
     assert any(check in name for name in found)

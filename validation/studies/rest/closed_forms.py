@@ -156,9 +156,8 @@ STUDIES = (STUDY,)
 def present(rows: Rows) -> Content:
     """Closed forms beside what both sides give."""
     table = rows[STUDY.name]
-    keys = ["case", "quantity"]
-    both = table.pivot(index=keys, columns="source", values="value")
-    found = table[[*keys, "exact"]].drop_duplicates(keys).join(both, on=keys)
+    keys = ["case", "quantity", "exact"]
+    found = table.set_index([*keys, "source"])["value"].unstack(sort=False).reset_index()
     apart = found[list(SOURCES)].sub(found["exact"], axis=0).abs().max(axis=1)
     relative = {"largest relative difference": apart / found["exact"].abs()}
     return Content(
