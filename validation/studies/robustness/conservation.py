@@ -41,18 +41,13 @@ class LongRun(NamedTuple):
     accuracy : float
         Step in s of the engine, local tolerance of the in-house side.
     limits : dict
-        Most that columns may be.
+        Most that columns may be; without friction if `KEPT` is among them.
     """
 
     model: Level
     way: Way
     accuracy: float
     limits: dict[str, float]
-
-    @property
-    def is_free(self) -> bool:
-        """Whether there is no friction."""
-        return KEPT[-1] in self.limits
 
 
 def drifting(model: Level, way: Way, accuracy: float, drift: float, **limits: float) -> LongRun:
@@ -100,9 +95,10 @@ FREE = {
 
 def measure(long: LongRun) -> list[Row]:
     """Residuals of constraints and energy, and changes of what there is no friction to change."""
-    friction = SmoothCoulomb(coefficient=0.0) if long.is_free else SmoothCoulomb()
+    free = KEPT[-1] in long.limits
+    friction = SmoothCoulomb(coefficient=0.0) if free else SmoothCoulomb()
     scenario = Scenario(constraints=MODELS[long.model], friction=friction)
-    end = FREE_END if long.is_free else END
+    end = FREE_END if free else END
     times = np.linspace(0.0, end, round(SAMPLES_PER_SECOND * end) + 1)
     accuracy = "step" if long.way.source == "engine" else "local_tolerance"
     run = long.way.run(scenario, times, **{accuracy: long.accuracy})
