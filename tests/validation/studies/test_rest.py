@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.data.sampled import SOURCES
 from tests.helpers import failing, planted
 from validation import study as kit
-from validation.studies.rest import creep, runs, starts, ways
+from validation.studies.rest import closed_forms, creep, runs, starts, ways
 from validation.study import Row, frame
 
 
@@ -104,3 +105,18 @@ def test_what_departs_in_a_stored_table_fails(
     right = kit.load(part.STUDY)
     for table, holds in ((right, True), (wrong(right, case, column, change), False)):
         assert bool(failing(part.present({part.STUDY.name: table}).checks)) != holds
+
+
+def test_a_side_that_misses_a_closed_form_fails() -> None:
+    cases = closed_forms.cases().items()
+    right = frame(
+        {"case": name, "quantity": quantity, "exact": exact, "source": source, "value": exact}
+        for name, case in cases
+        if isinstance(case, tuple)
+        for quantity, exact in case.exact.items()
+        for source in SOURCES
+    )
+    assert not failing(closed_forms.present({"rest-closed": right}).checks)
+    for place, value in ((0, nan), (0, 1.1 * right.at[0, "value"]), (right.index[-1], 1.0)):
+        table = planted(right, place, "value", value)
+        assert len(failing(closed_forms.present({"rest-closed": table}).checks)) == 2
