@@ -189,7 +189,7 @@ def compiled_runs(repeats: int) -> Iterator[Check]:
         error = deviation(ours(), _truth(scenario))
         yield measured(f"{label}, compiled: error", error, "rad", 1e-9)
         hand = by_hand.single(scenario, form, LOCAL, TIMES)
-        both = from_all_places(ours, hand, repeats=repeats, calls=10)
+        both = milliseconds(ours, hand, repeats=repeats)
         for name, taken in zip(("compiled", "by hand"), both, strict=True):
             yield measured(f"{label}: {name}", taken, "ms")
 
@@ -222,39 +222,9 @@ def ensembles(repeats: int) -> Iterator[Check]:
             (taken,) = milliseconds(call, repeats=repeats)
             yield measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
         hand = by_hand.batches(members, form, LOCAL, TIMES)
-        both = from_all_places(partial(many, **COMPILED_RUN), hand, repeats=repeats)
+        both = milliseconds(partial(many, **COMPILED_RUN), hand, repeats=repeats)
         for label, taken in zip(("one run each", "one run each, by hand"), both, strict=True):
             yield measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
-
-
-def from_all_places(
-    ours: Timed, hand: Timed, *, repeats: int, calls: int = 1
-) -> tuple[float, float]:
-    """Times of a call and of one by hand in ms, in turns, so that both find the machine alike.
-
-    Each from four places on the stack: batches keep most numbers there, as wide as registers, and
-    where it happens to lie decides how many of them straddle two lines of the cache, which takes
-    up to a third of the time. The means are told.
-    """
-
-    def repeated(call: Timed) -> None:
-        for _ in range(calls):
-            call()
-
-    both: list[Timed] = [partial(repeated, call) for call in (ours, hand)]
-    places = list(both)
-    for _ in range(3):
-        both = [partial(deeper, call) for call in both]
-        places += both
-    times = np.reshape(milliseconds(*places, repeats=repeats), (4, 2)) / calls
-    mean = times.mean(axis=0)
-    return float(mean[0]), float(mean[1])
-
-
-def deeper(function: Timed) -> object:
-    """What a function returns, called from another place on the stack."""
-    # Frames of Python alone lie on the heap. `map` comes back to Python by way of C.
-    return next(map(lambda each: each(), (function,)))  # noqa: C417
 
 
 def basin(repeats: int) -> Iterator[Check]:

@@ -66,10 +66,7 @@ class Study:
     timed : sequence of str
         Columns of run times: a study with some is measured last, beside its like.
     limit : float, optional
-        Time in s, by the clock on the wall, after which a case is ended.
-    failed : callable, optional
-        From a case and the reason to the rows of one that was ended or ended its process, where
-        that is a result; otherwise it is a crash.
+        Time in s, by the clock on the wall, after which a case is ended, which is a crash.
     columns : mapping
         What columns mean, with their units.
     rests_on : str
@@ -84,7 +81,6 @@ class Study:
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
     timed: Sequence[str] = ()
     limit: float | None = None
-    failed: Callable[[Any, str], list[Row]] | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
     rests_on: str = ""
 
@@ -256,13 +252,10 @@ def _outcome(task: Task, future: "Future[list[Row]]") -> list[Row] | Exception:
     if error is None:
         return future.result()
     if isinstance(error, ProcessExpired):
-        reason = f"the interpreter ended with code {error.exitcode}"
-    elif isinstance(error, TimeoutError):
-        reason = f"not finished within {task.study.limit:g} s"
-    else:
-        return RuntimeError(repr(error))
-    failed = task.study.failed
-    return RuntimeError(reason) if failed is None else plain(failed(task.case, reason))
+        return RuntimeError(f"the interpreter ended with code {error.exitcode}")
+    if isinstance(error, TimeoutError):
+        return RuntimeError(f"not finished within {task.study.limit:g} s")
+    return RuntimeError(repr(error))
 
 
 def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:

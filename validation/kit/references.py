@@ -92,7 +92,10 @@ def ending_error(run: Trajectory, other: Trajectory) -> float:
 def energy_error(run: Trajectory, other: Trajectory) -> float:
     """Largest deviation of the energy over what two runs have in common, relative."""
     rows = _common(run, other)
-    total, expected = (energy(each)[:rows] for each in (run, other))
+    total, expected = (
+        np.sum(analysis.energies(each.scenario, each.coordinates, each.rates), axis=0)[:rows]
+        for each in (run, other)
+    )
     return float(np.max(np.abs(total - expected)) / np.max(expected))
 
 
@@ -100,12 +103,6 @@ def _common(run: Trajectory, other: Trajectory) -> int:
     """Number of samples that two runs of the same times share; the ending of one is none."""
     early = run.ending is not None or other.ending is not None
     return min(run.times.size, other.times.size) - early
-
-
-def energy(run: Trajectory) -> Array:
-    """Kinetic and potential energy in J, shape (n,)."""
-    result: Array = sum(analysis.energies(run.scenario, run.coordinates, run.rates), np.zeros(1))
-    return result
 
 
 def reference(scenario: Scenario, times: Array, *, stop_when: StopWhen | None = None) -> Reference:

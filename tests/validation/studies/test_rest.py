@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.data.sampled import SOURCES
 from tests.helpers import failing, planted
 from validation import study as kit
-from validation.studies.rest import creep, runs, starts, ways
+from validation.studies.rest import closed_forms, creep, runs, starts, ways
 from validation.study import Row, frame
 
 
@@ -49,7 +50,6 @@ ENGINE = runs.ENGINE[runs.SHOWN]
         ("flat", lambda _: nan, "phases in s"),
         ("taken_by_sliding", lambda taken: 1.1 * taken, "energy taken"),
         ("face", lambda _: "second", "face apart"),
-        ("complete", lambda _: False, "complete"),
         ("rise", lambda _: 1e-6, "rise of the energy"),
         ("force", lambda _: -1.0, "contact pulls"),
         ("unexplained", lambda _: 1e-3, "unexplained part"),
@@ -84,20 +84,18 @@ def test_a_phase_that_one_side_passes_without_fails_but_not_one_behind_its_end()
     assert ways.shift(nothing, nothing) == np.inf
 
 
-def test_fit_finds_the_law_and_its_deviation() -> None:
+def test_the_creeps_law_and_its_deviation_are_found() -> None:
     times = np.arange(1.25, 60.0, creep.MEAN_TIME)
     tilts = (10.0 + 0.02 * times) ** -0.5
     tilts[times >= creep.TIMES[1]] *= 1.01
-    found = creep.fit(times, tilts)
-    assert found.rate == pytest.approx(0.02, rel=1e-6)
-    assert found.error == pytest.approx(0.01, rel=1e-6)
-    assert found.time_between(10.0**-0.5, 11.0**-0.5) == pytest.approx(50.0, rel=1e-6)
+    assert creep.fit(times, tilts) == pytest.approx((0.02, 0.01), rel=1e-6)
 
 
 @pytest.mark.parametrize(
     ("part", "case", "column", "change"),
     [
-        (creep, "ε = 0.3 m/s", "tilts", lambda x: [*x[:-1], 1.01 * x[-1]]),
+        (creep, "ε = 0.3 m/s", "error", lambda _: 0.01),
+        (creep, "ε = 0.3 m/s", "part", lambda _: 0.9),
         (starts, "random, seed 3", "force", lambda _: -1.0),
     ],
 )
@@ -107,3 +105,18 @@ def test_what_departs_in_a_stored_table_fails(
     right = kit.load(part.STUDY)
     for table, holds in ((right, True), (wrong(right, case, column, change), False)):
         assert bool(failing(part.present({part.STUDY.name: table}).checks)) != holds
+
+
+def test_a_side_that_misses_a_closed_form_fails() -> None:
+    cases = closed_forms.cases().items()
+    right = frame(
+        {"case": name, "quantity": quantity, "exact": exact, "source": source, "value": exact}
+        for name, case in cases
+        if isinstance(case, tuple)
+        for quantity, exact in case.exact.items()
+        for source in SOURCES
+    )
+    assert not failing(closed_forms.present({"rest-closed": right}).checks)
+    for place, value in ((0, nan), (0, 1.1 * right.at[0, "value"]), (right.index[-1], 1.0)):
+        table = planted(right, place, "value", value)
+        assert len(failing(closed_forms.present({"rest-closed": table}).checks)) == 2

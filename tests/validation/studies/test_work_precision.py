@@ -1,6 +1,5 @@
 """Error against run time: what its ladders, orders and cheapest ways tell, and what fails it."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -42,25 +41,13 @@ def test_a_ladder_ends_where_finer_rungs_bring_nothing(
     assert ladder_end(judged, fixed_step=fixed_step) == end
 
 
-def rungs(exponent: Callable[[int], float], number: int = 7) -> pd.DataFrame:
-    """Rungs of halved steps, each error smaller by that power of 2 than the one before."""
-    sizes = 0.05 * 2.0 ** -np.cumsum([0.0, *(exponent(k) for k in range(1, number))])
-    steps = 0.5 ** np.arange(number)
-    return pd.DataFrame({"kind": "step", "setting": steps, "work": 1 / steps, "error": sizes})
-
-
-def test_the_order_of_a_clean_ladder_is_found_and_that_of_another_is_not_told() -> None:
-    assert wp.observed_order(rungs(lambda _: 4.0), FLOOR) == pytest.approx(4.0)
-    assert wp.observed_order(rungs(lambda k: 2.0 + k % 2), FLOOR) == "– unsettled, 2.0 to 3.0"
-    assert wp.observed_order(rungs(lambda _: 4.0, 3), FLOOR) == "– few rungs"
-    assert wp.observed_order(rungs(lambda _: 4.0), 1e-4) == "– few rungs"
-
-
-def test_the_engines_rules_show_their_orders(rows: dict[str, pd.DataFrame]) -> None:
-    runs = wp.prepared(rows["work-precision"])
-    told = wp.orders(runs, wp.floors(rows["work-precision-references"])).set_index("method")
-    for method, order in (("contact-tree, RK67", 6.0), ("euler-tree, trapezoidal", 2.0)):
-        assert told.loc[method, "Model 1"] == pytest.approx(order, abs=0.15)
+def test_the_order_of_a_ladder_is_its_slope_where_errors_are_useful_and_measurable() -> None:
+    sizes = [inf, 0.5, *(0.05 * 16.0**-k for k in range(5)), FLOOR / 2, FLOOR / 3]
+    ladder = {"problem": "model-1", "formulation": "contact-tree", "scheme": "RK44"}
+    runs = pd.DataFrame({**ladder, "kind": "step", "error": sizes})
+    told = wp.orders(runs, {"model-1": FLOOR}).to_dict("records")
+    assert [(row["pairs of rungs"], row["order"]) for row in told] == [(4, 4)]
+    assert told[0]["observed"] == pytest.approx(4.0)
 
 
 def test_every_curve_is_stored_and_everything_stored_holds(rows: dict[str, pd.DataFrame]) -> None:
@@ -80,6 +67,13 @@ def test_a_run_that_breaks_its_tolerance_or_a_reference_in_doubt_fails(
 ) -> None:
     table = planted(rows[name], (rows[name][where[0]] == where[1]).idxmax(), at, value)
     assert failing(wp.present({**rows, name: table}).checks)
+
+
+def test_a_rule_of_another_order_than_its_own_fails(rows: dict[str, pd.DataFrame]) -> None:
+    table = rows["work-precision"].copy()
+    table.loc[table["scheme"] == "trapezoidal", "error"] **= 1.5
+    found = failing(wp.present({**rows, "work-precision": table}).checks)
+    assert "work-precision: order of trapezoidal" in found
 
 
 def test_an_extrapolated_run_is_better_than_its_parts() -> None:

@@ -1,9 +1,7 @@
 """Hard cases, each run to its end and classified from measured error, drift and energy."""
 
 import time
-from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, partial
 from math import inf, nan
 from typing import Any
 
@@ -33,8 +31,8 @@ IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 GOOD = ("accurate", "ends: contact would pull", "ends: condition met", "ends: lies flat")
 """Verdicts on what is as it should be."""
 
-BAD = ("inaccurate", "reference in doubt", "diverged", "refused", "not finished in the limit")
-VERDICTS = (*GOOD, *BAD, "time limit", "crashed")
+BAD = ("inaccurate", "reference in doubt", "diverged", "not finished in the limit")
+VERDICTS = (*GOOD, *BAD, "crashed")
 """All of them."""
 
 STEPS = {"engine": 50_000, "in-house": 20_000}
@@ -56,35 +54,22 @@ FEW = 3
 """Samples up to which a run is repeated, to see whether it gives the same bits; but for those
 of which the ending is looked at, which are many."""
 
-Known = Reference | ArithmeticError | ValueError
-"""The reference of a problem, or why there is none: a `ValueError` if it cannot start."""
+Known = Reference | ArithmeticError
+"""The reference of a problem, or why there is none."""
 
 COLUMNS = {
-    "axis": "what is extreme",
-    "label": "how extreme",
-    "model": "of the paper; none for another set of constraints",
     "way": "formulation and integrator",
     "tolerance": "error asked for in rad, and of the time of an ending in s",
     "verdict": "verdict",
-    "broken": "whether it crashed, broke its promise or, run again, gave other bits",
-    "cause": "why there is no accurate result",
-    "error": "largest error of β and γ in rad",
-    "ending_error": "error of the time at which it ends in s; infinite for another reason",
+    "error": "largest error of β and γ in rad, and of the time of an ending in s",
     "doubt": "difference of both references in rad or s",
     "estimate": "the run's own estimate of its error in rad",
     "drift": "drift / radius",
     "energy": "energy error, relative",
     "repeatable": "whether a second run gives the same bits",
-    "steps": "of all passes",
     "seconds": "time in s by the clock",
     "reason": "what the run said",
 }
-
-
-@cache
-def cases() -> Mapping[str, Problem]:
-    """All problems by name."""
-    return {each.name: each for each in problems()}
 
 
 def ways(problem: Problem) -> list[Way]:
@@ -114,74 +99,42 @@ def ways(problem: Problem) -> list[Way]:
 
 def measure(problem: Problem) -> list[Row]:
     """What becomes of a problem in each of its ways."""
-    known: Known = _or_error(
-        partial(reference, problem.scenario, problem.times, stop_when=problem.stop_when)
-    )
+    known: Known
+    try:
+        known = reference(problem.scenario, problem.times, stop_when=problem.stop_when)
+    except ArithmeticError as error:
+        known = error
     return [outcome(problem, way, known) for way in ways(problem)]
-
-
-def failed(problem: Problem, reason: str) -> list[Row]:
-    """Rows of a problem of which the process had to be ended, or ended itself."""
-    verdict = "time limit" if reason.startswith("not finished") else "crashed"
-    found: Row = {"verdict": verdict, "reason": reason, "steps": 0}
-    return [_told(problem, way, found) for way in ways(problem)]
 
 
 def outcome(problem: Problem, way: Way, known: Known) -> Row:
     """Run a problem in one way, and classify what becomes of it."""
-    count, begin = StepLimit(STEPS[way.source], problem.end), time.perf_counter()
-    run = _or_error(partial(simulate, problem, way, count))
-    found: Row = {"steps": count.steps, "seconds": time.perf_counter() - begin}
-    if isinstance(run, Exception):
-        return _told(problem, way, found | _failure(run, count.steps))
-    found |= judged(problem, run, known)
+    found: Row = {"way": way.name, "tolerance": problem.tolerance, "reason": ""}
+    begin = time.perf_counter()
+    try:
+        run = simulate(problem, way)
+    except (ArithmeticError, ValueError) as error:
+        # What is asked for can be run: a refusal is a crash.
+        verdict = "diverged" if isinstance(error, ArithmeticError) else "crashed"
+        if isinstance(error, WorkLimitError):
+            verdict = "not finished in the limit"
+        found |= {"verdict": verdict, "reason": _line(error)}
+        return found | {"seconds": time.perf_counter() - begin}
+    found["seconds"] = time.perf_counter() - begin
     if problem.samples <= FEW and problem.stop_when is None:
-        again = simulate(problem, way, StepLimit(STEPS[way.source], problem.end))
-        names = ("coordinates", "rates", "multipliers")
+        again, names = simulate(problem, way), ("coordinates", "rates", "multipliers")
         pairs = ((getattr(run, name), getattr(again, name)) for name in names)
         found["repeatable"] = all(np.array_equal(*both) for both in pairs)
-    return _told(problem, way, found)
+    return found | judged(problem, run, known)
 
 
-def simulate(problem: Problem, way: Way, count: StepLimit) -> Trajectory:
-    """Simulate a problem to its tolerance, with the steps that `count` allows."""
+def simulate(problem: Problem, way: Way) -> Trajectory:
+    """Simulate a problem to its tolerance, with so many steps as it may take."""
     # Step control has a local tolerance of its own and promises nothing more.
     tolerance = None if way.integrator == "DOPRI5" else problem.tolerance
-    how: Any = {"stop_when": problem.stop_when or (), "progress": count}
-    with count:
+    with StepLimit(STEPS[way.source], problem.end) as count:
+        how: Any = {"stop_when": problem.stop_when or (), "progress": count}
         return way.run(problem.scenario, problem.times, tolerance=tolerance, **how)
-
-
-def _or_error(call: Callable[[], Any]) -> Any:
-    """What a call returns, or the error of a run or refusal."""
-    try:
-        return call()
-    except (ArithmeticError, ValueError) as error:
-        return error
-
-
-def _failure(error: Exception, steps: int) -> Row:
-    verdict = "diverged"
-    if isinstance(error, WorkLimitError):
-        verdict = "not finished in the limit"
-    elif isinstance(error, ValueError):
-        # What is refused is so before anything is computed.
-        verdict = "crashed" if steps else "refused"
-    return {"verdict": verdict, "reason": _line(error)}
-
-
-def _told(problem: Problem, way: Way, found: Row) -> Row:
-    """A whole row."""
-    row = {
-        "axis": problem.axis,
-        "label": problem.label,
-        "model": str(problem.scenario.model or "none"),
-        "way": way.name,
-        "tolerance": problem.tolerance,
-        "reason": "",
-    } | found
-    row |= {"broken": is_broken(row), "cause": cause(row)}
-    return {name: row.get(name) for name in COLUMNS}
 
 
 def _line(error: Exception) -> str:
@@ -200,15 +153,13 @@ def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
     `inaccurate`: it is beyond that. `reference in doubt`: no reference is good enough.
     """
     found: Row = {"tolerance": problem.tolerance, "estimate": run.error_estimate}
-    if isinstance(known, ValueError):
-        reason = f"runs, and the reference cannot start: {_line(known)}"
-        return found | {"verdict": "inaccurate", "reason": reason}
     if isinstance(known, ArithmeticError):
         reason = f"the reference fails: {_line(known)}"
         return found | {"verdict": "reference in doubt", "reason": reason}
     truth = known.beside(run)
+    late = ending_error(run, truth)
     found |= {
-        "error": deviation(run, truth),
+        "error": max(deviation(run, truth), late),
         "doubt": known.doubt,
         "energy": energy_error(run, truth),
     }
@@ -216,9 +167,8 @@ def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
         residual, _ = analysis.constraint_drift(run)
         found["drift"] = float(np.max(residual)) / run.scenario.disk.radius
     if run.ending or truth.ending:
-        found["ending_error"] = ending_error(run, truth)
         one, other = (each.ending or "does not end early" for each in (run, truth))
-        same = found["ending_error"] <= problem.tolerance
+        same = late <= problem.tolerance
         found["reason"] = str(one) if same else f"{one}; reference: {other}"
     return found | {"verdict": _verdict(run, found)}
 
@@ -248,8 +198,7 @@ def _is_known(row: Row) -> bool:
 
 def _has_right_angles(row: Row) -> bool:
     """Whether the angles are within what was asked for, and where and why it ends."""
-    limit = _allowed(row)
-    return bool(row["error"] <= limit) and not row.get("ending_error", nan) > limit
+    return bool(row["error"] <= _allowed(row))
 
 
 def _allowed(row: Row) -> float:
@@ -275,45 +224,34 @@ def is_broken(row: Row) -> bool:
     return promises and row["verdict"] != "reference in doubt" and not _has_right_angles(row)
 
 
-_FALLS, _NO_CONVERGENCE = (
-    "falls flat, where Euler angles end", "Newton's iteration does not converge"
-)  # fmt: skip
+_NO_CONVERGENCE = "Newton's iteration does not converge"
 UNFINISHED = ("too many steps", _NO_CONVERGENCE)
 """Causes for which another way may do better."""
 
 _CAUSES = {
-    "a contact that pulls": "starts where the contact would pull",
-    "lies flat": _FALLS,
-    "lies nearly flat": _FALLS,
-    "each newton of normal force": (
-        "contact load: friction calls for more normal force than it gets"
-    ),
+    "lies nearly flat": "falls flat, where Euler angles end",
     "Newton's iteration did not converge": _NO_CONVERGENCE,
-    "singular": "singular system matrix",
-    "minimum step": "step control at its minimum step",
-    "cannot be reached": "rounding reached before the tolerance",
-    "cannot be followed": "turns lost between samples",
-    "before the first sample": "ends before its first sample",
     "was given up": UNFINISHED[0],
 }
-"""Words of a message, and the cause they stand for; the first that fits counts."""
+"""Words of a message, and the cause they stand for; other messages stand for themselves."""
 
 
 def cause(row: Row) -> str:
     """Why a case is not accurate; empty if it is."""
-    if row["verdict"] in GOOD:
+    verdict = str(row["verdict"])
+    if verdict in GOOD:
         return ""
-    if row["verdict"] == "inaccurate" and pd.notna(row.get("error")):
+    if verdict == "inaccurate":
         right = _has_right_angles(row)
         return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
-    if row["verdict"] in {"diverged", "refused"}:
+    if verdict == "diverged":
         reason = str(row["reason"])
         return next((told for words, told in _CAUSES.items() if words in reason), reason)
-    return {
-        "inaccurate": "runs where the reference cannot start",
-        "not finished in the limit": UNFINISHED[0],
+    told = {
         "reference in doubt": "no reference is good enough",
-    }.get(row["verdict"], str(row["verdict"]))
+        "not finished in the limit": UNFINISHED[0],
+    }
+    return told.get(verdict, verdict)
 
 
 # --- The studies --------------------------------------------------------------------------------
@@ -346,26 +284,35 @@ SAMPLE = (
 
 CASES = Study(
     name="robustness",
-    cases=cases,
+    cases=problems,
     measure=measure,
     keys=("way",),
     sample=SAMPLE,
     confirm={
         "verdict": None,
-        "broken": None,
+        "repeatable": None,
         "error": lambda stored: DOUBT * float(stored["tolerance"]),
     },
     limit=TIME_LIMIT,
-    failed=failed,
     columns=COLUMNS,
 )
 
 
+def explained(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of cases with what is extreme, the cause of a failure, and whether it is broken."""
+    rows = table.to_dict("records")
+    return table.assign(
+        axis=table["case"].str.rpartition(": ")[0],
+        cause=[cause(row) for row in rows],
+        broken=[is_broken(row) for row in rows],
+    )
+
+
 def unfinished() -> dict[str, Problem]:
     """Problems in which a way of the engine's own does not finish, left to the library."""
-    table = load(CASES)
+    table = explained(load(CASES))
     names = table.loc[table["cause"].isin(UNFINISHED), "case"].unique()
-    return {name: replace(cases()[name], cover="chosen") for name in names}
+    return {name: replace(problems()[name], cover="chosen") for name in names}
 
 
 CHOSEN = replace(

@@ -50,7 +50,6 @@ def measure(case: tuple[float, Load]) -> list[Row]:
             "angles": deviation(run, truth),
             "normal_force": np.max(force),
             "estimate": run.error_estimate,
-            "step": run.method["step"],
         }
     ]
 
@@ -65,7 +64,6 @@ STUDY = Study(
         "angles": "largest difference of beta and gamma from Model 1 in rad",
         "normal_force": "largest difference in N once it has settled",
         "estimate": "the run's own, of its integration, in rad",
-        "step": "in s",
     },
 )
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from math import pi, radians, sqrt
 from typing import Any, Literal
 
@@ -23,6 +23,7 @@ from analysis import (
     Table,
 )
 from analysis.data.checks import Array
+from validation.page.section import power
 
 TOLERANCE = 1e-6
 """Accuracy asked for in rad where a problem says nothing else."""
@@ -36,10 +37,6 @@ class Problem:
 
     Parameters
     ----------
-    axis : str
-        What is extreme about it.
-    label : str
-        How extreme.
     scenario : Scenario
     end : float
         In s.
@@ -55,8 +52,6 @@ class Problem:
         empty one, the reference finds the ending by itself.
     """
 
-    axis: str
-    label: str
     scenario: Scenario
     end: float = 0.5
     samples: int = 101
@@ -65,31 +60,35 @@ class Problem:
     stop_when: tuple[Condition, ...] | None = None
 
     @property
-    def name(self) -> str:
-        """Axis, label and model."""
-        model = self.scenario.model
-        return f"{self.axis}: {self.label}" + (f", Model {model}" if model else "")
-
-    @property
     def times(self) -> Array:
         """Times asked for in s, shape (n,)."""
         return np.linspace(0.0, self.end, self.samples)
 
 
-def problems() -> Iterator[Problem]:
-    """Those of `AXES` in all models, other sets of constraints, and those that end."""
-    for base in (Scenario(constraints=each) for each in MODELS.values()):
-        for axis, places in AXES.items():
-            for label, place in places.items():
-                of_problem = {name: place[name] for name in _ASKED if name in place}
-                changes = {name: place[name] for name in place.keys() - {*_ASKED, "models"}}
-                if base.model in place.get("models", LEVELS):
-                    scenario = replace(base, **changes)
-                    yield Problem(axis=axis, label=label, scenario=scenario, **of_problem)
+@cache
+def problems() -> Mapping[str, Problem]:
+    """Those of `AXES` in all models, other sets of constraints, and those that end.
+
+    Their names tell what is extreme and, behind the last colon, how, and which model it is.
+    """
+    found = {
+        f"{axis}: {label}, {base.name}": _placed(base, place)
+        for base in (Scenario(constraints=each) for each in MODELS.values())
+        for axis, places in AXES.items()
+        for label, place in places.items()
+        if base.model in place.get("models", LEVELS)
+    }
     for scenario in (Scenario(constraints=each) for each in POSSIBLE_SETS):
         if scenario.model is None:
-            yield Problem(axis="constraint set", label=scenario.name, scenario=scenario)
-    yield from ended()
+            found[f"constraint set: {scenario.name}"] = Problem(scenario=scenario)
+    return found | {f"{ENDED}: {_label(each)}": each for each in ended()}
+
+
+def _placed(base: Scenario, place: Mapping[str, Any]) -> Problem:
+    """A problem at a place of an axis."""
+    asked = {name: place[name] for name in ("end", "samples", "cover") if name in place}
+    changes = {name: place[name] for name in place.keys() - {*asked, "models"}}
+    return Problem(scenario=replace(base, **changes), **asked)
 
 
 # --- Extreme in one respect ---------------------------------------------------------------------
@@ -128,10 +127,9 @@ def _scaled(radius: float) -> Mapping[str, Any]:
     }
 
 
-_ASKED = ("end", "samples", "cover")
 _RADIUS, _ECCENTRICITY = STEEL_DISK.radius, STEEL_DISK.eccentricity
+_FIRST: Any = {}
 _ALL: Any = {"cover": "all"}
-_FIRST: Any = {"cover": "first"}
 _FASTEST: Any = {"cover": "fastest"}
 _damped = partial(PenaltyContact.damped, disk=STEEL_DISK)
 _ON_SPRINGS = {"friction": SmoothCoulomb(load="contact"), "models": (1,)}
@@ -140,7 +138,7 @@ AXES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     "smoothing ε in m/s": {
         label: {"friction": SmoothCoulomb(smoothing=float(label)), **more}
         for label, more in
-        {"1": _ALL, "1e-2": _ALL, "1e-3": _FIRST, "1e-4": _FIRST, "1e-5": _FIRST, "1e-8": _FIRST,
+        {"1": _ALL, "1e-2": _ALL, "1e-3": {}, "1e-4": {}, "1e-5": {}, "1e-8": {},
          "1e-6": {"models": (1,)}}.items()
     },
     "contact stiffness in N/m": {
@@ -158,7 +156,7 @@ AXES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     "spin in rad/s": {
         label: {"start": Start(spin=float(label)), **more}
         for label, more in
-        {"0": _FIRST, "100": _ALL, "300": _FIRST, "1000": {"end": 0.05}, "-40": _FIRST}.items()
+        {"0": {}, "100": _ALL, "300": {}, "1000": {"end": 0.05}, "-40": {}}.items()
     },
     # The fast ones end where the contact would pull.
     "contact load: spin, μ": {
@@ -308,14 +306,14 @@ def _drawn(rng: np.random.Generator, number: int) -> Problem:
 
 def _ended(scenario: Scenario, condition: Condition | None, digits: int, **asked: Any) -> Problem:
     asked = {"samples": 2, "end": 1.5, "cover": "fastest", **asked}
-    name = condition or "pull" if isinstance(condition, str | None) else condition.__name__
+    conditions = (condition,) if condition else ()
+    return Problem(scenario=scenario, tolerance=10.0**-digits, stop_when=conditions, **asked)
+
+
+def _label(problem: Problem) -> str:
+    """What ends a motion, its spin, what it is asked for, and its model."""
+    (condition,) = problem.stop_when or ("pull",)
+    name = condition if isinstance(condition, str) else condition.__name__.replace("_", " ")
+    scenario, sampled = problem.scenario, " sampled" if problem.samples > 2 else ""
     spin = f"{scenario.initial_state.rates[3]:.4g} rad/s"
-    sampled = " sampled" if asked["samples"] > 2 else ""
-    return Problem(
-        axis=ENDED,
-        label=f"{name.replace('_', ' ')} {spin} 1e-{digits}{sampled}",
-        scenario=scenario,
-        tolerance=10.0**-digits,
-        stop_when=(condition,) if condition else (),
-        **asked,
-    )
+    return f"{name} {spin} {power(problem.tolerance)}{sampled}, {scenario.name}"

@@ -9,8 +9,8 @@ from validation.kit import located, references  # noqa: F401 # the text names th
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
 from validation.studies.robustness import conservation, outcomes, penalty, steps
-from validation.studies.robustness.outcomes import CASES, CHOSEN, GOOD, VERDICTS, cases, is_broken
-from validation.studies.robustness.problems import ENDED, TOLERANCE  # noqa: F401
+from validation.studies.robustness.outcomes import CASES, CHOSEN, GOOD, VERDICTS, explained
+from validation.studies.robustness.problems import ENDED, TOLERANCE, problems  # noqa: F401
 from validation.study import Check, Study, at_most
 
 TITLE = "Hard cases"
@@ -26,7 +26,7 @@ LEFT = 3
 
 def present(rows: Rows) -> Content:
     """What there is to show, from the tables of `STUDIES`."""
-    table, chosen = rows[CASES.name], rows[CHOSEN.name]
+    table, chosen = (explained(rows[study.name]) for study in (CASES, CHOSEN))
     numbers, wrong = case_numbers(table), table[~table["verdict"].isin(GOOD)]
     left = int((~chosen["verdict"].isin(GOOD)).sum())
     content = Content(
@@ -34,12 +34,12 @@ def present(rows: Rows) -> Content:
             **numbers,
             "chosen": chosen,
             "left": left,
-            "chosen_broken": broken(chosen),
+            "chosen_broken": int(chosen["broken"].sum()),
         },
         tables={
             "outcomes": by_axis(table).rename_axis("what is extreme").reset_index(),
             "causes": _causes(table),
-            "cases": table.drop(columns="case").rename(columns=CASES.columns),
+            "cases": table.drop(columns="axis").rename(columns=CASES.columns),
             "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
             "chosen": _hardest(chosen),
         },
@@ -64,13 +64,8 @@ def _checks(name: str, study: Study, table: pd.DataFrame) -> Iterator[Check]:
     rows = table.to_dict("records")
     wrong = sum(row["verdict"] in GOOD and not outcomes.is_right(row) for row in rows)
     yield at_most(f"{name}: missing or too many", len(other), 0, "stored")
-    yield at_most(f"{name}: crashed or promise broken", broken(table), 0, "stored")
+    yield at_most(f"{name}: crashed or promise broken", int(table["broken"].sum()), 0, "stored")
     yield at_most(f"{name}: called right against their numbers", wrong, 0, "stored")
-
-
-def broken(table: pd.DataFrame) -> int:
-    """Number of cases that crashed or broke their promise, as noted or by their numbers."""
-    return sum(row["broken"] or is_broken(row) for row in table.to_dict("records"))
 
 
 def by_axis(table: pd.DataFrame) -> pd.DataFrame:
@@ -87,7 +82,9 @@ def _hardest(chosen: pd.DataFrame) -> pd.DataFrame:
         ["right", "error"], ascending=[True, False], ignore_index=True
     )
     shown = order[["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]]
-    return shown.rename(columns={"case": "motion", **CASES.columns})
+    return shown.rename(
+        columns={"case": "motion", "cause": "why there is no accurate result", **CASES.columns}
+    )
 
 
 def _causes(table: pd.DataFrame) -> pd.DataFrame:
@@ -102,9 +99,10 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the hard cases that the text, the verdict and the manual state."""
+    table = explained(table)
     counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
     late = table["cause"].isin(outcomes.UNFINISHED)
-    finest = table["case"].map(lambda name: cases()[name].scenario.friction.finest_speed)
+    finest = table["case"].map(lambda name: problems()[name].scenario.friction.finest_speed)
     told = table.dropna(subset=["error", "estimate"])
     return {
         "problems": table["case"].nunique(),
@@ -112,7 +110,7 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
         "counts": counts,
         "ends": sum(counts[each] for each in GOOD[1:]),
         "without": int((~table["verdict"].isin(GOOD)).sum()),
-        "broken": broken(table),
+        "broken": int(table["broken"].sum()),
         "causes": table["cause"].value_counts().to_dict(),
         "late": int(late.sum()),
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),

@@ -168,8 +168,7 @@ def extrapolated(ladder: Ladder, run: Trajectory, step: float) -> Trajectory | N
     ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
     if not np.isfinite(ladder.estimate):
         return None
-    coordinates, rates, multipliers = np.split(ladder.best, (6, 12), axis=1)
-    return replace(run, coordinates=coordinates, rates=rates, multipliers=multipliers)
+    return replace(run, coordinates=ladder.best[:, :6])
 
 
 def measure(curve: Curve) -> list[Row]:
@@ -246,7 +245,6 @@ def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
 
 
 _COSTS = ("seconds", "work", "steps")
-_ERRORS = ("error", "angle_error", "energy_error", "force_error", "drift", "velocity_drift")
 
 
 def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory | None]:
@@ -256,7 +254,7 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
         run, seconds = curve.run(setting, kind)
         row |= errors(run, reference(curve.problem))
     except ArithmeticError as error:
-        nothing = dict.fromkeys((*_COSTS, *_ERRORS))
+        nothing = dict.fromkeys((*_COSTS, "error", "angle_error"))
         return {**row, **nothing, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
