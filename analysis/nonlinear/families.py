@@ -1,9 +1,9 @@
 """Families of periodic motions, continued in their amplitude or tilt.
 
 Symmetric cycles begin in the Hopf point. Where they lose their symmetry, cycles without it branch
-off, and the mode that breaks the symmetry leads to the first of them; they are followed in their
-largest deviation of gamma, which grows smoothly through the bifurcation, and their mirror images
-have it as the least one. On the cylinder of gamma the heteroclinic connection is a pair of loops,
+off, and a shift of gamma leads to the first of them; they are followed in their largest deviation
+of gamma, which grows smoothly through the bifurcation, and their mirror images have it as the
+least one. On the cylinder of gamma the heteroclinic connection is a pair of loops,
 one for either sense of turning: on one side of its spin they join to the swinging cycles, on the
 other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
@@ -23,7 +23,6 @@ from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import (
     STEEPEST,
     NoCycleError,
-    breaking_mode,
     hopf_cycle,
     solve,
 )
@@ -240,7 +239,7 @@ def asymmetric_family(
     born = breaking.motion
     wanted = born.value + BEYOND if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, born.value, np.inf, f"beyond {born.value:.6g}")
-    mode, (times, states) = _FIRST * breaking_mode(born), born.whole
+    times, states = born.whole
     start = PeriodicMotion(
         scenario=born.scenario,
         kind="asymmetric",
@@ -248,8 +247,8 @@ def asymmetric_family(
         value=born.value + _FIRST,
         period=born.period,
         times=times,
-        # The mode is the same on the other side, where the cycle is mirrored.
-        states=states + np.concatenate((mode, mode[1:])),
+        # To the one side it then swings further than to the other.
+        states=states + _FIRST * np.eye(3)[1],
     )
     first = solve(born.scenario, start.value, start)
     found = followed(reach, first, wanted.tolist())
