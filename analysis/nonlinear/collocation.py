@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.linalg import eigvals
-from scipy.integrate import solve_bvp
+from scipy.integrate import cumulative_trapezoid, solve_bvp
 
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
@@ -55,6 +55,26 @@ def hopf_cycle(scenario: Scenario) -> PeriodicMotion:
         period=2.0 * np.pi / hopf.frequency,
         times=phases / hopf.frequency,
         states=INVERTED + _SMALL * np.transpose(shape),
+    )
+
+
+def slow_rotation(scenario: Scenario, tilt: float) -> PeriodicMotion:
+    """The rotating motion without slip of a tilt in rad, to begin with; see `slow_manifold`."""
+    disk, spin = scenario.disk, critical_speed(scenario).spin
+    gamma = np.linspace(-np.pi / 2, 1.5 * np.pi, _FIRST_NODES)
+    reach = disk.radius + disk.eccentricity * np.sin(gamma)
+    # The height of the centre of gravity is conserved.
+    beta = np.pi - np.arcsin(reach[0] * np.cos(tilt) / reach)
+    rate = disk.eccentricity * spin * np.sin(beta) * np.cos(gamma) / reach
+    times = cumulative_trapezoid(-1.0 / (spin * np.cos(beta)), gamma, initial=0.0)
+    return PeriodicMotion(
+        scenario=scenario,
+        kind="rotating",
+        spin=spin,
+        value=tilt,
+        period=float(times[-1]),
+        times=times,
+        states=np.column_stack((beta, gamma, rate)),
     )
 
 

@@ -24,17 +24,16 @@ from analysis.nonlinear.collocation import (
     STEEPEST,
     NoCycleError,
     hopf_cycle,
+    slow_rotation,
     solve,
 )
 from analysis.nonlinear.following import Family, events, followed, reach
 from analysis.nonlinear.heteroclinic import (
-    Connection,
     NoConnectionError,
-    fall,
     heteroclinic_connection,
     last_amplitude,
 )
-from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
@@ -54,9 +53,8 @@ _SAME_END = 1e-6
 _FIRST = 0.05
 """How much larger in rad than at the bifurcation the first cycle without symmetry is."""
 
-_BESIDE = (0.02, 0.005, 0.001)
-"""Distances from the connection at which the first rotating motion is looked for, in parts of that
-to the Hopf point."""
+_TILT = 0.5
+"""Of the first rotating motion in rad: any friction leads to it from that without slip."""
 
 
 def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: str) -> Array:
@@ -287,7 +285,7 @@ def first_asymmetric_family(family: Family, *, progress: Progress | None = None)
 def rotating_family(
     scenario: Scenario, tilts: npt.ArrayLike | None = None, *, progress: Progress | None = None
 ) -> Family:
-    """Follow the rotating motions from the heteroclinic connection on.
+    """Follow the rotating motions that begin in the heteroclinic connection.
 
     Parameters
     ----------
@@ -305,48 +303,14 @@ def rotating_family(
     NoConnectionError
         If there is no connection.
     NoCycleError
-        If none is found beside it.
+        If none is found.
     """
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
-    connection = heteroclinic_connection(scenario)
-    first = _first_rotating(scenario, connection)
+    begins = heteroclinic_connection(scenario).spin
+    first = solve(scenario, _TILT, slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
     ways = (followed(reach, first, way.tolist()) for way in (wanted[:split][::-1], wanted[split:]))
-    found = Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)
+    found = Family.of(begins, *ways, progress=progress, wanted=wanted.size)
     return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))
-
-
-def _first_rotating(scenario: Scenario, connection: Connection) -> PeriodicMotion:
-    """The one that a motion from noninverted spinning beside the connection leads to."""
-    width = abs(critical_speed(scenario).spin - connection.spin)
-    for distance in width * np.array(_BESIDE):
-        for spin in (connection.spin - distance, connection.spin + distance):
-            try:
-                return _beside(scenario, spin)
-            except NoCycleError:
-                continue
-    raise NoCycleError(f"no rotating motion found beside {connection.spin:.9g} rad/s")
-
-
-def _beside(scenario: Scenario, spin: float) -> PeriodicMotion:
-    way = fall(scenario, spin)
-    tilts, turns = (way.states - INVERTED).T[:2]
-    if way.miss < 0.0 or np.max(turns) < np.pi:
-        raise NoCycleError(f"the motion turns back at {spin:.9g} rad/s")
-    # A turn begins as tilted as it ends.
-    last = int(np.argmax(turns >= np.pi))
-    tilt = float(tilts[last])
-    turn = slice(int(np.argmax(tilts >= tilt)), last + 1)
-    times = way.times[turn] - way.times[turn][0]
-    start = PeriodicMotion(
-        scenario=scenario,
-        kind="rotating",
-        spin=spin,
-        value=tilt,
-        period=float(times[-1]),
-        times=times,
-        states=way.states[turn],
-    )
-    return solve(scenario, tilt, start)
