@@ -332,13 +332,13 @@ def passage(
     from validation.nonlinear.passage import SPACING, follow, passage_table
 
     checked_end(end, SPACING)
-    found = follow(problem.scenario(rest=rest), end, source)
-    named = [(found.pair.scenario.name, found)]
-    own = ("crossing", "lost", "predicted", "lowest_spin", "rate")
+    scenario = problem.scenario(rest=rest)
+    found = follow(scenario, end, source)
+    named = [(scenario.name, found)]
+    own = ("hopf", "frequency", "crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(
         tables=[passage_table(named)],
-        values={"hopf": found.pair.spin, "frequency": found.pair.frequency}
-        | {name: getattr(found, name) for name in own},
+        values={name: found[name] for name in own},
         draw=lambda: _figures().passage_diagram(named),
     )
 

@@ -135,22 +135,21 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
     Parameters
     ----------
     named : sequence of (name, Passage)
-        Or rows of a study that have its attributes.
     """
     axes = figures.new_figure(2, height=6.5)[1]
     for index, (name, passage) in enumerate(named):
         look = {"color": figures.COLOURS[index % 4]}
-        style = figures.STYLES[index % 4]
-        axes[0].plot(passage.times, passage.spins, style, label=name, **look)
-        axes[1].plot(passage.times, passage.deviations, style, **look)
-        axes[1].plot(passage.times, passage.linear, linewidth=0.8, **look)
-        if passage.crossing is not None:
-            axes[0].plot(passage.crossing, passage.hopf, "o", **look)
-        if passage.lost is not None:
-            axes[0].plot(passage.lost, passage.spins[-1], "s", **look)
-        if passage.predicted is not None:
-            axes[1].plot(passage.predicted, LOST, "D", markerfacecolor="white", **look)
-    hopf = named[0][1].hopf
+        style, times = figures.STYLES[index % 4], passage["times"]
+        axes[0].plot(times, passage["spins"], style, label=name, **look)
+        axes[1].plot(times, passage["deviations"], style, **look)
+        axes[1].plot(times, passage["linear"], linewidth=0.8, **look)
+        if passage["crossing"] is not None:
+            axes[0].plot(passage["crossing"], passage["hopf"], "o", **look)
+        if passage["lost"] is not None:
+            axes[0].plot(passage["lost"], passage["spins"][-1], "s", **look)
+        if passage["predicted"] is not None:
+            axes[1].plot(passage["predicted"], LOST, "D", markerfacecolor="white", **look)
+    hopf = named[0][1]["hopf"]
     axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
     axes[1].axhline(LOST, color=GREY, linewidth=0.8)
     axes[0].set(ylabel="mean spin in rad/s")

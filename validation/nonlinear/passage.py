@@ -9,7 +9,7 @@ whose spin falls at a rate r from the Hopf point on is lost at
 (spin_crit - spin)² = (2 r / |dsigma/dspin|) ln((pi/2) / deviation at the crossing).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -37,6 +37,9 @@ _DAMPED = -20.0
 
 RANGE = (5.0, 60.0)
 """Spins in rad/s in which the crossing is looked for."""
+
+Passage = Mapping[str, Any]
+"""How a motion passes the critical speed, by the names of `measure`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,58 +98,24 @@ class SlowPair:
         return growth, fast
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Passage:
-    """How a motion passes the critical speed.
-
-    Parameters
-    ----------
-    source : {"engine", "in-house"}
-    pair : SlowPair
-    times, spins, deviations : ndarray, shape (n,)
-        Samples from the inversion to the loss: mean spin in rad/s and slow deviation of gamma in
-        rad, freed of the fast oscillation.
-    linear : ndarray, shape (n,)
-        Deviation in rad by the growth rate alone, fitted soon after the inversion.
-    crossing : float or None
-        From when on the mean spin is below that of the Hopf point in s.
-    lost : float or None
-        When the centre of gravity comes below the geometric centre in s.
-    predicted : float or None
-        When `linear` has come to pi/2 in s.
-    """
-
-    source: str
-    pair: SlowPair
-    times: Array
-    spins: Array
-    deviations: Array
-    linear: Array
-    crossing: float | None
-    lost: float | None
-    predicted: float | None
-
-    @property
-    def hopf(self) -> float:
-        """Spin of the Hopf point in rad/s."""
-        return self.pair.spin
-
-    @property
-    def lowest_spin(self) -> float:
-        """Lowest mean spin in rad/s; in falling the disk spins up again."""
-        return float(np.min(self.spins))
-
-    @property
-    def rate(self) -> float | None:
-        """Mean rate in rad/s² at which the spin falls from the crossing to its lowest value."""
-        last = self.times[np.argmin(self.spins)]
-        if self.crossing is None or last <= self.crossing:
-            return None
-        return float((self.hopf - self.lowest_spin) / (last - self.crossing))
-
-
 def measure(motion: Trajectory | SpatialMotion) -> Passage:
     """Follow spin and slow deviation of a motion from its inversion on.
+
+    Returns
+    -------
+    dict
+        What is told of it, as plain data by names:
+
+        - source, and spin `hopf` and `frequency` of the Hopf point in rad/s;
+        - `times` in s, `spins` and `deviations`, shape (n,): samples from the inversion to the
+          loss, mean spin in rad/s and slow deviation of gamma in rad, freed of the fast
+          oscillation; `linear`, shape (n,): deviation in rad by the growth rate alone, fitted
+          soon after the inversion;
+        - `crossing`, from when on the mean spin is below that of the Hopf point, `lost`, when the
+          centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
+          come to pi/2: in s, None where it does not happen;
+        - `lowest_spin`, the lowest mean spin in rad/s, since in falling the disk spins up again,
+          and `rate`, at which the spin falls from the crossing to it, in rad/s², or None.
 
     Raises
     ------
@@ -177,17 +146,25 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
     linear, predicted = _predicted(times, growth[kept], amplitude)
-    return Passage(
-        source=motion.source,
-        pair=pair,
-        times=times,
-        spins=spins,
-        deviations=amplitude,
-        linear=linear,
-        crossing=float(times[below[0]]) if below.size else None,
-        lost=inversion.lost,
-        predicted=predicted,
-    )
+    crossing = float(times[below[0]]) if below.size else None
+    slowest = int(np.argmin(spins))
+    rate = None
+    if crossing is not None and times[slowest] > crossing:
+        rate = float((pair.spin - spins[slowest]) / (times[slowest] - crossing))
+    return {
+        "source": motion.source,
+        "hopf": pair.spin,
+        "frequency": pair.frequency,
+        "crossing": crossing,
+        "lost": inversion.lost,
+        "predicted": predicted,
+        "lowest_spin": float(spins[slowest]),
+        "rate": rate,
+        "times": times,
+        "spins": spins,
+        "deviations": amplitude,
+        "linear": linear,
+    }
 
 
 def follow(scenario: Scenario, end: float, source: Source) -> Passage:
@@ -253,7 +230,7 @@ def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
     return Table(
         title="Passage through the critical speed",
         columns=("motion", *heads),
-        rows=[(name, *(getattr(each, head) for head in heads.values())) for name, each in named],
+        rows=[(name, *(each[head] for head in heads.values())) for name, each in named],
         note="Predicted is from the deviation half a second to a second after the inversion and "
         "the eigenvalues alone, which know nothing of what happens at large deviations.",
     )

@@ -192,11 +192,10 @@ def passages() -> dict[str, Callable[[], passage.Passage]]:
 def pass_through(follow: Callable[[], passage.Passage]) -> list[Row]:
     """When and at which spin the inversion is lost, and the way there."""
     found = follow()
-    last = found.times.size - 1
-    kept = np.unique((*range(0, last, EVERY), int(np.argmin(found.spins)), last))
-    curves = told(found, "times", "spins", "deviations", "linear")
-    names = ("source", "hopf", "crossing", "lost", "predicted", "lowest_spin", "rate")
-    return [{**told(found, *names), **{name: curve[kept] for name, curve in curves.items()}}]
+    last = found["times"].size - 1
+    kept = np.unique((*range(0, last, EVERY), int(np.argmin(found["spins"])), last))
+    curves = {name: found[name][kept] for name in ("times", "spins", "deviations", "linear")}
+    return [{**found, **curves}]
 
 
 PASSAGES = Study(name="passages", cases=passages, measure=pass_through)

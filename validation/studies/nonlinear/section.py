@@ -81,7 +81,7 @@ def present(rows: Rows) -> Content:
             "held": _headed(held, "half_multiplier", "complex_multiplier"),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
-            "passages": passage.passage_table([(p.case, p) for p in passages.itertuples()]),
+            "passages": passage.passage_table(_named(passages)),
         },
         figures={
             "bifurcations": _bifurcations(
@@ -91,9 +91,7 @@ def present(rows: Rows) -> Content:
                 engine=engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")],
             ),
             "periods": _family(cycles, hopf, connection, "period", "multiplier", "log_strong"),
-            "passages": figures.passage_diagram(
-                [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
-            ),
+            "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
         checks=[
             *_cycle_checks(fits, apart),
@@ -113,6 +111,10 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     motions = found[found.kind == "motion"] if "kind" in found else found
     records: list[Row] = motions.to_dict("records")
     return records
+
+
+def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:
+    return [(each["case"], each) for each in passages.to_dict("records")]
 
 
 def _family(cycles: list[Row], hopf: CriticalSpeed, connection: Row, *names: str) -> Any:
