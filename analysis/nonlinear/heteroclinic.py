@@ -52,8 +52,6 @@ class Fall:
 
     Parameters
     ----------
-    times : ndarray, shape (n,)
-        In s.
     states : ndarray, shape (n, 3)
         beta, gamma in rad and rate of beta in rad/s.
     miss : float
@@ -61,7 +59,6 @@ class Fall:
         pi/2: the disk falls flat) where gamma reaches 3 pi/2. About a saddle-focus -1 or 1.
     """
 
-    times: Array
     states: Array
     miss: float
 
@@ -166,7 +163,7 @@ def fall(scenario: Scenario, spin: float) -> Fall:
         miss = -1.0 if winds else float(run.y[1, -1]) - 1.5 * np.pi
     elif any(has_passed):
         miss = 1.0 if winds else float(run.y[0, -1]) - np.pi / 2
-    return Fall(times=run.t, states=run.y.T, miss=miss)
+    return Fall(states=run.y.T, miss=miss)
 
 
 def _endings(*, winds: bool) -> tuple[Ending, Ending, Ending]:

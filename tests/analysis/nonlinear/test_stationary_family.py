@@ -142,7 +142,9 @@ REFUSED: dict[str, Callable[[], object]] = {
         Scenario(), TILTED, (20.0, 30.0)
     ),
     "unit must be positive": lambda: Parameter(change=lambda _: Scenario(), value=1.0, unit=0.0),
-    "is not stationary": lambda: stationary_eigenvalues(Scenario(), 30.0, (0.0, 0.0, 1.2, 1.0)),
+    "is not stationary": lambda: stationary_eigenvalues(
+        Scenario(), 30.0, (0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2)
+    ),
 }
 
 
