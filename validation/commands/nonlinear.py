@@ -158,12 +158,12 @@ def _over(
 ) -> Result:
     if (spins is None) == (amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    axis, values, scenarios = _varied(over, scenario)
+    axis, scenarios = _varied(over, scenario)
     held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
     rows: list[Motion] = [
         {axis.field: value, **each.told()}
-        for value, each in zip(values, found.motions, strict=False)
+        for value, each in zip(axis.grid, found.motions, strict=False)
     ]
     first = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")
@@ -214,9 +214,9 @@ def _of_connection(found: Connection) -> dict[str, float]:
 
 
 def _connections_over(over: str, scenario: Scenario) -> Result:
-    axis, values, scenarios = _varied(over, scenario)
+    axis, scenarios = _varied(over, scenario)
     ends = [_ends(each) for each in counted(scenarios, axis.field)]
-    rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
+    rows = [{axis.field: value, **end} for value, end in zip(axis.grid, ends, strict=True)]
     table = Table.of(
         rows,
         {
@@ -271,31 +271,28 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
 # --- Over a parameter ---------------------------------------------------------------------------
 
 
-def _varied(over: str, scenario: Scenario) -> tuple[Any, list[float], list[Scenario]]:
-    """What --over goes through, its values, and the scenario with each of them.
+def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
+    """What --over goes through, and the scenario with each of its values.
 
     That is a number of the scenario but for its start, with a count.
     """
-    from validation.sweeps.axes import axis_from_text
+    from validation.sweeps.axes import Design, axis_from_text
 
     try:
         axis = axis_from_text(over)
     except ValueError as error:
         raise ArgumentError("over", f"tells no axis: {error}") from None
-    field = axis.field
+    field, size = axis.field, Design(axes=(axis,)).size
     if is_text(field) or field.partition(".")[0] not in ("disk", "friction", "table"):
         raise ValueError(
             f"axis must be a number of disk, friction or table, such as mu=0.1:1:10, got {field}"
         )
-    if axis.size is None:
-        raise ValueError(f"axis {field} needs a count: first:last:count")
-    if axis.size > MOST_SCENARIOS:
+    if size > MOST_SCENARIOS:
         raise ValueError(
-            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {axis.size}"
+            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {size}"
         )
-    values = [float(axis.at(index)) for index in range(axis.size)]
-    check_field(scenario, field, {field: values[0]})
-    return axis, values, [changed(scenario, {field: value}) for value in values]
+    check_field(scenario, field, {field: axis.at(0)})
+    return axis, [changed(scenario, {field: value}) for value in axis.grid]
 
 
 def _head(axis: Any) -> str:
