@@ -14,14 +14,8 @@ from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
 from analysis.nonlinear import families
 from analysis.nonlinear.following import Family, events
-from analysis.nonlinear.heteroclinic import (
-    Connection,
-    NoConnectionError,
-    fall,
-    heteroclinic_connection,
-)
+from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.stability.printed import critical_speed
 from validation.commands.options import checked_end, parse_spins
 from validation.commands.output import Result
 from validation.commands.scenarios import Problem
@@ -204,18 +198,14 @@ def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
 
     return Result(
         tables=[tables.connection_table(found, slow)],
-        values={**_of_connection(found), "prediction": None if slow is None else slow.spin},
+        values={**tables.told(found), "prediction": None if slow is None else slow.spin},
         draw=draw,
     )
 
 
-def _of_connection(found: Connection) -> dict[str, float]:
-    return {**asdict(found), "saddle_index": found.saddle_index}
-
-
 def _connections_over(over: str, scenario: Scenario) -> Result:
     axis, scenarios = _varied(over, scenario)
-    ends = [_ends(each) for each in counted(scenarios, axis.field)]
+    ends = [tables.ends(each) for each in counted(scenarios, axis.field)]
     rows = [{axis.field: value, **end} for value, end in zip(axis.grid, ends, strict=True)]
     table = Table.of(
         rows,
@@ -238,21 +228,6 @@ def _connections_over(over: str, scenario: Scenario) -> Result:
         values={"ends": rows},
         draw=lambda: _drawn_ends(table, log=axis.log),
     )
-
-
-def _ends(scenario: Scenario) -> dict[str, Any]:
-    """Where the cycles of a scenario begin and end, and why not where they do not."""
-    connection, reason = None, None
-    try:
-        connection = _of_connection(heteroclinic_connection(scenario))
-    except NoConnectionError as error:
-        reason = str(error)
-    return {
-        "hopf": critical_speed(scenario).spin,
-        "connection": connection,
-        "prediction": getattr(tables.prediction(scenario), "spin", None),
-        "reason": reason,
-    }
 
 
 def _drawn_ends(table: Table, *, log: bool) -> Any:

@@ -1,7 +1,6 @@
 """What is measured: cycles and their end, the engine's cycles, and passages."""
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -10,15 +9,11 @@ import numpy as np
 from analysis import DISKS, MODELS, Dissipation, Scenario, SmoothCoulomb
 from analysis.nonlinear.families import cycle_at, cycle_family, rotating_family
 from analysis.nonlinear.following import Family, events
-from analysis.nonlinear.heteroclinic import (
-    NoConnectionError,
-    heteroclinic_connection,
-    period_growth,
-)
+from analysis.nonlinear.heteroclinic import heteroclinic_connection, period_growth
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.slow_manifold import slow_cycle
 from validation.nonlinear import passage
-from validation.nonlinear.tables import prediction
+from validation.nonlinear.tables import ends
 from validation.studies.nonlinear.delay import slowed
 from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
 from validation.study import Row, Study
@@ -29,11 +24,6 @@ HELD_NAMES = ("Model 1 at held spin", "Model 2 at held spin")
 
 SWINGING, ROTATING = "cycles of Model 4", "rotating motions of Model 4"
 SLOW = "cycles on the slow manifold"
-
-
-def told(found: Any, *names: str) -> Row:
-    """Attributes by their names."""
-    return {name: getattr(found, name) for name in names}
 
 
 # --- Families -----------------------------------------------------------------------------------
@@ -85,7 +75,7 @@ def _rotating() -> list[Row]:
 def _slow() -> list[Row]:
     amplitudes = np.linspace(0.05, 3.1, 25).tolist()
     cycles = [slow_cycle(PAPER, amplitude) for amplitude in amplitudes]
-    return [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
+    return [{"kind": "motion", "amplitude": each.amplitude, "spin": each.spin} for each in cycles]
 
 
 def _whole(found: Family) -> list[Row]:
@@ -148,15 +138,11 @@ def connect(case: tuple[str, float, float]) -> list[Row]:
     disk, mu, eps = case
     law = SmoothCoulomb(coefficient=mu, smoothing=eps)
     scenario = Scenario(constraints=MODELS[4], disk=DISKS[disk], friction=law)
-    row: Row = {"disk": disk, "coefficient": mu, "smoothing": eps}
-    slow = prediction(scenario)
-    if slow is not None:
-        row |= {"predicted": slow.spin, "friction_over_weight": slow.friction}
-    with suppress(NoConnectionError):
-        found = heteroclinic_connection(scenario)
-        row |= told(found, "spin", "growing", "slow", "strong", "saddle_index")
-        row["bracket"] = found.above - found.below
-    return [row]
+    found = ends(scenario)
+    row = {"predicted": found["prediction"], **(found["connection"] or {})}
+    if found["connection"] is not None:
+        row["bracket"] = row["above"] - row["below"]
+    return [{"disk": disk, "coefficient": mu, "smoothing": eps, **row}]
 
 
 CONNECTIONS = Study(name="connections", cases=disks_and_friction, measure=connect)
