@@ -20,13 +20,7 @@ from analysis.data.checks import Array, in_range, number, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
 from analysis.nonlinear import flow
-from analysis.nonlinear.collocation import (
-    STEEPEST,
-    NoCycleError,
-    hopf_cycle,
-    slow_rotation,
-    solve,
-)
+from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
 from analysis.nonlinear.following import Family, events, followed, reach
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,

@@ -6,15 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import (
-    CENTRED_DISK,
-    ConstraintSet,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    Table,
-    simulate,
-)
+from analysis import CENTRED_DISK, ConstraintSet, Scenario, SmoothCoulomb, Start, Table, simulate
 from analysis.data.checks import Array
 from analysis.nonlinear.continuation import Curve
 from analysis.nonlinear.stationary import (
