@@ -36,19 +36,13 @@ def small() -> dict[str, list[HeldCycle]]:
     return {name: family(name, (0.1, 0.2)) for name in HELD_NAMES}
 
 
-@pytest.mark.parametrize("name", HELD_NAMES)
-def test_families_that_slip_begin_downwards_and_fold(
-    name: str, small: dict[str, list[HeldCycle]]
-) -> None:
-    scenario, (first, second) = Scenario(constraints=HELD[name]), small[name]
-    assert first.spin < critical_speeds(scenario).hopf[-1].spin
-    assert first.half_multiplier < 1.0 < second.half_multiplier
-
-
-def test_cycles_of_model_2_are_born_stable_and_those_of_model_1_are_not(
+def test_families_that_slip_begin_downwards_and_fold_and_only_model_2_is_born_stable(
     small: dict[str, list[HeldCycle]],
 ) -> None:
     one, two = (small[name] for name in HELD_NAMES)
+    for name, (first, second) in small.items():
+        assert first.spin < critical_speeds(Scenario(constraints=HELD[name])).hopf[-1].spin
+        assert first.half_multiplier < 1.0 < second.half_multiplier
     assert [cycle.stable for cycle in one] == [False, False]
     assert [(cycle.stable, cycle.complex_multiplier) for cycle in two] == [
         (True, None),
