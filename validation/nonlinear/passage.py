@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
 from analysis.data.checks import Array
@@ -189,7 +190,7 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
 
 def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, float | None]:
     """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
-    grown = _integral(times, rates)
+    grown = cumulative_trapezoid(rates, times, initial=0.0)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
     size = grown + np.mean(np.log(amplitude[early]) - grown[early])
@@ -202,14 +203,9 @@ def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, flo
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
 
 
-def _integral(times: Array, values: Array) -> Array:
-    """Integral from the first sample to each, shape (n,)."""
-    return np.append(0.0, np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(times)))
-
-
 def _mean(times: Array, values: Array, window: float | Array) -> Array:
     """Mean over a window about each sample, shorter at the ends."""
-    total = _integral(times, values)
+    total = cumulative_trapezoid(values, times, initial=0.0)
     left = np.clip(times - window / 2.0, times[0], times[-1])
     right = np.clip(times + window / 2.0, times[0], times[-1])
     sums = np.interp(right, times, total) - np.interp(left, times, total)

@@ -16,9 +16,9 @@ from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from analysis.stability.critical import critical_speeds
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, static_gradient
 from validation.kit.figures import legend_above, new_figure
-from validation.studies.stability.eigenvalue_check import ComplexArray
 from validation.studies.stability.measured import IN_PAPER, PAPER_GRADIENT
 from validation.studies.stability.variants import PRINTED
 
