@@ -22,11 +22,6 @@ HELD = Scenario(constraints=("contact", "constant-spin"))
 """At held spin a disk has tilted stationary motions."""
 
 
-@pytest.fixture(scope="module")
-def tilted() -> StationaryMotion:
-    return stationary_motions(HELD, 60.0, starts=20)[0]
-
-
 @pytest.mark.parametrize(
     "constraints",
     [("contact",), ("contact", "constant-spin"), ("contact", "no-slip-along", "no-slip-across")],
@@ -104,11 +99,12 @@ def deviation_of_gamma(scenario: Scenario, motion: StationaryMotion) -> Array:
 
 
 @pytest.mark.slow
-def test_tilted_motions_are_followed_over_friction(tilted: StationaryMotion) -> None:
+def test_tilted_motions_are_followed_over_friction() -> None:
     def rubbing(mu: float) -> Scenario:
         return replace(HELD, friction=SmoothCoulomb(coefficient=mu))
 
     friction = Parameter(change=rubbing, value=0.3, unit=0.3)
+    tilted = stationary_motions(HELD, 60.0, starts=20)[0]
     branch = stationary_branch(HELD, tilted, (0.28, 1.0), friction)
     largest = max(branch, key=lambda motion: motion.value)
     assert largest.value == pytest.approx(0.4185, abs=2e-3)

@@ -76,23 +76,15 @@ BESIDE |= dict.fromkeys(("beta", "gamma"), pi / 2 + 1e-9)
 
 
 def test_all_others_are_none() -> None:
-    """Beside the motion, on a leaning table, stable, of another body or of no stationary one."""
+    """Beside the motion, on a leaning table, of another body, stable or neutral, or of none."""
     starts = [*(replace(SPINNING, **{name: value}) for name, value in BESIDE.items()), Start()]
     others = [Scenario(start=start) for start in starts]
     others += [Scenario(disk=body, start=SPINNING) for body in (COMPOSED, TIPPE_TOP)]
     others.append(Scenario(constraints=MODELS[4], start=SPINNING))
     others.append(Scenario(table=Table(inclination=0.1), start=SPINNING))
     others.append(Scenario(start=Start(gamma=0.3, gamma_rate=0.0, spin=10.0)))
+    # All eigenvalues are zero or imaginary without friction, some of them defective zeros.
+    slippery, standing = SmoothCoulomb(coefficient=0.0), Start(gamma=0.3, gamma_rate=None, spin=40)
+    round_disk = Scenario(disk=CENTRED_DISK, friction=slippery, start=standing)
+    others += [replace(round_disk, constraints=held) for held in POSSIBLE_SETS]
     assert [unstable_start(each) for each in others] == [None] * len(others)
-
-
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
-def test_neutral_motion_of_a_round_disk_is_none(constraints: ConstraintSet) -> None:
-    """All eigenvalues are zero or imaginary without friction, some of them defective zeros."""
-    scenario = Scenario(
-        constraints=constraints,
-        disk=CENTRED_DISK,
-        friction=SmoothCoulomb(coefficient=0.0),
-        start=Start(gamma=0.3, gamma_rate=None, spin=40.0),
-    )
-    assert unstable_start(scenario) is None
