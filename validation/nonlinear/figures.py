@@ -13,16 +13,7 @@ from validation.kit import figures
 from validation.nonlinear.passage import LOST, Passage
 from validation.nonlinear.tables import HEADS, Motion
 
-ENGINE: Mapping[str, Any] = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 6,
-    "markerfacecolor": "white",
-    "markeredgecolor": "black",
-    "zorder": 4,
-}
 GREY = "#777777"
-SPIN = "spinning speed Ω in rad/s"
 
 STABLE, UNSTABLE = 1, 2
 """Colours."""
@@ -73,7 +64,7 @@ def diagram(
     motions: Sequence[Motion],
     names: Sequence[str],
     *,
-    over: tuple[str, str] = ("spin", SPIN),
+    over: tuple[str, str] = ("spin", figures.SPIN),
     log: bool = False,
     marks: Mapping[str, float] | None = None,
 ) -> Any:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.stability.printed import CriticalSpeed, critical_speed
-from validation.kit.figures import COLOURS, angle_axis, legend_above
+from validation.kit.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
@@ -137,7 +137,7 @@ def _bifurcations(
     axes.annotate("noninverted spinning", (high, np.pi - 0.22), ha="right")
     axes.plot(hopf.spin, 0.0, "D", color="black", label="Hopf point", zorder=5)
     axes.plot(slow.spin, slow.amplitude, ":", color=COLOURS[3], label="slow manifold")
-    axes.plot(engine.spin, engine.amplitude, label="engine", **figures.ENGINE)
+    axes.plot(engine.spin, engine.amplitude, label="engine", **ENGINE)
     axes.set(xlim=(low, high))
     angle_axis(axes)
     legend_above(axes, columns=3)
