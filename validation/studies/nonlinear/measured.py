@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -44,7 +43,7 @@ def follow_family(follow: Callable[[], list[Row]]) -> list[Row]:
 
 
 def _held(name: str) -> list[Row]:
-    return [{"kind": "motion", **each.told()} for each in family(name, AMPLITUDES)]
+    return [{"kind": "motion", **each} for each in family(name, AMPLITUDES)]
 
 
 def _swinging() -> list[Row]:
@@ -101,18 +100,16 @@ def find_on_both(case: tuple[str, float]) -> list[Row]:
     """A cycle in-house, and what the engine finds when it is put on it."""
     name, value = case
     scenario = Scenario(constraints=HELD[name])
-    sides: dict[str, Any] = {}
     if name in HELD_NAMES:
-        sides["in-house"] = family(name, [each for each in AMPLITUDES if each <= value])[-1]
-        start = sides["in-house"].unknowns
-        sides["engine"] = find(scenario, start, source="engine", fixed=AMPLITUDE)
+        here = family(name, [each for each in AMPLITUDES if each <= value])[-1]
+        there = find(scenario, here["unknowns"], source="engine", fixed=AMPLITUDE)
     else:
-        sides["in-house"] = cycle_at(scenario, value)
-        sides["engine"] = find(scenario, beginning(sides["in-house"]), source="engine")
+        cycle = cycle_at(scenario, value)
+        here, there = cycle.told(), find(scenario, beginning(cycle), source="engine")
     names = ("spin", "amplitude", "period", "multiplier")
     return [
-        {"source": source, **{name: each.told()[name] for name in names}}
-        for source, each in sides.items()
+        {"source": source, **{name: found[name] for name in names}}
+        for source, found in (("in-house", here), ("engine", there))
     ]
 
 
