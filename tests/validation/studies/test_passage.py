@@ -6,8 +6,7 @@ import pytest
 from analysis import Scenario
 from analysis.stability import spectra
 from tests.helpers import not_none
-from validation.nonlinear.passage import SlowPair, follow
-from validation.studies.nonlinear.delay import delay_law
+from validation.nonlinear.passage import SlowPair, delay_law, follow
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,6 @@ from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.slow_manifold import slow_cycle
 from validation.nonlinear import passage
 from validation.nonlinear.tables import ends
-from validation.studies.nonlinear.delay import slowed
 from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
 from validation.study import Row, Study
 
@@ -166,7 +165,7 @@ def passages() -> dict[str, Callable[[], passage.Passage]]:
         DISSIPATED: partial(passage.follow, dissipated, 11.9, "in-house"),
         f"{DISSIPATED}, engine": partial(passage.follow, dissipated, 11.9, "engine"),
         **{
-            f"{SLOWED}, {lever:g} m": partial(slowed, lever, "in-house")
+            f"{SLOWED}, {lever:g} m": partial(passage.slowed, lever, "in-house")
             for lever in (2e-5, 4e-5, 8e-5)
         },
     }

@@ -12,7 +12,7 @@ from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
-from validation.studies.nonlinear import delay, measured
+from validation.studies.nonlinear import measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
     HELD_NAMES,
@@ -59,7 +59,7 @@ def present(rows: Rows) -> Content:
     apart = _apart(engine)
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
-    law = delay.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
+    law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(HELD_NAMES)]
     return Content(
         numbers={
@@ -71,7 +71,7 @@ def present(rows: Rows) -> Content:
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
-            "growth": np.log(passage.LOST / delay.SMALL),
+            "growth": np.log(passage.LOST / passage.SMALL),
         },
         tables={
             "cycles": tables.motion_table(cycles),
