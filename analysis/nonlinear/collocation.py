@@ -4,13 +4,12 @@ Given is the amplitude or tilt, and the spin is found, so that folds of the spin
 special; or the spin is given.
 """
 
-from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.linalg import eigvals
-from scipy.integrate import solve_bvp
+from scipy.integrate import cumulative_trapezoid, solve_bvp
 
 from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
@@ -59,6 +58,26 @@ def hopf_cycle(scenario: Scenario) -> PeriodicMotion:
     )
 
 
+def slow_rotation(scenario: Scenario, tilt: float) -> PeriodicMotion:
+    """The rotating motion without slip of a tilt in rad, to begin with; see `slow_manifold`."""
+    disk, spin = scenario.disk, critical_speed(scenario).spin
+    gamma = np.linspace(-np.pi / 2, 1.5 * np.pi, _FIRST_NODES)
+    reach = disk.radius + disk.eccentricity * np.sin(gamma)
+    # The height of the centre of gravity is conserved.
+    beta = np.pi - np.arcsin(reach[0] * np.cos(tilt) / reach)
+    rate = disk.eccentricity * spin * np.sin(beta) * np.cos(gamma) / reach
+    times = cumulative_trapezoid(-1.0 / (spin * np.cos(beta)), gamma, initial=0.0)
+    return PeriodicMotion(
+        scenario=scenario,
+        kind="rotating",
+        spin=spin,
+        value=tilt,
+        period=float(times[-1]),
+        times=times,
+        states=np.column_stack((beta, gamma, rate)),
+    )
+
+
 def solve(
     scenario: Scenario,
     value: float,
@@ -92,7 +111,7 @@ def solve(
     residual = np.max(found.rms_residuals)
     why = f"the collocation ended with {found.x.size} nodes and a residual of {residual:.1e}"
     if found.status == 0 and np.min(found.p) > 0.0 and value < _FURTHEST * reached:
-        larger, strong = multipliers(variations(scenario, speed, times, states), ends)
+        larger, strong = multipliers(scenario, speed, times, states, ends)
         motion = PeriodicMotion(
             scenario=scenario,
             kind=start.kind,
@@ -154,29 +173,18 @@ def _collocated(
     return found, unit
 
 
-@dataclass(frozen=True, slots=True)
-class Variations:
-    """The variational equations along a motion, one step of its mesh after the other.
+def multipliers(
+    scenario: Scenario, spin: float, times: Array, states: Array, ends: Ends
+) -> tuple[float, float]:
+    """Larger multiplier over the stretch of a motion, and logarithm of the other's size.
 
-    Parameters
-    ----------
-    transfers : ndarray, shape (n, 2, 2)
-        Of deviations across the motion, in `frames`. Those along it are left out (the linear
-        Poincaré flow), since their trivial multiplier would hide a small one behind rounding.
-    frames : ndarray, shape (n + 1, 3, 2)
-        Directions across the motion; the last are the first.
-    log_determinant : float
-        Integral of the trace of the Jacobian. The strong multiplier is below rounding in the
-        transfers, but not in this number (Liouville).
-    """
+    The variational equations are solved by the collocation that has made the motion, one step of
+    its mesh after the other. Deviations along the motion are left out (the linear Poincaré flow),
+    since their trivial multiplier would hide a small one behind rounding. The strong multiplier is
+    below rounding there, but not in the integral of the trace of the Jacobian (Liouville).
 
-    transfers: Array
-    frames: Array
-    log_determinant: float
-
-
-def variations(scenario: Scenario, spin: float, times: Array, states: Array) -> Variations:
-    """Solve them by the collocation that has made the motion.
+    Over half a period a deviation is carried on and mirrored, so that the whole monodromy matrix
+    is a square.
 
     Parameters
     ----------
@@ -187,6 +195,7 @@ def variations(scenario: Scenario, spin: float, times: Array, states: Array) -> 
         In s.
     states : ndarray, shape (n + 1, 3)
         See `PeriodicMotion`.
+    ends : Ends
     """
     x, h = (states - INVERTED).T, np.diff(times)[:, None, None]
     rates, jacobians, _ = flow.derivatives(scenario, spin, x)
@@ -200,42 +209,9 @@ def variations(scenario: Scenario, spin: float, times: Array, states: Array) -> 
     # The motion ends in the direction in which it began, or in the opposite one.
     frames[-1] = frames[0]
     across = frames[:, :, 1:]
+    transfers = across[1:].transpose(0, 2, 1) @ np.linalg.solve(left, right) @ across[:-1]
     average = np.trace(before + 4.0 * middle + after, axis1=1, axis2=2) / 6.0
-    return Variations(
-        across[1:].transpose(0, 2, 1) @ np.linalg.solve(left, right) @ across[:-1],
-        across,
-        float(h[:, 0, 0] @ average),
-    )
-
-
-def multipliers(found: Variations, ends: Ends) -> tuple[float, float]:
-    """Larger multiplier over the stretch of a motion, and logarithm of the other's size.
-
-    Over half a period a deviation is carried on and mirrored, so that the whole monodromy matrix
-    is a square.
-    """
-    product = reduce(lambda done, transfer: transfer @ done, found.transfers, np.eye(2))
+    product = reduce(lambda done, transfer: transfer @ done, transfers, np.eye(2))
     values = eigvals(-product if ends.mirrored else product).real
     larger = float(values[np.argmax(np.abs(values))])
-    return larger, found.log_determinant - float(np.log(abs(larger)))
-
-
-def breaking_mode(cycle: PeriodicMotion) -> Array:
-    """Deviation that comes back as its mirror image, of 1 rad in gamma at first, shape (n, 3).
-
-    Parameters
-    ----------
-    cycle : PeriodicMotion
-        A symmetric one where cycles lose their symmetry.
-    """
-    found = variations(cycle.scenario, cycle.spin, cycle.times, cycle.states)
-    # Whatever it begins with, after half a period the strong direction is gone.
-    deviation = np.ones(2)
-    for _ in range(2):
-        carried = [deviation]
-        for transfer in found.transfers:
-            carried.append(transfer @ carried[-1])
-        deviation = carried[-1]
-    states = np.einsum("nij,nj->ni", found.frames, np.array(carried))
-    result: Array = states / states[0, 1]
-    return result
+    return larger, float(h[:, 0, 0] @ average) - float(np.log(abs(larger)))

@@ -11,6 +11,9 @@ from scipy.optimize import brentq
 
 from analysis.data.checks import Array
 
+_PART, WIDEST = 0.02, 0.5
+"""Steps and range to both sides of a search for a root, in parts of its centre."""
+
 _NEWTON = 8
 """Iterations at most to a point of a curve."""
 
@@ -28,30 +31,17 @@ _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
 
 
-def nearest_root(
-    function: Callable[[float], float],
-    centre: float,
-    *,
-    part: float,
-    widest: float,
-    accuracy: float,
-) -> float | None:
-    """Root of a function next to a centre; None if it does not change its sign in the range.
+def nearest_root(function: Callable[[float], float], centre: float) -> float | None:
+    """Root of a function next to a centre to 1e-11, or None.
 
-    Parameters
-    ----------
-    function : callable
-    centre : float
-    part, widest : float
-        Steps and range to both sides, in parts of the centre.
-    accuracy : float
+    None is found if the function does not change its sign within half the centre to both sides.
     """
     middle = function(centre)
-    for count in range(1, round(widest / part) + 1):
-        for way in (-part, part):
+    for count in range(1, round(WIDEST / _PART) + 1):
+        for way in (-_PART, _PART):
             outer, inner = (centre * (1.0 + way * each) for each in (count, count - 1))
             if function(outer) * middle <= 0.0:
-                return float(brentq(function, inner, outer, xtol=accuracy, rtol=1e-14))
+                return float(brentq(function, inner, outer, xtol=1e-11, rtol=1e-14))
     return None
 
 

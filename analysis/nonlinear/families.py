@@ -1,9 +1,9 @@
 """Families of periodic motions, continued in their amplitude or tilt.
 
 Symmetric cycles begin in the Hopf point. Where they lose their symmetry, cycles without it branch
-off, and the mode that breaks the symmetry leads to the first of them; they are followed in their
-largest deviation of gamma, which grows smoothly through the bifurcation, and their mirror images
-have it as the least one. On the cylinder of gamma the heteroclinic connection is a pair of loops,
+off, and a shift of gamma leads to the first of them; they are followed in their largest deviation
+of gamma, which grows smoothly through the bifurcation, and their mirror images have it as the
+least one. On the cylinder of gamma the heteroclinic connection is a pair of loops,
 one for either sense of turning: on one side of its spin they join to the swinging cycles, on the
 other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
@@ -20,22 +20,14 @@ from analysis.data.checks import Array, in_range, number, real_array
 from analysis.data.scenario import Scenario
 from analysis.data.watch import Progress
 from analysis.nonlinear import flow
-from analysis.nonlinear.collocation import (
-    STEEPEST,
-    NoCycleError,
-    breaking_mode,
-    hopf_cycle,
-    solve,
-)
+from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
 from analysis.nonlinear.following import Family, events, followed, reach
 from analysis.nonlinear.heteroclinic import (
-    Connection,
     NoConnectionError,
-    fall,
     heteroclinic_connection,
     last_amplitude,
 )
-from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
@@ -55,9 +47,8 @@ _SAME_END = 1e-6
 _FIRST = 0.05
 """How much larger in rad than at the bifurcation the first cycle without symmetry is."""
 
-_BESIDE = (0.02, 0.005, 0.001)
-"""Distances from the connection at which the first rotating motion is looked for, in parts of that
-to the Hopf point."""
+_TILT = 0.5
+"""Of the first rotating motion in rad: any friction leads to it from that without slip."""
 
 
 def _rising(name: str, values: npt.ArrayLike, low: float, high: float, allowed: str) -> Array:
@@ -240,7 +231,7 @@ def asymmetric_family(
     born = breaking.motion
     wanted = born.value + BEYOND if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, born.value, np.inf, f"beyond {born.value:.6g}")
-    mode, (times, states) = _FIRST * breaking_mode(born), born.whole
+    times, states = born.whole
     start = PeriodicMotion(
         scenario=born.scenario,
         kind="asymmetric",
@@ -248,8 +239,8 @@ def asymmetric_family(
         value=born.value + _FIRST,
         period=born.period,
         times=times,
-        # The mode is the same on the other side, where the cycle is mirrored.
-        states=states + np.concatenate((mode, mode[1:])),
+        # To the one side it then swings further than to the other.
+        states=states + _FIRST * np.eye(3)[1],
     )
     first = solve(born.scenario, start.value, start)
     found = followed(reach, first, wanted.tolist())
@@ -288,7 +279,7 @@ def first_asymmetric_family(family: Family, *, progress: Progress | None = None)
 def rotating_family(
     scenario: Scenario, tilts: npt.ArrayLike | None = None, *, progress: Progress | None = None
 ) -> Family:
-    """Follow the rotating motions from the heteroclinic connection on.
+    """Follow the rotating motions that begin in the heteroclinic connection.
 
     Parameters
     ----------
@@ -306,48 +297,14 @@ def rotating_family(
     NoConnectionError
         If there is no connection.
     NoCycleError
-        If none is found beside it.
+        If none is found.
     """
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
-    connection = heteroclinic_connection(scenario)
-    first = _first_rotating(scenario, connection)
+    begins = heteroclinic_connection(scenario).spin
+    first = solve(scenario, _TILT, slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
     ways = (followed(reach, first, way.tolist()) for way in (wanted[:split][::-1], wanted[split:]))
-    found = Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)
+    found = Family.of(begins, *ways, progress=progress, wanted=wanted.size)
     return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))
-
-
-def _first_rotating(scenario: Scenario, connection: Connection) -> PeriodicMotion:
-    """The one that a motion from noninverted spinning beside the connection leads to."""
-    width = abs(critical_speed(scenario).spin - connection.spin)
-    for distance in width * np.array(_BESIDE):
-        for spin in (connection.spin - distance, connection.spin + distance):
-            try:
-                return _beside(scenario, spin)
-            except NoCycleError:
-                continue
-    raise NoCycleError(f"no rotating motion found beside {connection.spin:.9g} rad/s")
-
-
-def _beside(scenario: Scenario, spin: float) -> PeriodicMotion:
-    way = fall(scenario, spin)
-    tilts, turns = (way.states - INVERTED).T[:2]
-    if way.miss < 0.0 or np.max(turns) < np.pi:
-        raise NoCycleError(f"the motion turns back at {spin:.9g} rad/s")
-    # A turn begins as tilted as it ends.
-    last = int(np.argmax(turns >= np.pi))
-    tilt = float(tilts[last])
-    turn = slice(int(np.argmax(tilts >= tilt)), last + 1)
-    times = way.times[turn] - way.times[turn][0]
-    start = PeriodicMotion(
-        scenario=scenario,
-        kind="rotating",
-        spin=spin,
-        value=tilt,
-        period=float(times[-1]),
-        times=times,
-        states=way.states[turn],
-    )
-    return solve(scenario, tilt, start)

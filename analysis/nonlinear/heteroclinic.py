@@ -19,7 +19,7 @@ from analysis.data.checks import Array, number, positive
 from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
-from analysis.nonlinear.continuation import nearest_root
+from analysis.nonlinear.continuation import WIDEST, nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
@@ -32,18 +32,14 @@ _DEPARTURE = 1e-6
 _LONGEST = 60.0
 """End of a run in time constants of the growing direction; it takes 14 to leave."""
 
-_TOLERANCE, _ACCURACY = 1e-11, 1e-11
-"""Relative error of a step of a run; and error of the search in rad/s."""
+_TOLERANCE = 1e-11
+"""Relative error of a step of a run."""
 
 _BESIDE = 1e-9
 """Distance in rad/s from the connection at which a motion surely falls to its side."""
 
 _STEEPEST = 1e5
 """Gradient of friction in s/m beyond which runs lose the digits of the spin."""
-
-_STEP = 0.02
-_WIDEST = 0.5
-"""Steps and range of the search about the critical speed, in parts of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,8 +48,6 @@ class Fall:
 
     Parameters
     ----------
-    times : ndarray, shape (n,)
-        In s.
     states : ndarray, shape (n, 3)
         beta, gamma in rad and rate of beta in rad/s.
     miss : float
@@ -61,7 +55,6 @@ class Fall:
         pi/2: the disk falls flat) where gamma reaches 3 pi/2. About a saddle-focus -1 or 1.
     """
 
-    times: Array
     states: Array
     miss: float
 
@@ -166,7 +159,7 @@ def fall(scenario: Scenario, spin: float) -> Fall:
         miss = -1.0 if winds else float(run.y[1, -1]) - 1.5 * np.pi
     elif any(has_passed):
         miss = 1.0 if winds else float(run.y[0, -1]) - np.pi / 2
-    return Fall(times=run.t, states=run.y.T, miss=miss)
+    return Fall(states=run.y.T, miss=miss)
 
 
 def _endings(*, winds: bool) -> tuple[Ending, Ending, Ending]:
@@ -205,7 +198,6 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     NoConnectionError
         If there is none within half the critical speed.
     """
-    flow.require_cycles(scenario)
     tried: dict[float, float] = {}
 
     def miss(spin: float) -> float:
@@ -214,12 +206,12 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
         return tried[spin]
 
     centre = critical_speed(scenario).spin
-    found = nearest_root(miss, centre, part=_STEP, widest=_WIDEST, accuracy=_ACCURACY)
+    found = nearest_root(miss, centre)
     if found is None:
         side = "turns back" if tried[centre] < 0.0 else "goes over"
         raise NoConnectionError(
-            f"no heteroclinic connection between {centre * (1 - _WIDEST):.6g} and "
-            f"{centre * (1 + _WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at "
+            f"no heteroclinic connection between {centre * (1 - WIDEST):.6g} and "
+            f"{centre * (1 + WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at "
             "all spins tried"
         )
     growing, slow, strong = saddle(scenario, found)[0].tolist()
@@ -244,7 +236,6 @@ def last_amplitude(scenario: Scenario) -> float:
     scenario : Scenario
         See `heteroclinic_connection`; so are the errors.
     """
-    flow.require_cycles(scenario)
     if not np.any(saddle(scenario, critical_speed(scenario).spin)[0].imag):
         return float(np.pi)
     found = heteroclinic_connection(scenario)

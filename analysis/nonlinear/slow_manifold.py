@@ -24,8 +24,6 @@ _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
 
 _LARGEST_SLIP = 1e6
-_STEP, _WIDEST = 0.02, 0.48
-"""Steps and range of the search about the critical speed, in parts of it."""
 
 
 class NoManifoldError(ArithmeticError):
@@ -163,8 +161,7 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     def gain(spin: float) -> float:
         return float(steps @ (slip_on(scenario, spin, beta, gamma) * rho / height))
 
-    centre = critical_speed(scenario).spin
-    spin = nearest_root(gain, centre, part=_STEP, widest=_WIDEST, accuracy=1e-12)
+    spin = nearest_root(gain, critical_speed(scenario).spin)
     if spin is None:
         raise NoManifoldError(
             f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "

@@ -192,11 +192,12 @@ def _turned(place: Array) -> Array:
 
 def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     """A root as x / r, y / r, beta, gamma; None if the iteration ends elsewhere."""
+    far = np.inf
     found = least_squares(
         lambda place: _residual(scenario, spin, place),
         begin,
         jac=lambda place: _slopes(scenario, spin, place),
-        bounds=((-3.0, -3.0, _FLAT, -10.0), (3.0, 3.0, np.pi - _FLAT, 10.0)),
+        bounds=((-far, -far, _FLAT, -far), (far, far, np.pi - _FLAT, far)),
         xtol=1e-15,
         ftol=1e-15,
         gtol=1e-15,

@@ -275,7 +275,7 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     """
     found = Linearisation(scenario, place, spin)
     change = np.max(np.abs(found.accelerations(spin))) / (1.0 + (spin / found.frequency) ** 2)
-    if change > 1e-6:
+    if change > ZERO:
         raise ArithmeticError(
             f"a motion at {spin:.9g} rad/s with beta {place[2]:.6g} and gamma {place[3]:.6g} rad "
             f"is not stationary: its accelerations are {change:.1e} of those of the spinning"

@@ -18,13 +18,7 @@ from scipy.optimize import linear_sum_assignment
 from analysis.data.checks import Array, choice, instance
 from analysis.data.scenario import Scenario
 from analysis.data.start import MOTIONS, Motion
-from analysis.stability.linearisation import (
-    ComplexArray,
-    falling,
-    has_drift,
-    spin_array,
-    spinning,
-)
+from analysis.stability.linearisation import ComplexArray, falling, has_drift, spin_array, spinning
 from analysis.stability.printed import full_matrices, reduced_matrices
 
 System = Literal["full", "reduced", "numeric"]
@@ -33,6 +27,12 @@ SYSTEMS: tuple[System, ...] = get_args(System)
 
 Matrices = Callable[[Array], Array]
 """State matrices, shape (n, k, k), at spins in rad/s, shape (n,)."""
+
+CLOSED: dict[System, tuple[int, Callable[..., Array]]] = {
+    "full": (1, full_matrices),
+    "reduced": (4, reduced_matrices),
+}
+"""Systems in closed form: the model that each is of, and what gives its matrices."""
 
 _LARGEST_STEP = 0.05
 """Branches are followed in steps of at most this many rad/s, whatever spins are asked for."""
@@ -71,8 +71,8 @@ def chosen_system(scenario: Scenario, system: System | None = None) -> System:
     instance("scenario", scenario, Scenario)
     if system is not None:
         return choice("system", system, SYSTEMS)
-    closed: dict[int | None, System] = {1: "full", 4: "reduced"}
-    return closed.get(scenario.model, "numeric")
+    closed = (name for name, (level, _) in CLOSED.items() if level == scenario.model)
+    return next(closed, "numeric")
 
 
 def matrices_over_spin(
@@ -101,13 +101,10 @@ def matrices_over_spin(
     choice("motion", motion, MOTIONS)
     if system == "numeric":
         return spinning(scenario, motion).matrices
-    closed = {
-        "full": partial(full_matrices, scenario, motion=motion),
-        "reduced": partial(reduced_matrices, scenario, motion=motion),
-    }
+    matrices = partial(CLOSED[system][1], scenario, motion=motion)
     # Another scenario is refused at once.
-    closed[system](np.zeros(1))
-    return closed[system]
+    matrices(np.zeros(1))
+    return matrices
 
 
 def eigenvalues(

@@ -14,14 +14,8 @@ from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
 from analysis.nonlinear import families
 from analysis.nonlinear.following import Family, events
-from analysis.nonlinear.heteroclinic import (
-    Connection,
-    NoConnectionError,
-    fall,
-    heteroclinic_connection,
-)
+from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.stability.printed import critical_speed
 from validation.commands.options import checked_end, parse_spins
 from validation.commands.output import Result
 from validation.commands.scenarios import Problem
@@ -158,12 +152,12 @@ def _over(
 ) -> Result:
     if (spins is None) == (amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    axis, values, scenarios = _varied(over, scenario)
+    axis, scenarios = _varied(over, scenario)
     held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
     rows: list[Motion] = [
         {axis.field: value, **each.told()}
-        for value, each in zip(values, found.motions, strict=False)
+        for value, each in zip(axis.grid, found.motions, strict=False)
     ]
     first = (axis.field, _head(axis))
     names = ("spin" if spins is None else "amplitude", "multiplier")
@@ -204,19 +198,15 @@ def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
 
     return Result(
         tables=[tables.connection_table(found, slow)],
-        values={**_of_connection(found), "prediction": None if slow is None else slow.spin},
+        values={**tables.told(found), "prediction": None if slow is None else slow.spin},
         draw=draw,
     )
 
 
-def _of_connection(found: Connection) -> dict[str, float]:
-    return {**asdict(found), "saddle_index": found.saddle_index}
-
-
 def _connections_over(over: str, scenario: Scenario) -> Result:
-    axis, values, scenarios = _varied(over, scenario)
-    ends = [_ends(each) for each in counted(scenarios, axis.field)]
-    rows = [{axis.field: value, **end} for value, end in zip(values, ends, strict=True)]
+    axis, scenarios = _varied(over, scenario)
+    ends = [tables.ends(each) for each in counted(scenarios, axis.field)]
+    rows = [{axis.field: value, **end} for value, end in zip(axis.grid, ends, strict=True)]
     table = Table.of(
         rows,
         {
@@ -240,21 +230,6 @@ def _connections_over(over: str, scenario: Scenario) -> Result:
     )
 
 
-def _ends(scenario: Scenario) -> dict[str, Any]:
-    """Where the cycles of a scenario begin and end, and why not where they do not."""
-    connection, reason = None, None
-    try:
-        connection = _of_connection(heteroclinic_connection(scenario))
-    except NoConnectionError as error:
-        reason = str(error)
-    return {
-        "hopf": critical_speed(scenario).spin,
-        "connection": connection,
-        "prediction": getattr(tables.prediction(scenario), "spin", None),
-        "reason": reason,
-    }
-
-
 def _drawn_ends(table: Table, *, log: bool) -> Any:
     """Hopf point, connection and prediction over the first column."""
     from validation.kit import figures
@@ -271,31 +246,28 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
 # --- Over a parameter ---------------------------------------------------------------------------
 
 
-def _varied(over: str, scenario: Scenario) -> tuple[Any, list[float], list[Scenario]]:
-    """What --over goes through, its values, and the scenario with each of them.
+def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
+    """What --over goes through, and the scenario with each of its values.
 
     That is a number of the scenario but for its start, with a count.
     """
-    from validation.sweeps.axes import axis_from_text
+    from validation.sweeps.axes import Design, axis_from_text
 
     try:
         axis = axis_from_text(over)
     except ValueError as error:
         raise ArgumentError("over", f"tells no axis: {error}") from None
-    field = axis.field
+    field, size = axis.field, Design(axes=(axis,)).size
     if is_text(field) or field.partition(".")[0] not in ("disk", "friction", "table"):
         raise ValueError(
             f"axis must be a number of disk, friction or table, such as mu=0.1:1:10, got {field}"
         )
-    if axis.size is None:
-        raise ValueError(f"axis {field} needs a count: first:last:count")
-    if axis.size > MOST_SCENARIOS:
+    if size > MOST_SCENARIOS:
         raise ValueError(
-            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {axis.size}"
+            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {size}"
         )
-    values = [float(axis.at(index)) for index in range(axis.size)]
-    check_field(scenario, field, {field: values[0]})
-    return axis, values, [changed(scenario, {field: value}) for value in values]
+    check_field(scenario, field, {field: axis.at(0)})
+    return axis, [changed(scenario, {field: value}) for value in axis.grid]
 
 
 def _head(axis: Any) -> str:
@@ -332,13 +304,13 @@ def passage(
     from validation.nonlinear.passage import SPACING, follow, passage_table
 
     checked_end(end, SPACING)
-    found = follow(problem.scenario(rest=rest), end, source)
-    named = [(found.pair.scenario.name, found)]
-    own = ("crossing", "lost", "predicted", "lowest_spin", "rate")
+    scenario = problem.scenario(rest=rest)
+    found = follow(scenario, end, source)
+    named = [(scenario.name, found)]
+    own = ("hopf", "frequency", "crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(
         tables=[passage_table(named)],
-        values={"hopf": found.pair.spin, "frequency": found.pair.frequency}
-        | {name: getattr(found, name) for name in own},
+        values={name: found[name] for name in own},
         draw=lambda: _figures().passage_diagram(named),
     )
 

@@ -19,7 +19,7 @@ from validation.kit.tables import Table
 from validation.parser.kinds import PlainProblem, Spectrum, Spins
 from validation.parser.runs import Formulation, Source
 
-_MODELS = {"full": 1, "reduced": 4}
+_MODELS = {name: level for name, (level, _) in spectra.CLOSED.items()}
 """That a system stands for unless constraints are given."""
 
 

@@ -1,6 +1,6 @@
 """What figures share: colours and line styles that stay apart in grey and for the colour-blind."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -26,6 +26,18 @@ LOOKS: Sequence[dict[str, Any]] = [
 
 MARKED = [look | {"marker": marker} for look, marker in zip(LOOKS, MARKERS, strict=True)]
 """with markers, too."""
+
+ENGINE: Mapping[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 6,
+    "markerfacecolor": "white",
+    "markeredgecolor": "black",
+    "zorder": 4,
+}
+"""What the engine gives, beside lines of the in-house side."""
+
+SPIN = "spinning speed Ω in rad/s"
 
 WIDTH = 5.8
 """Of a figure in inches, such that its letters can be read on a telephone."""

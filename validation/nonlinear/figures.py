@@ -13,16 +13,7 @@ from validation.kit import figures
 from validation.nonlinear.passage import LOST, Passage
 from validation.nonlinear.tables import HEADS, Motion
 
-ENGINE: Mapping[str, Any] = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 6,
-    "markerfacecolor": "white",
-    "markeredgecolor": "black",
-    "zorder": 4,
-}
 GREY = "#777777"
-SPIN = "spinning speed Ω in rad/s"
 
 STABLE, UNSTABLE = 1, 2
 """Colours."""
@@ -73,7 +64,7 @@ def diagram(
     motions: Sequence[Motion],
     names: Sequence[str],
     *,
-    over: tuple[str, str] = ("spin", SPIN),
+    over: tuple[str, str] = ("spin", figures.SPIN),
     log: bool = False,
     marks: Mapping[str, float] | None = None,
 ) -> Any:
@@ -135,22 +126,21 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
     Parameters
     ----------
     named : sequence of (name, Passage)
-        Or rows of a study that have its attributes.
     """
     axes = figures.new_figure(2, height=6.5)[1]
     for index, (name, passage) in enumerate(named):
         look = {"color": figures.COLOURS[index % 4]}
-        style = figures.STYLES[index % 4]
-        axes[0].plot(passage.times, passage.spins, style, label=name, **look)
-        axes[1].plot(passage.times, passage.deviations, style, **look)
-        axes[1].plot(passage.times, passage.linear, linewidth=0.8, **look)
-        if passage.crossing is not None:
-            axes[0].plot(passage.crossing, passage.hopf, "o", **look)
-        if passage.lost is not None:
-            axes[0].plot(passage.lost, passage.spins[-1], "s", **look)
-        if passage.predicted is not None:
-            axes[1].plot(passage.predicted, LOST, "D", markerfacecolor="white", **look)
-    hopf = named[0][1].hopf
+        style, times = figures.STYLES[index % 4], passage["times"]
+        axes[0].plot(times, passage["spins"], style, label=name, **look)
+        axes[1].plot(times, passage["deviations"], style, **look)
+        axes[1].plot(times, passage["linear"], linewidth=0.8, **look)
+        if passage["crossing"] is not None:
+            axes[0].plot(passage["crossing"], passage["hopf"], "o", **look)
+        if passage["lost"] is not None:
+            axes[0].plot(passage["lost"], passage["spins"][-1], "s", **look)
+        if passage["predicted"] is not None:
+            axes[1].plot(passage["predicted"], LOST, "D", markerfacecolor="white", **look)
+    hopf = named[0][1]["hopf"]
     axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
     axes[1].axhline(LOST, color=GREY, linewidth=0.8)
     axes[0].set(ylabel="mean spin in rad/s")

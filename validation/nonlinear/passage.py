@@ -9,11 +9,13 @@ whose spin falls at a rate r from the Hopf point on is lost at
 (spin_crit - spin)² = (2 r / |dsigma/dspin|) ln((pi/2) / deviation at the crossing).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
+from scipy.integrate import cumulative_trapezoid
 
 from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
 from analysis.data.checks import Array
@@ -37,6 +39,12 @@ _DAMPED = -20.0
 
 RANGE = (5.0, 60.0)
 """Spins in rad/s in which the crossing is looked for."""
+
+SMALL = 0.02
+"""Deviation in rad from which slowed disks start."""
+
+Passage = Mapping[str, Any]
+"""How a motion passes the critical speed, by the names of `measure`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,58 +103,24 @@ class SlowPair:
         return growth, fast
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Passage:
-    """How a motion passes the critical speed.
-
-    Parameters
-    ----------
-    source : {"engine", "in-house"}
-    pair : SlowPair
-    times, spins, deviations : ndarray, shape (n,)
-        Samples from the inversion to the loss: mean spin in rad/s and slow deviation of gamma in
-        rad, freed of the fast oscillation.
-    linear : ndarray, shape (n,)
-        Deviation in rad by the growth rate alone, fitted soon after the inversion.
-    crossing : float or None
-        From when on the mean spin is below that of the Hopf point in s.
-    lost : float or None
-        When the centre of gravity comes below the geometric centre in s.
-    predicted : float or None
-        When `linear` has come to pi/2 in s.
-    """
-
-    source: str
-    pair: SlowPair
-    times: Array
-    spins: Array
-    deviations: Array
-    linear: Array
-    crossing: float | None
-    lost: float | None
-    predicted: float | None
-
-    @property
-    def hopf(self) -> float:
-        """Spin of the Hopf point in rad/s."""
-        return self.pair.spin
-
-    @property
-    def lowest_spin(self) -> float:
-        """Lowest mean spin in rad/s; in falling the disk spins up again."""
-        return float(np.min(self.spins))
-
-    @property
-    def rate(self) -> float | None:
-        """Mean rate in rad/s² at which the spin falls from the crossing to its lowest value."""
-        last = self.times[np.argmin(self.spins)]
-        if self.crossing is None or last <= self.crossing:
-            return None
-        return float((self.hopf - self.lowest_spin) / (last - self.crossing))
-
-
 def measure(motion: Trajectory | SpatialMotion) -> Passage:
     """Follow spin and slow deviation of a motion from its inversion on.
+
+    Returns
+    -------
+    dict
+        What is told of it, as plain data by names:
+
+        - source, and spin `hopf` and `frequency` of the Hopf point in rad/s;
+        - `times` in s, `spins` and `deviations`, shape (n,): samples from the inversion to the
+          loss, mean spin in rad/s and slow deviation of gamma in rad, freed of the fast
+          oscillation; `linear`, shape (n,): deviation in rad by the growth rate alone, fitted
+          soon after the inversion;
+        - `crossing`, from when on the mean spin is below that of the Hopf point, `lost`, when the
+          centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
+          come to pi/2: in s, None where it does not happen;
+        - `lowest_spin`, the lowest mean spin in rad/s, since in falling the disk spins up again,
+          and `rate`, at which the spin falls from the crossing to it, in rad/s², or None.
 
     Raises
     ------
@@ -177,17 +151,25 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
     linear, predicted = _predicted(times, growth[kept], amplitude)
-    return Passage(
-        source=motion.source,
-        pair=pair,
-        times=times,
-        spins=spins,
-        deviations=amplitude,
-        linear=linear,
-        crossing=float(times[below[0]]) if below.size else None,
-        lost=inversion.lost,
-        predicted=predicted,
-    )
+    crossing = float(times[below[0]]) if below.size else None
+    slowest = int(np.argmin(spins))
+    rate = None
+    if crossing is not None and times[slowest] > crossing:
+        rate = float((pair.spin - spins[slowest]) / (times[slowest] - crossing))
+    return {
+        "source": motion.source,
+        "hopf": pair.spin,
+        "frequency": pair.frequency,
+        "crossing": crossing,
+        "lost": inversion.lost,
+        "predicted": predicted,
+        "lowest_spin": float(spins[slowest]),
+        "rate": rate,
+        "times": times,
+        "spins": spins,
+        "deviations": amplitude,
+        "linear": linear,
+    }
 
 
 def follow(scenario: Scenario, end: float, source: Source) -> Passage:
@@ -212,7 +194,7 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
 
 def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, float | None]:
     """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
-    grown = _integral(times, rates)
+    grown = cumulative_trapezoid(rates, times, initial=0.0)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
     size = grown + np.mean(np.log(amplitude[early]) - grown[early])
@@ -225,18 +207,75 @@ def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, flo
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
 
 
-def _integral(times: Array, values: Array) -> Array:
-    """Integral from the first sample to each, shape (n,)."""
-    return np.append(0.0, np.cumsum((values[1:] + values[:-1]) / 2.0 * np.diff(times)))
-
-
 def _mean(times: Array, values: Array, window: float | Array) -> Array:
     """Mean over a window about each sample, shorter at the ends."""
-    total = _integral(times, values)
+    total = cumulative_trapezoid(values, times, initial=0.0)
     left = np.clip(times - window / 2.0, times[0], times[-1])
     right = np.clip(times + window / 2.0, times[0], times[-1])
     sums = np.interp(right, times, total) - np.interp(left, times, total)
     return np.asarray(sums / (right - left), dtype=float)
+
+
+# --- The law of the delay -----------------------------------------------------------------------
+
+
+def slowed(lever: float, source: Source) -> Passage:
+    """Passage of a disk that starts inverted at the Hopf point and is slowed by pivoting friction.
+
+    Parameters
+    ----------
+    lever : float
+        Of the pivoting friction in m.
+    source : {"engine", "in-house"}
+    """
+    spin = SlowPair.of(Scenario()).spin
+    start = Start(beta=np.pi / 2, gamma=np.pi / 2 + SMALL, spin=spin)
+    scenario = Scenario.rest(dissipation=Dissipation(pivoting=lever), start=start)
+    # What the slowest takes, and less for the others: the slower the spin falls, the later.
+    return follow(scenario, 20.0 * float(np.sqrt(1e-5 / lever)), source)
+
+
+class DelayLaw(NamedTuple):
+    """How far below the Hopf point a disk is lost over the rate at which its spin falls.
+
+    Parameters
+    ----------
+    exponent, error : float
+        Power of the rate, fitted, and its standard error; the law says 1/2.
+    growth : float
+        Logarithm of the growth from the crossing to the loss by the law, from the fit of the
+        square of the delay.
+    """
+
+    exponent: float
+    error: float
+    growth: float
+
+
+def delay_law(rates: npt.ArrayLike, delays: npt.ArrayLike) -> DelayLaw:
+    """Fit the delays of disks of the paper that start alike.
+
+    Parameters
+    ----------
+    rates, delays : array_like, shape (n,)
+        Rates of decay in rad/s² and Hopf point less lowest spin in rad/s.
+
+    Raises
+    ------
+    ValueError
+        If there are less than three, or one is none.
+    """
+    x, y = np.log(np.array(rates, float)), np.log(np.array(delays, float))
+    if x.size < 3 or not np.all(np.isfinite([x, y])):
+        raise ValueError("rates must be 3 or more, of disks that fall through the Hopf point")
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
+    pair = SlowPair.of(Scenario())
+    below, above = pair.over(pair.spin + np.array((-0.5, 0.5)))[0]
+    growths = np.exp(2.0 * y - x) * (below - above) / 2.0
+    return DelayLaw(float(slope), float(np.sqrt(covariance[0, 0])), float(np.mean(growths)))
+
+
+# --- Shown --------------------------------------------------------------------------------------
 
 
 def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
@@ -253,7 +292,7 @@ def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
     return Table(
         title="Passage through the critical speed",
         columns=("motion", *heads),
-        rows=[(name, *(getattr(each, head) for head in heads.values())) for name, each in named],
+        rows=[(name, *(each[head] for head in heads.values())) for name, each in named],
         note="Predicted is from the deviation half a second to a second after the inversion and "
         "the eigenvalues alone, which know nothing of what happens at large deviations.",
     )

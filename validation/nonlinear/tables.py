@@ -4,14 +4,16 @@ A motion is told by a row: what `PeriodicMotion.told` says, or what a study has 
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from math import log
 from typing import Any
 
 from analysis import Scenario
-from analysis.nonlinear.heteroclinic import Connection
+from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.hopf import Growth, HopfType
 from analysis.nonlinear.motions import KINDS, Event, Kind, PeriodicMotion
 from analysis.nonlinear.slow_manifold import SlowOrbit, slow_connection
+from analysis.stability.printed import critical_speed
 from validation.kit.tables import Cell, Table
 
 Motion = Mapping[str, Any]
@@ -149,3 +151,23 @@ def prediction(scenario: Scenario) -> SlowOrbit | None:
         return slow_connection(scenario)
     except ArithmeticError:
         return None
+
+
+def ends(scenario: Scenario) -> dict[str, Any]:
+    """Where the cycles of a scenario begin and end, and why not where they do not."""
+    slow, connection, reason = prediction(scenario), None, None
+    try:
+        connection = told(heteroclinic_connection(scenario))
+    except NoConnectionError as error:
+        reason = str(error)
+    return {
+        "hopf": critical_speed(scenario).spin,
+        "connection": connection,
+        "prediction": None if slow is None else slow.spin,
+        "reason": reason,
+    }
+
+
+def told(found: Connection) -> dict[str, float]:
+    """What files tell of a connection, as plain data by names."""
+    return {**asdict(found), "saddle_index": found.saddle_index}

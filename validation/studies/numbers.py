@@ -19,6 +19,7 @@ from analysis import (
     SmoothCoulomb,
 )
 from analysis.mechanics import paper
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import (
     critical_speed,
     first_order,
@@ -30,7 +31,7 @@ from validation.page.content import Content, Rows, Verdict
 from validation.run import run
 from validation.studies.comparisons import random_state
 from validation.studies.stability import measured
-from validation.studies.stability.eigenvalue_check import ComplexArray, spinning
+from validation.studies.stability.eigenvalue_check import spinning
 from validation.studies.stability.measured import rounds_to
 from validation.studies.stability.variants import MATRIX_CHANGES
 from validation.study import Check, Row, Study, at_most, equal

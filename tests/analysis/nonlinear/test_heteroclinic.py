@@ -18,11 +18,7 @@ from analysis.nonlinear.heteroclinic import (
     saddle,
 )
 from analysis.nonlinear.hopf import hopf_type
-from analysis.nonlinear.slow_manifold import (
-    NoManifoldError,
-    slow_connection,
-    slow_cycle,
-)
+from analysis.nonlinear.slow_manifold import NoManifoldError, slow_connection, slow_cycle
 from analysis.stability.printed import critical_speed
 from tests.helpers import model
 

@@ -9,8 +9,6 @@ from analysis import (
     CENTRED_DISK,
     MOTIONS,
     POSSIBLE_SETS,
-    ROUNDED_STEEL_DISK,
-    STEEL_DISK,
     ConstraintSet,
     Level,
     Motion,
@@ -18,7 +16,6 @@ from analysis import (
     SmoothCoulomb,
     Table,
 )
-from analysis.data.body import Body
 from analysis.data.checks import Array
 from analysis.data.constraint_set import set_name
 from analysis.stability.chart import with_gradient
@@ -28,20 +25,11 @@ from analysis.stability.spectra import System, matrices_over_spin
 from tests.helpers import model, not_none
 
 
-@pytest.mark.parametrize(
-    ("disk", "spins", "frequencies"),
-    [
-        (STEEL_DISK, [26.87362, 30.10488], [22.66749, 5.75203]),
-        (ROUNDED_STEEL_DISK, [26.85987, 30.06306], [22.65552, 5.72167]),
-    ],
-    ids=["unrounded", "Table 1"],
-)
-def test_full_system_has_two_hopf_crossings_in_opposite_directions(
-    disk: Body, spins: list[float], frequencies: list[float]
-) -> None:
-    found = critical_speeds(model(1, disk=disk))
-    np.testing.assert_allclose([c.spin for c in found.crossings], spins, atol=5e-6)
-    np.testing.assert_allclose([c.frequency for c in found.hopf], frequencies, atol=5e-6)
+def test_full_system_has_two_hopf_crossings_in_opposite_directions() -> None:
+    found = critical_speeds(model(1))
+    places = [(each.spin, each.frequency) for each in found.hopf]
+    np.testing.assert_allclose(places, [(26.87362, 22.66749), (30.10488, 5.75203)], atol=5e-6)
+    assert found.hopf == found.crossings
     assert [crossing.stable_side for crossing in found.hopf] == ["below", "above"]
     assert (found.reason, found.stable) == (None, ())
 
@@ -129,10 +117,10 @@ def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing(
     assert static.spin == pytest.approx(critical_speed(centred).spin, rel=1e-10)
 
 
-@pytest.mark.parametrize("system", ["reduced", "numeric"])
-def test_eigenvalues_that_are_small_at_high_spin_alone_are_none_at_rest(system: System) -> None:
+def test_eigenvalues_that_are_small_at_high_spin_alone_are_none_at_rest() -> None:
     weak = replace(model(4), table=Table(gravity=4e-6))
-    assert critical_speeds(weak, system=system, motion="noninverted").crossings == ()
+    for system in ("reduced", "numeric"):
+        assert critical_speeds(weak, system=system, motion="noninverted").crossings == ()
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)

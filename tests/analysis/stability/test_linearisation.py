@@ -24,12 +24,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import set_name
 from analysis.mechanics import paper
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import (
-    ComplexArray,
-    Linearisation,
-    spinning,
-    upright,
-)
+from analysis.stability.linearisation import ComplexArray, Linearisation, spinning, upright
 from analysis.stability.printed import (
     first_order,
     paper_numbers,

@@ -11,7 +11,7 @@ free, the deviation of beta from pi/2 in rad and the velocity of the geometric c
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -48,37 +48,8 @@ _CONVERGED = 1e-7
 """Last step of Newton's method, relative to the unknowns, those of the state to the amplitude."""
 
 
-class HeldCycle(NamedTuple):
-    """A periodic motion at constant spin.
-
-    Parameters
-    ----------
-    unknowns : ndarray, shape (k + 3,)
-        What tells it; see above.
-    spin, period, amplitude : float
-        In rad/s, s and rad.
-    multiplier : float
-        Size of the largest Floquet multiplier over a whole period.
-    half_multiplier : float
-        The largest real one over half a period, with the mirror image.
-    complex_multiplier : float or None
-        Size of the largest complex pair over half a period, if there is one.
-    stable : bool or None
-        Whether all multipliers lie inside the unit circle; None if too close to tell.
-    """
-
-    unknowns: Array
-    spin: float
-    period: float
-    amplitude: float
-    multiplier: float
-    half_multiplier: float
-    complex_multiplier: float | None
-    stable: bool | None
-
-    def told(self) -> dict[str, Any]:
-        """What tables and files tell of it, as plain data by names."""
-        return {name: value for name, value in self._asdict().items() if name != "unknowns"}
+Cycle = dict[str, Any]
+"""A periodic motion at constant spin, by the names of `find`."""
 
 
 class NoHeldCycleError(ArithmeticError):
@@ -90,7 +61,7 @@ def beginning(cycle: PeriodicMotion) -> Array:
     return np.array((cycle.spin, cycle.period / 2.0, cycle.value, *cycle.states[0, 2:]))
 
 
-def family(name: str, amplitudes: Sequence[float]) -> list[HeldCycle]:
+def family(name: str, amplitudes: Sequence[float]) -> list[Cycle]:
     """Cycles of a model of `HELD` from its Hopf point of slow frequency on, in-house.
 
     Parameters
@@ -104,16 +75,16 @@ def family(name: str, amplitudes: Sequence[float]) -> list[HeldCycle]:
     hopf = critical_speeds(scenario, (29.0, 31.5)).crossings[-1]
     born = np.zeros(1 + _size(scenario.constraints))
     born[[SPIN, HALF_PERIOD]] = hopf.spin, np.pi / hopf.frequency
-    line, found = [born, born + np.eye(born.size)[AMPLITUDE]], list[HeldCycle]()
+    line, found = [born, born + np.eye(born.size)[AMPLITUDE]], list[Cycle]()
     for amplitude in amplitudes:
         step = (line[1] - line[0]) / (line[1] - line[0])[AMPLITUDE]
         guess = line[1] + (amplitude - line[1][AMPLITUDE]) * step
         found.append(find(scenario, guess, source="in-house", fixed=AMPLITUDE))
-        line = [born, *(each.unknowns for each in found)][-2:]
+        line = [born, *(each["unknowns"] for each in found)][-2:]
     return found
 
 
-def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN) -> HeldCycle:
+def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN) -> Cycle:
     """Find a cycle by Newton's method.
 
     Parameters
@@ -125,6 +96,17 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
     source : {"engine", "in-house"}
     fixed : {SPIN, AMPLITUDE}
         What is given; the other one is found.
+
+    Returns
+    -------
+    dict
+        - `unknowns`, shape (k + 3,): what tells it; see above;
+        - `spin`, `period` and `amplitude` in rad/s, s and rad;
+        - `multiplier`: size of the largest Floquet multiplier over a whole period;
+        - `half_multiplier`: the largest real one over half a period, with the mirror image;
+        - `complex_multiplier`: size of the largest complex pair over half a period, None if there
+          is none;
+        - `stable`: whether all multipliers lie inside the unit circle, None if too close to tell.
 
     Raises
     ------
@@ -166,7 +148,7 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
     )
 
 
-def _cycle(unknowns: Array, slopes: Array) -> HeldCycle:
+def _cycle(unknowns: Array, slopes: Array) -> Cycle:
     """The cycle with its multipliers over half a period, without that along the motion."""
     # The map between largest gammas: what displacing changes, less what time makes good.
     rates, moving = slopes[:, HALF_PERIOD], slopes[:, AMPLITUDE:]
@@ -175,16 +157,16 @@ def _cycle(unknowns: Array, slopes: Array) -> HeldCycle:
     real = values[np.abs(values.imag) <= 1e-6].real
     pairs = np.abs(values[np.abs(values.imag) > 1e-6])
     multiplier = float(np.max(np.abs(values))) ** 2
-    return HeldCycle(
-        unknowns=unknowns,
-        spin=float(unknowns[SPIN]),
-        period=2.0 * float(unknowns[HALF_PERIOD]),
-        amplitude=float(unknowns[AMPLITUDE]),
-        multiplier=multiplier,
-        half_multiplier=float(real[np.argmax(np.abs(real))]),
-        complex_multiplier=float(np.max(pairs)) if pairs.size else None,
-        stable=is_stable(multiplier),
-    )
+    return {
+        "unknowns": unknowns,
+        "spin": float(unknowns[SPIN]),
+        "period": 2.0 * float(unknowns[HALF_PERIOD]),
+        "amplitude": float(unknowns[AMPLITUDE]),
+        "multiplier": multiplier,
+        "half_multiplier": float(real[np.argmax(np.abs(real))]),
+        "complex_multiplier": float(np.max(pairs)) if pairs.size else None,
+        "stable": is_stable(multiplier),
+    }
 
 
 def _end(scenario: Scenario, unknowns: Array, source: Source) -> tuple[Array, Array]:

@@ -1,25 +1,18 @@
 """What is measured: cycles and their end, the engine's cycles, and passages."""
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from analysis import DISKS, MODELS, Dissipation, Scenario, SmoothCoulomb
 from analysis.nonlinear.families import cycle_at, cycle_family, rotating_family
 from analysis.nonlinear.following import Family, events
-from analysis.nonlinear.heteroclinic import (
-    NoConnectionError,
-    heteroclinic_connection,
-    period_growth,
-)
+from analysis.nonlinear.heteroclinic import heteroclinic_connection, period_growth
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.slow_manifold import slow_cycle
 from validation.nonlinear import passage
-from validation.nonlinear.tables import prediction
-from validation.studies.nonlinear.delay import slowed
+from validation.nonlinear.tables import ends
 from validation.studies.nonlinear.held_spin import AMPLITUDE, HELD, beginning, family, find
 from validation.study import Row, Study
 
@@ -29,11 +22,6 @@ HELD_NAMES = ("Model 1 at held spin", "Model 2 at held spin")
 
 SWINGING, ROTATING = "cycles of Model 4", "rotating motions of Model 4"
 SLOW = "cycles on the slow manifold"
-
-
-def told(found: Any, *names: str) -> Row:
-    """Attributes by their names."""
-    return {name: getattr(found, name) for name in names}
 
 
 # --- Families -----------------------------------------------------------------------------------
@@ -54,7 +42,7 @@ def follow_family(follow: Callable[[], list[Row]]) -> list[Row]:
 
 
 def _held(name: str) -> list[Row]:
-    return [{"kind": "motion", **each.told()} for each in family(name, AMPLITUDES)]
+    return [{"kind": "motion", **each} for each in family(name, AMPLITUDES)]
 
 
 def _swinging() -> list[Row]:
@@ -85,7 +73,7 @@ def _rotating() -> list[Row]:
 def _slow() -> list[Row]:
     amplitudes = np.linspace(0.05, 3.1, 25).tolist()
     cycles = [slow_cycle(PAPER, amplitude) for amplitude in amplitudes]
-    return [{"kind": "motion", **told(each, "amplitude", "spin")} for each in cycles]
+    return [{"kind": "motion", "amplitude": each.amplitude, "spin": each.spin} for each in cycles]
 
 
 def _whole(found: Family) -> list[Row]:
@@ -111,18 +99,16 @@ def find_on_both(case: tuple[str, float]) -> list[Row]:
     """A cycle in-house, and what the engine finds when it is put on it."""
     name, value = case
     scenario = Scenario(constraints=HELD[name])
-    sides: dict[str, Any] = {}
     if name in HELD_NAMES:
-        sides["in-house"] = family(name, [each for each in AMPLITUDES if each <= value])[-1]
-        start = sides["in-house"].unknowns
-        sides["engine"] = find(scenario, start, source="engine", fixed=AMPLITUDE)
+        here = family(name, [each for each in AMPLITUDES if each <= value])[-1]
+        there = find(scenario, here["unknowns"], source="engine", fixed=AMPLITUDE)
     else:
-        sides["in-house"] = cycle_at(scenario, value)
-        sides["engine"] = find(scenario, beginning(sides["in-house"]), source="engine")
+        cycle = cycle_at(scenario, value)
+        here, there = cycle.told(), find(scenario, beginning(cycle), source="engine")
     names = ("spin", "amplitude", "period", "multiplier")
     return [
-        {"source": source, **{name: each.told()[name] for name in names}}
-        for source, each in sides.items()
+        {"source": source, **{name: found[name] for name in names}}
+        for source, found in (("in-house", here), ("engine", there))
     ]
 
 
@@ -148,15 +134,11 @@ def connect(case: tuple[str, float, float]) -> list[Row]:
     disk, mu, eps = case
     law = SmoothCoulomb(coefficient=mu, smoothing=eps)
     scenario = Scenario(constraints=MODELS[4], disk=DISKS[disk], friction=law)
-    row: Row = {"disk": disk, "coefficient": mu, "smoothing": eps}
-    slow = prediction(scenario)
-    if slow is not None:
-        row |= {"predicted": slow.spin, "friction_over_weight": slow.friction}
-    with suppress(NoConnectionError):
-        found = heteroclinic_connection(scenario)
-        row |= told(found, "spin", "growing", "slow", "strong", "saddle_index")
-        row["bracket"] = found.above - found.below
-    return [row]
+    found = ends(scenario)
+    row = {"predicted": found["prediction"], **(found["connection"] or {})}
+    if found["connection"] is not None:
+        row["bracket"] = row["above"] - row["below"]
+    return [{"disk": disk, "coefficient": mu, "smoothing": eps, **row}]
 
 
 CONNECTIONS = Study(name="connections", cases=disks_and_friction, measure=connect)
@@ -183,7 +165,7 @@ def passages() -> dict[str, Callable[[], passage.Passage]]:
         DISSIPATED: partial(passage.follow, dissipated, 11.9, "in-house"),
         f"{DISSIPATED}, engine": partial(passage.follow, dissipated, 11.9, "engine"),
         **{
-            f"{SLOWED}, {lever:g} m": partial(slowed, lever, "in-house")
+            f"{SLOWED}, {lever:g} m": partial(passage.slowed, lever, "in-house")
             for lever in (2e-5, 4e-5, 8e-5)
         },
     }
@@ -192,11 +174,10 @@ def passages() -> dict[str, Callable[[], passage.Passage]]:
 def pass_through(follow: Callable[[], passage.Passage]) -> list[Row]:
     """When and at which spin the inversion is lost, and the way there."""
     found = follow()
-    last = found.times.size - 1
-    kept = np.unique((*range(0, last, EVERY), int(np.argmin(found.spins)), last))
-    curves = told(found, "times", "spins", "deviations", "linear")
-    names = ("source", "hopf", "crossing", "lost", "predicted", "lowest_spin", "rate")
-    return [{**told(found, *names), **{name: curve[kept] for name, curve in curves.items()}}]
+    last = found["times"].size - 1
+    kept = np.unique((*range(0, last, EVERY), int(np.argmin(found["spins"])), last))
+    curves = {name: found[name][kept] for name in ("times", "spins", "deviations", "linear")}
+    return [{**found, **curves}]
 
 
 PASSAGES = Study(name="passages", cases=passages, measure=pass_through)

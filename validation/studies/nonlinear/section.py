@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 
 from analysis.stability.printed import CriticalSpeed, critical_speed
-from validation.kit.figures import COLOURS, angle_axis, legend_above
+from validation.kit.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
-from validation.studies.nonlinear import delay, measured
+from validation.studies.nonlinear import measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
     HELD_NAMES,
@@ -59,7 +59,7 @@ def present(rows: Rows) -> Content:
     apart = _apart(engine)
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
-    law = delay.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
+    law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(HELD_NAMES)]
     return Content(
         numbers={
@@ -71,7 +71,7 @@ def present(rows: Rows) -> Content:
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
-            "growth": np.log(passage.LOST / delay.SMALL),
+            "growth": np.log(passage.LOST / passage.SMALL),
         },
         tables={
             "cycles": tables.motion_table(cycles),
@@ -81,7 +81,7 @@ def present(rows: Rows) -> Content:
             "held": _headed(held, "half_multiplier", "complex_multiplier"),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
-            "passages": passage.passage_table([(p.case, p) for p in passages.itertuples()]),
+            "passages": passage.passage_table(_named(passages)),
         },
         figures={
             "bifurcations": _bifurcations(
@@ -91,9 +91,7 @@ def present(rows: Rows) -> Content:
                 engine=engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")],
             ),
             "periods": _family(cycles, hopf, connection, "period", "multiplier", "log_strong"),
-            "passages": figures.passage_diagram(
-                [(p.case, p) for p in followed[followed.source == "in-house"].itertuples()]
-            ),
+            "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
         checks=[
             *_cycle_checks(fits, apart),
@@ -113,6 +111,10 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     motions = found[found.kind == "motion"] if "kind" in found else found
     records: list[Row] = motions.to_dict("records")
     return records
+
+
+def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:
+    return [(each["case"], each) for each in passages.to_dict("records")]
 
 
 def _family(cycles: list[Row], hopf: CriticalSpeed, connection: Row, *names: str) -> Any:
@@ -135,7 +137,7 @@ def _bifurcations(
     axes.annotate("noninverted spinning", (high, np.pi - 0.22), ha="right")
     axes.plot(hopf.spin, 0.0, "D", color="black", label="Hopf point", zorder=5)
     axes.plot(slow.spin, slow.amplitude, ":", color=COLOURS[3], label="slow manifold")
-    axes.plot(engine.spin, engine.amplitude, label="engine", **figures.ENGINE)
+    axes.plot(engine.spin, engine.amplitude, label="engine", **ENGINE)
     axes.set(xlim=(low, high))
     angle_axis(axes)
     legend_above(axes, columns=3)

@@ -3,16 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 import mbs_models
 from analysis import Motion, Scenario, Start
 from analysis.data.checks import Array
+from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation, Scene
 from validation.kit.limits import largest
-
-ComplexArray = npt.NDArray[np.complex128]
 
 EIGENVALUE_LIMIT = 1e-5
 """Largest difference that passes, relative to the larger of |lambda| and 1."""

@@ -16,9 +16,9 @@ from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from analysis.stability.critical import critical_speeds
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, static_gradient
-from validation.kit.figures import legend_above, new_figure
-from validation.studies.stability.eigenvalue_check import ComplexArray
+from validation.kit.figures import ENGINE, SPIN, legend_above, new_figure
 from validation.studies.stability.measured import IN_PAPER, PAPER_GRADIENT
 from validation.studies.stability.variants import PRINTED
 
@@ -36,16 +36,7 @@ _COLOURS = ("#d55e00", "#009e73", "#0072b2")
 _LOWEST = -60.0
 """Real part in 1/s below which an eigenvalue is one of sliding friction."""
 
-_CIRCLE: Mapping[str, Any] = {
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 3.5,
-    "markerfacecolor": "white",
-    "markeredgecolor": "black",
-    "markeredgewidth": 0.8,
-    "zorder": 3,
-}
-_SPIN = "spinning speed Ω in rad/s"
+_CIRCLE = {**ENGINE, "markersize": 3.5, "markeredgewidth": 0.8, "zorder": 3}
 
 
 def spectrum(
@@ -80,7 +71,7 @@ def spectrum(
         each.set_ylabel("Re λ in 1/s" if part == "real" else "Im λ in 1/s")
         if part == "real":
             each.axhspan(0.0, 60.0, color=_COLOURS[0], alpha=0.10, linewidth=0)
-    axes[-1].set_xlabel(_SPIN)
+    axes[-1].set_xlabel(SPIN)
     return figure, axes
 
 
@@ -184,7 +175,7 @@ def chart(region: pd.DataFrame) -> Figure:
     axes.plot(points.spin, points.gradient, **{**_CIRCLE, "marker": "s"}, label="engine asked")
     axes.axhline(PAPER_GRADIENT, color="#777777", linewidth=0.8)
     axes.annotate(f"the paper: {PAPER_GRADIENT:g} s/m", (1.0, PAPER_GRADIENT), va="bottom")
-    axes.set(xlabel=_SPIN, ylabel="friction gradient μ/ε in s/m, logarithmic", yscale="log")
+    axes.set(xlabel=SPIN, ylabel="friction gradient μ/ε in s/m, logarithmic", yscale="log")
     ticks = [0.3, 1.0, 3.0, 10.0, 30.0]
     axes.set_yticks(ticks, [f"{each:g}" for each in ticks])
     axes.set(xlim=shown_spins[[0, -1]], ylim=shown_gradients[[0, -1]])

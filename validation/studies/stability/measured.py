@@ -16,19 +16,19 @@ from analysis import (
     ConstraintSet,
     Scenario,
     SmoothCoulomb,
-    ViscousFriction,
 )
 from analysis.data.body import Body
 from analysis.stability import spectra
+from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.hopf_curves import corners, hopf_curves
+from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation
 from validation.kit.limits import largest
 from validation.studies.stability.eigenvalue_check import (
     CHECKED_SPINS,
     FEW_SPINS,
-    ComplexArray,
     distance,
     engine_matrices,
     gaps,
@@ -81,9 +81,6 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
                 "constraints": scenario.name,
                 "formulation": formulation,
                 "eigenvalues": expected.shape[1],
-                "its eigenvalues": own.size,
-                "largest real part in 1/s": np.max(found[at].real),
-                "its largest real part": np.max(own.real),
                 OWN: np.max(np.min(gaps(own, found[at]), axis=0)),
                 "is constrained": scene.has_constraints,
                 "but for the spin": Scenario(constraints=free).name,
@@ -242,7 +239,7 @@ def _place(spin: float, log_gradient: float) -> Row:
 
 def growth(scenario: Scenario, *, spin: float, gradient: float) -> dict[str, float]:
     """Largest growth rates in 1/s of inverted spinning on both sides, the drift pair left out."""
-    rubbing = replace(scenario, friction=ViscousFriction(viscosity=gradient))
+    rubbing = with_gradient(scenario, gradient)
     sides: dict[str, ComplexArray] = {
         "in-house": spectra.eigenvalues(rubbing, [spin])[0],
         "engine": mbs_models.eigenvalues(spinning(rubbing, spin)),

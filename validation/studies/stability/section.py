@@ -57,7 +57,6 @@ def present(rows: Rows) -> Content:
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
             "own": inverted.groupby("is constrained")[OWN],
-            "limit": EIGENVALUE_LIMIT,
         },
         tables={
             "region": region.loc[region.kind != "curve"].drop(
