@@ -70,3 +70,9 @@ def test_quaternions_and_rotations_are_those_of_scipy_and_each_others_inverse() 
     np.testing.assert_allclose(found, known.as_matrix(), atol=1e-14)
     np.testing.assert_allclose(frames.rotations(frames.quaternions(found)), found, atol=1e-14)
     np.testing.assert_allclose(np.cos(frames.tilts(found)), found[:, 2, 2], atol=1e-14)
+
+
+def test_quaternions_of_a_motion_keep_close_through_many_turns() -> None:
+    turns = Rotation.from_rotvec(np.outer(np.linspace(0.0, 30.0, 301), (0.6, 0.0, 0.8)))
+    steps = np.diff(frames.quaternions(turns.as_matrix()), axis=0)
+    assert np.linalg.norm(steps, axis=1).max() < 0.051
