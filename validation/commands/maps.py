@@ -8,7 +8,7 @@ from analysis.compiled.library import require_heyoka
 from analysis.data.checks import positive, whole
 from validation.commands.options import checked_end, output_folder
 from validation.commands.output import Result, save
-from validation.kit.progress import bar, duration, say
+from validation.kit.progress import duration, say
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
 from validation.maps.problems import PROBLEMS, Problem, panels
@@ -87,18 +87,11 @@ def map(  # noqa: A001 - the command's name
     wanted = panels(mapped, scenario, **size, **how)
     shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
     # Workers that cannot be had are not announced, and leave no folder behind.
-    with (
-        open_pool(**pool) as opened,
-        bar(name, unit="cases") as shown,
-    ):
+    with open_pool(**pool) as opened:
         folder = output_folder("out", out)
         runs = [(sweep, expected_cases(cells, levels)) for sweep in wanted]
         _announce([*runs, *((sweep, sweep.design.size) for sweep in shifted)], opened.workers)
-        each: dict[str, Any] = {
-            "time_limit": time_limit,
-            "told": lambda new, _: shown.update(new),
-            "to_rest": mapped.to_rest,
-        }
+        each: dict[str, Any] = {"time_limit": time_limit, "to_rest": mapped.to_rest}
         done = []
         for index, sweep in enumerate(wanted, 1):
             path = folder / f"{name}{f'-{index}' if len(wanted) > 1 else ''}.db"

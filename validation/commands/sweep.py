@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -14,7 +13,7 @@ from analysis.data.outcomes import DONE
 from analysis.data.scenario_file import read_toml
 from validation.commands.options import PATIENCE, checked_end
 from validation.commands.output import PictureOut, Result
-from validation.kit.progress import bar, duration, say
+from validation.kit.progress import duration, say
 from validation.parser import kinds
 from validation.parser.options import Group
 from validation.parser.runs import RunOptions
@@ -22,7 +21,7 @@ from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
-from validation.sweeps.runner import Told, run_cases
+from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store, expected_size
 from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
 
@@ -139,13 +138,10 @@ def sweep(
     with (
         open_pool(**pool) as opened,
         Store(out, wanted, accept_other_code=accept_other_code) as store,
-        _interrupted(store, wanted),
-        _counter(wanted.design.size, store.count()) as told,
     ):
         if left := wanted.design.size - store.count():
             _announce(wanted, ahead, left, opened.workers)
-        how = {"time_limit": time_limit, "retry": retry, "told": told}
-        run_cases(wanted, store, opened, **how)
+        run_cases(wanted, store, opened, time_limit=time_limit, retry=retry)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(
@@ -216,31 +212,3 @@ def _announce(wanted: Sweep, ahead: LookAhead, left: int, processes: int) -> Non
             f"tippedisk sweep: {left} cases, roughly {duration(seconds)} on {processes} "
             f"processes, at most {expected_size(wanted) / 1e6:.1f} MB"
         )
-
-
-@contextmanager
-def _interrupted(store: Store, wanted: Sweep) -> Iterator[None]:
-    try:
-        yield
-    except KeyboardInterrupt:
-        say(
-            f"tippedisk sweep: {store.count()} of {wanted.design.size} cases are in {store.path}; "
-            "the same command goes on"
-        )
-        raise
-
-
-@contextmanager
-def _counter(total: int, done: int) -> Iterator[Told]:
-    """A bar with the rate and the time left."""
-    failures = 0
-    with bar(total=total, initial=done, unit="cases") as shown:
-
-        def told(new: int, failed: int) -> None:
-            nonlocal failures
-            failures += failed
-            if failures:
-                shown.set_postfix_str(f"{failures} failed", refresh=False)
-            shown.update(new)
-
-        yield told

@@ -15,6 +15,7 @@ from analysis.data.files import AnyArray
 from analysis.data.outcomes import DONE
 from validation.maps.refinement import Cell, refine
 from validation.sweeps.pools import Pool
+from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
@@ -139,7 +140,7 @@ def run_panel(
 
         def run(numbers: Iterable[int] | None = None) -> list[Cell]:
             run_cases(sweep, store, pool, numbers=numbers, **how)
-            return [cell(sweep, row, to_rest=to_rest) for row in store.rows()]
+            return [cell(sweep, row, to_rest=to_rest) for row in Results.load(path).rows()]
 
         cells = refine(sweep.design.shape, levels, run) if levels else run()
     return Panel(sweep=sweep, cells=pd.DataFrame(cells))

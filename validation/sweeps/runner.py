@@ -5,7 +5,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from itertools import islice
 from types import FrameType
 from typing import Any
@@ -15,6 +15,7 @@ from pebble import ProcessExpired
 from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
 from validation.kit.processes import Processes
+from validation.kit.progress import bar
 from validation.sweeps.case import TIMERS, CaseRow, run_chunk
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
@@ -41,12 +42,6 @@ LARGEST_SERIES = 16_000_000
 LARGEST_BATCH = 100_000_000
 """Bytes of samples of cases that run together; some three times as much is held."""
 
-_LOOK = 4096
-"""Cases whose presence in the store is asked for at once."""
-
-Told = Callable[[int, int], None]
-"""Called with the numbers of cases that are done anew, and of those among them that failed."""
-
 
 def run_cases(
     sweep: Sweep,
@@ -56,9 +51,8 @@ def run_cases(
     numbers: Iterable[int] | None = None,
     time_limit: float = 60.0,
     retry: bool = False,
-    told: Told = lambda _done, _failed: None,
 ) -> None:
-    """Run the cases that a store does not hold, and put them there.
+    """Run the cases that a store does not hold, and put them there, with a progress bar.
 
     A case whose run fails, hangs or takes its process down becomes a row that says so. However
     this ends, the store holds what was done up to a second before.
@@ -75,8 +69,6 @@ def run_cases(
         Of each run in s of processor time.
     retry : bool
         Whether cases that failed run again.
-    told : callable
-        See `Told`.
 
     Raises
     ------
@@ -84,21 +76,32 @@ def run_cases(
         If the store cannot be written, or the workers are lost.
     UnguardedScriptError
         If the processes import a script that starts them without a guard.
+    KeyboardInterrupt
+        It says what the store holds.
     """
-    wanted = range(sweep.design.size) if numbers is None else numbers
+    size, failures = sweep.design.size, 0
     work = _Work(sweep, pool, time_limit)
-    todo = _missing(store, wanted, retry=retry)
-    with _interrupts_deferred() as check:
-        try:
+    todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
+    counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
+    try:
+        with (
+            _interrupts_deferred() as check,
+            closing(work),
+            bar(store.path.name, unit="cases", **counted) as shown,
+        ):
             while work.fill(todo):
-                if rows := work.collect():
-                    store.add(rows)
-                    told(len(rows), sum(row["status"] != DONE for row in rows))
+                rows = work.collect()
+                store.add(rows)
+                failures += sum(row["status"] != DONE for row in rows)
+                shown.set_postfix_str(f"{failures} failed" if failures else "", refresh=False)
+                shown.update(len(rows))
                 store.commit_if_due()
                 check()
-        finally:
-            work.close()
-            store.commit()
+    except KeyboardInterrupt:
+        held = f"{store.count()} of {size} cases are in {store.path}"
+        raise KeyboardInterrupt(f"{held}; the same command goes on") from None
+    finally:
+        store.commit()
 
 
 def run_sweep(
@@ -157,12 +160,6 @@ def _interrupts_deferred() -> Iterator[Callable[[], None]]:
     finally:
         signal.signal(signal.SIGINT, usual)
     check()
-
-
-def _missing(store: Store, numbers: Iterable[int], *, retry: bool) -> Iterator[int]:
-    left = iter(numbers)
-    while block := list(islice(left, _LOOK)):
-        yield from store.missing(block, retry=retry)
 
 
 class _Work:
