@@ -131,7 +131,7 @@ def _of_seen(panel: Panel, what: str) -> float | None:
 
 def _announce(runs: Sequence[tuple[Sweep, int]], processes: int) -> None:
     """Say about how many runs are coming, and how long they take where none has been made yet."""
-    seconds = sum(count * look_ahead(sweep).seconds for sweep, count in runs)
+    seconds = sum(count * look_ahead(sweep)[0] for sweep, count in runs)
     say(
         f"tippedisk map: some {sum(count for _, count in runs)} cases, roughly "
         f"{duration(seconds / processes)} on {processes} processes where none is in the folder yet"

@@ -23,7 +23,7 @@ from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store, expected_size
-from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
+from validation.sweeps.sweep import Sweep, look_ahead
 
 
 def sweep(
@@ -133,14 +133,16 @@ def sweep(
             _pictures().check_drawable(wanted)
         except ValueError as error:
             raise ArgumentError("plot", f"cannot be made: {error}") from None
-    ahead = look_ahead(wanted)
+    seconds, refused = look_ahead(wanted)
     # The workers first: where there are none, no store is made.
     with (
         open_pool(**pool) as opened,
         Store(out, wanted, accept_other_code=accept_other_code) as store,
     ):
         if left := wanted.design.size - store.count():
-            _announce(wanted, ahead, left, opened.workers)
+            _announce(wanted, seconds, left, opened.workers)
+            if refused:
+                say(f"tippedisk sweep: {refused}")
         run_cases(wanted, store, opened, time_limit=time_limit, retry=retry)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
@@ -199,14 +201,9 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
         )
 
 
-def _announce(wanted: Sweep, ahead: LookAhead, left: int, processes: int) -> None:
-    """Say what is coming, if it takes long or some cases will be refused."""
-    seconds = left * ahead.seconds / processes
-    if ahead.refused:
-        say(
-            f"tippedisk sweep: {ahead.refused} of {ahead.looked_at} cases looked at are refused, "
-            f"such as: {ahead.reason}"
-        )
+def _announce(wanted: Sweep, seconds: float, left: int, processes: int) -> None:
+    """Say what is coming, if it takes long."""
+    seconds *= left / processes
     if seconds > PATIENCE:
         say(
             f"tippedisk sweep: {left} cases, roughly {duration(seconds)} on {processes} "

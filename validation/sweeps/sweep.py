@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -109,27 +109,15 @@ def _spread_limit(size: int, count: int) -> float:
     return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
 
 
-class LookAhead(NamedTuple):
-    """What some cases, evenly spread over a sweep, tell before it runs.
+def look_ahead(sweep: Sweep) -> tuple[float, str]:
+    """Look at some cases of a sweep, evenly spread, without running them.
 
-    Parameters
-    ----------
-    looked_at, refused : int
-        Numbers of cases.
-    reason : str
-        Why the first of them is refused.
-    seconds : float
+    Returns
+    -------
+    float
         Processor time of a case in s, roughly, with the part that the other side has in it.
-    """
-
-    looked_at: int
-    refused: int
-    reason: str
-    seconds: float
-
-
-def look_ahead(sweep: Sweep) -> LookAhead:
-    """Look at some cases of a sweep without running them.
+    str
+        How many of those cases are refused, and why the first of them is; empty if none is.
 
     Raises
     ------
@@ -155,5 +143,5 @@ def look_ahead(sweep: Sweep) -> LookAhead:
                 seconds[-1] += part * sweep.plan.witness.effort(scenario).seconds
     if not seconds:
         raise errors[0]
-    reason = str(errors[0]) if errors else ""
-    return LookAhead(len(numbers), len(errors), reason, sum(seconds) / len(numbers))
+    count = f"{len(errors)} of {len(numbers)} cases looked at are refused"
+    return sum(seconds) / len(numbers), f"{count}, such as: {errors[0]}" if errors else ""
