@@ -254,6 +254,8 @@ def test_gif_shows_the_heavy_half_low_and_then_high_and_both_faces() -> None:
         for index in range(picture.n_frames):
             picture.seek(index)
             pixels = np.asarray(picture.convert("RGB")) / 255.0
+            # What is read off stands in the upper left corner.
+            assert pixels[:20, :100].min() < 0.5
             rows = [
                 np.nonzero(np.max(np.abs(pixels - to_rgb(colour)), axis=2) < 0.1)[0]
                 for colour in (*drawing.FRONT, *drawing.BACK)
