@@ -111,7 +111,7 @@ def run_sweep(
     workers: int | None = None,
     time_limit: float = 60.0,
 ) -> None:
-    """Run what a store does not hold of a sweep, in processes of this machine.
+    """Run what a store does not hold of a sweep, in processes of this machine, with a bar.
 
     Parameters
     ----------
