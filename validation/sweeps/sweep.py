@@ -5,7 +5,6 @@ import sys
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,9 @@ from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.compiled.library import require_heyoka
 from analysis.data.changes import changed, check_field
 from analysis.data.names import ArgumentError
+from analysis.data.own import is_own, own_object
 from analysis.data.trajectory import versions
-from validation.kit.sources import digest
+from validation.kit.sources import behind, digest
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 
@@ -87,12 +87,14 @@ class Sweep:
         )
 
     def code(self) -> dict[str, str]:
-        """What the results depend on besides: versions, and a digest of all sources."""
-        specs = [find_spec(name) for name in ("analysis", "mbs_models")]
-        paths = [Path(str(spec.origin)).parent for spec in specs if spec is not None]
-        law = sys.modules[type(self.scenario.friction).__module__].__file__
-        sources = digest([*paths, Path(__file__).parent, Path(str(law))])
-        return {**versions("exudyn", "numpy", "scipy"), "sources": sources}
+        """What the results depend on besides: versions, and digests of all sources."""
+        # A law, a body and a condition may be of one's own.
+        parts: list[Any] = [type(self.scenario.friction), type(self.scenario.disk)]
+        if is_own(self.plan.stop_when):
+            parts.append(own_object("stop_when", self.plan.stop_when))
+        files = [Path(str(sys.modules[each.__module__].__file__)) for each in parts]
+        sources = {"sources": behind("validation.sweeps.case"), "own": digest(files)}
+        return versions("exudyn", "numpy", "scipy") | sources
 
 
 def _spread(index: Any) -> Any:

@@ -16,6 +16,7 @@ import pytest
 
 from analysis import MODELS, Scenario
 from analysis.data.outcomes import DONE
+from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.processes import Here
@@ -151,9 +152,14 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
     assert first != second == third
 
 
-def test_identity_of_the_code_knows_a_law_of_ones_own_and_no_comments(tmp_path: Path) -> None:
-    own = sweep(*SPINS, scenario=WAYWARD)
-    assert own.code()["sources"] != WANTED.code()["sources"]
+def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(tmp_path: Path) -> None:
+    own: tuple[dict[str, Any], ...] = (
+        {},
+        {"scenario": WAYWARD},
+        {"scenario": Scenario(disk=EGG)},
+        {"stop_when": f"{__name__}:one_worker"},
+    )
+    assert len({sweep("alpha=0,1", **each).code()["own"] for each in own}) == len(own)
     found = []
     for text in (
         "def double(x):\n    return 2 * x\n",
