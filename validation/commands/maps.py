@@ -1,11 +1,12 @@
 """The command `map`: what becomes of the disk over two parameters."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from analysis.compiled.library import require_heyoka
-from analysis.data.checks import positive, whole
+from analysis.data.checks import whole
 from validation.commands.options import checked_end, output_folder
 from validation.commands.output import Result, save
 from validation.kit.progress import duration, say
@@ -74,7 +75,6 @@ def map(  # noqa: A001 - the command's name
         Of each run, processor time in s.
     """
     mapped = PROBLEMS[name]
-    positive("time_limit", time_limit)
     whole("pairs", pairs, least=0)
     scenario = problem.scenario()
     how: dict[str, Any] = {
@@ -84,19 +84,23 @@ def map(  # noqa: A001 - the command's name
     if compiled:
         require_heyoka()
     size: dict[str, Any] = {"cells": cells, "levels": levels, "witnesses": witnesses}
-    wanted = panels(mapped, scenario, **size, **how)
-    shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
+    wanted, shifted = (
+        [replace(each, plan=replace(each.plan, time_limit=time_limit)) for each in sweeps]
+        for sweeps in (
+            panels(mapped, scenario, **size, **how),
+            shifted_sweeps(mapped, scenario, number=pairs, **how),
+        )
+    )
     # Workers that cannot be had are not announced, and leave no folder behind.
     with open_pool(**pool) as opened:
         folder = output_folder("out", out)
         runs = [(sweep, expected_cases(cells, levels)) for sweep in wanted]
         _announce([*runs, *((sweep, sweep.design.size) for sweep in shifted)], opened.workers)
-        each: dict[str, Any] = {"time_limit": time_limit, "to_rest": mapped.to_rest}
         done = []
         for index, sweep in enumerate(wanted, 1):
             path = folder / f"{name}{f'-{index}' if len(wanted) > 1 else ''}.db"
-            done.append(run_panel(sweep, path, opened, levels=levels, **each))
-        fineness = run_pairs(shifted, folder, opened, **each) if pairs else None
+            done.append(run_panel(sweep, path, opened, to_rest=mapped.to_rest, levels=levels))
+        fineness = run_pairs(shifted, folder, opened, to_rest=mapped.to_rest) if pairs else None
     return Result(
         tables=[_table(mapped, done, "" if fineness is None else _fineness(fineness))],
         notes=[str(_draw(folder / name, done))],

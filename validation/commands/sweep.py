@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from analysis.data.checks import choice, positive
+from analysis.data.checks import choice
 from analysis.data.endings import named_conditions
 from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
@@ -43,8 +43,9 @@ def sweep(
         Group(
             RunOptions,
             *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
-            "stop_when",
+            *("stop_when", "time_limit"),
             source="in-house",
+            time_limit=60.0,
         ),
     ],
     end: float = 4.0,
@@ -53,7 +54,6 @@ def sweep(
     keep: Annotated[str, {"metavar": "NAMES"}] = "",
     rest: bool = False,
     pool: kinds.Pool,
-    time_limit: float = 60.0,
     plot: PictureOut = None,
 ) -> Result:
     """Run a scenario many times with some of its fields varied.
@@ -111,7 +111,6 @@ def sweep(
     plot
         Draw it, .png, .svg, .pdf or -.
     """
-    positive("time_limit", time_limit)
     given = {"layout": layout, "number": number, "seed": seed}
     wanted = Sweep(
         scenario=problem.scenario(rest=rest),
@@ -143,7 +142,7 @@ def sweep(
             _announce(wanted, seconds, left, opened.workers)
             if refused:
                 say(f"tippedisk sweep: {refused}")
-        run_cases(wanted, store, opened, time_limit=time_limit, retry=retry)
+        run_cases(wanted, store, opened, retry=retry)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(

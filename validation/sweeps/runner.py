@@ -49,7 +49,6 @@ def run_cases(
     pool: Pool,
     *,
     numbers: Iterable[int] | None = None,
-    time_limit: float = 60.0,
     retry: bool = False,
 ) -> None:
     """Run the cases that a store does not hold, and put them there, with a progress bar.
@@ -65,8 +64,6 @@ def run_cases(
     pool : Pool
     numbers : iterable of int, optional
         Cases to run; all by default. Memory does not grow with their number.
-    time_limit : float
-        Of each run in s of processor time.
     retry : bool
         Whether cases that failed run again.
 
@@ -80,7 +77,7 @@ def run_cases(
         It says what the store holds.
     """
     size, failures = sweep.design.size, 0
-    work = _Work(sweep, pool, time_limit)
+    work = _Work(sweep, pool)
     todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
     counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
     try:
@@ -104,13 +101,7 @@ def run_cases(
         store.commit()
 
 
-def run_sweep(
-    sweep: Sweep,
-    path: str | os.PathLike[str],
-    *,
-    workers: int | None = None,
-    time_limit: float = 60.0,
-) -> None:
+def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None = None) -> None:
     """Run what a store does not hold of a sweep, in processes of this machine, with a bar.
 
     Parameters
@@ -120,8 +111,6 @@ def run_sweep(
         Of the store, made if there is none; `Results.load` reads it.
     workers : int, optional
         Number of processes, by default that of the cores.
-    time_limit : float
-        Of each run in s of processor time.
 
     Raises
     ------
@@ -130,7 +119,7 @@ def run_sweep(
     """
     look_ahead(sweep)
     with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
-        run_cases(sweep, store, pool, time_limit=time_limit)
+        run_cases(sweep, store, pool)
 
 
 @contextmanager
@@ -169,14 +158,14 @@ class _Work:
     one by one, in processes of this machine, where a worker that ends has one case alone.
     """
 
-    def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
+    def __init__(self, sweep: Sweep, pool: Pool) -> None:
         self._sweep, self._pool, plan = sweep, pool, sweep.plan
         held = LARGEST_SERIES // max(1, plan.series_bytes)
         if plan.runs_in_batches:
             held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
         self._largest = max(1, min(LARGEST_CHUNK, held))
         # A case is two runs if it has a witness.
-        self._limits = (time_limit, 3.0 * time_limit + GRACE)
+        self._hanging = 3.0 * plan.time_limit + GRACE
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], list[int]] = {}
         self._processes: Processes | None = None
@@ -198,7 +187,7 @@ class _Work:
             if not chunk:
                 break
             try:
-                future = executor.submit(run_chunk, self._sweep, chunk, *self._limits)
+                future = executor.submit(run_chunk, self._sweep, chunk, self._hanging)
             except RuntimeError:
                 self._lost = True
             else:
@@ -242,13 +231,13 @@ class _Work:
             self._pool.executor.check_begun()
         self._processes = self._processes or Processes(1)
         for number in numbers:
-            future = self._processes.submit(run_chunk, self._sweep, [number], *self._limits)
+            future = self._processes.submit(run_chunk, self._sweep, [number], self._hanging)
             self._alone[future] = [number]
 
     def _ended(self, error: ProcessExpired) -> Row:
         """Why a case has ended its process."""
         if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
-            limit = f"no result within {self._limits[1]:g} s of processor time"
+            limit = f"no result within {self._hanging:g} s of processor time"
             return failed("too slow", limit)
         return failed("crashed", f"its process ended with code {error.exitcode}")
 

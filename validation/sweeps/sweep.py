@@ -66,10 +66,11 @@ class Sweep:
 
     def to_text(self) -> str:
         """Plain data as JSON, by which two sweeps are the same."""
+        # However long a run may take, it is the same.
         told = {
             "scenario": self.scenario.values(),
             "design": asdict(self.design),
-            "plan": asdict(self.plan),
+            "plan": asdict(self.plan) | {"time_limit": None},
         }
         return json.dumps(told, sort_keys=True, allow_nan=False)
 
@@ -79,7 +80,7 @@ class Sweep:
         told = json.loads(text)
         design, plan = told["design"], told["plan"]
         axes = tuple(Axis(**axis) for axis in design.pop("axes"))
-        plan.pop("time_limit", None)
+        del plan["time_limit"]
         return cls(
             scenario=Scenario.from_values(told["scenario"]),
             design=Design(axes=axes, **design),

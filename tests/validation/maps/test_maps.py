@@ -191,7 +191,7 @@ def test_pairs_are_the_same_starts_shifted() -> None:
 def test_pairs_are_run_and_fitted_where_they_are_decided(tmp_path: Path) -> None:
     sweeps = shifted_sweeps(PROBLEMS["attitude"], REDUCED, number=10, end=0.03)
     # Too short to tell, so that there is no exponent.
-    assert run_pairs(sweeps, tmp_path, direct(), to_rest=False, time_limit=1.0) is None
+    assert run_pairs(sweeps, tmp_path, direct(), to_rest=False) is None
     assert len(list(tmp_path.glob("pairs-*.db"))) == 1 + len(DISTANCES)
     outcomes = [["a", "a", "b", "a"], ["b", "not decided", "b", "failed"]]
     assert pairs_that_differ(outcomes).tolist() == [[True, False]]

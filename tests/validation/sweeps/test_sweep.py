@@ -42,7 +42,7 @@ REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tole
 
 
 def test_row_holds_what_the_run_itself_says() -> None:
-    row = run_case(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), 0, None)
+    row = run_case(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), 0)
     motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 2.0, 2001), **REDUCED)
     assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
     assert row["inverted_at"] == motion.inversion.time
@@ -56,16 +56,16 @@ def test_row_holds_what_the_run_itself_says() -> None:
 @pytest.mark.parametrize(
     ("coefficient", "limit", "status", "reason"),
     [
-        (-0.1, None, "refused", "coefficient must not be negative"),
-        (FAILS, None, "failed", "no such friction"),
+        (-0.1, 60.0, "refused", "coefficient must not be negative"),
+        (FAILS, 60.0, "failed", "no such friction"),
         (0.3, 1e-3, "too slow", "time limit"),
     ],
 )
 def test_failed_case_is_a_row_with_its_reason(
-    coefficient: float, limit: float | None, status: str, reason: str
+    coefficient: float, limit: float, status: str, reason: str
 ) -> None:
-    wanted = sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, end=5.0, tolerance=1e-3)
-    row = run_case(wanted, 1, limit)
+    how: dict[str, Any] = {"end": 5.0, "tolerance": 1e-3, "time_limit": limit}
+    row = run_case(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), 1)
     assert (row["status"], row["number"]) == (status, 1)
     assert reason in str(row["reason"])
 
@@ -74,7 +74,7 @@ def test_failed_case_is_a_row_with_its_reason(
 
 
 def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
-    row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1, None)
+    row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1)
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
@@ -84,7 +84,7 @@ def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
     ]
     for how, run_as in told:
         wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
-        motion = wanted.plan.witness.motion(wanted.scenario_of(0), time_limit=None)
+        motion = wanted.plan.witness.motion(wanted.scenario_of(0))
         assert motion.source == "engine"
         assert run_as.items() <= motion.method.items()
 
@@ -100,17 +100,18 @@ def test_witnesses_are_spread_evenly() -> None:
 
 
 def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_path: Path) -> None:
-    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
+    path = tmp_path / "a.db"
 
-    def again(**how: Any) -> list[Any]:
+    def again(time_limit: float = 60.0, **how: Any) -> list[Any]:
         done: list[Any] = []
+        wanted = sweep("spin=30:40:3", "mu=0.2,-0.1", time_limit=time_limit)
         swept(wanted, path, told=done.extend, **how)
         return sorted(row["number"] for row in done)
 
     assert again(numbers=[4, 1]) == [1, 4]
     assert again() == [0, 2, 3, 5]
     assert again() == []
-    assert again(retry=True) == [1, 3, 5]
+    assert again(time_limit=30.0, retry=True) == [1, 3, 5]
     table = Results.load(path).columns
     assert table["number"].tolist() == list(range(6))
     assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
@@ -250,9 +251,9 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(runner, "GRACE", 0.0)
-    wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02)
+    wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02, time_limit=0.3)
     with open_pool("processes", workers=1) as pool:
-        table = swept(wanted, tmp_path / "a.db", pool, time_limit=0.3).columns
+        table = swept(wanted, tmp_path / "a.db", pool).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
 
