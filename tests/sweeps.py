@@ -58,5 +58,5 @@ def swept(
                 told(found)
 
     with Told(path, wanted) as kept:
-        run_cases(wanted, kept, pool or direct(), **options)
+        run_cases(kept, pool or direct(), **options)
     return Results.load(path)

@@ -142,7 +142,7 @@ def sweep(
             _announce(wanted, seconds, left, opened.workers)
             if refused:
                 say(f"tippedisk sweep: {refused}")
-        run_cases(wanted, store, opened, retry=retry)
+        run_cases(store, opened, retry=retry)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(

@@ -117,9 +117,7 @@ def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
     return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
 
 
-def run_panel(
-    sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0, **how: Any
-) -> Panel:
+def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0) -> Panel:
     """Run a panel, or what its store does not hold of it.
 
     Parameters
@@ -133,13 +131,11 @@ def run_panel(
         See `judged`.
     levels : int
         How often cells are halved.
-    **how
-        As in `run_cases`.
     """
     with Store(path, sweep) as store:
 
         def run(numbers: Iterable[int] | None = None) -> list[Cell]:
-            run_cases(sweep, store, pool, numbers=numbers, **how)
+            run_cases(store, pool, numbers=numbers)
             return [cell(sweep, row, to_rest=to_rest) for row in Results.load(path).rows()]
 
         cells = refine(sweep.design.shape, levels, run) if levels else run()

@@ -44,23 +44,17 @@ LARGEST_BATCH = 100_000_000
 
 
 def run_cases(
-    sweep: Sweep,
-    store: Store,
-    pool: Pool,
-    *,
-    numbers: Iterable[int] | None = None,
-    retry: bool = False,
+    store: Store, pool: Pool, *, numbers: Iterable[int] | None = None, retry: bool = False
 ) -> None:
-    """Run the cases that a store does not hold, and put them there, with a progress bar.
+    """Run the cases that a store does not hold of its sweep, with a progress bar.
 
     A case whose run fails, hangs or takes its process down becomes a row that says so. However
     this ends, the store holds what was done up to a second before.
 
     Parameters
     ----------
-    sweep : Sweep
     store : Store
-        Of this sweep.
+        Gets their rows.
     pool : Pool
     numbers : iterable of int, optional
         Cases to run; all by default. Memory does not grow with their number.
@@ -76,8 +70,8 @@ def run_cases(
     KeyboardInterrupt
         It says what the store holds.
     """
-    size, failures = sweep.design.size, 0
-    work = _Work(sweep, pool)
+    size, failures = store.sweep.design.size, 0
+    work = _Work(store.sweep, pool)
     todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
     counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
     try:
@@ -119,7 +113,7 @@ def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None
     """
     look_ahead(sweep)
     with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
-        run_cases(sweep, store, pool)
+        run_cases(store, pool)
 
 
 @contextmanager

@@ -69,7 +69,7 @@ class Store:
         self, path: str | os.PathLike[str], sweep: Sweep, *, accept_other_code: bool = False
     ) -> None:
         self.path = Path(path)
-        self._sweep = sweep
+        self.sweep = sweep
         self._code = json.dumps(sweep.code(), sort_keys=True)
         # Commits of uncommitted changes are all alike.
         identity = sha256(self._code.encode()).hexdigest()[:10]
@@ -95,7 +95,7 @@ class Store:
         for table, kinds in {**self._tables, "sweep": about, "code": about}.items():
             columns = ", ".join(f'"{name}" {kind}' for name, kind in kinds.items())
             self._file.execute(f"CREATE TABLE {table} ({columns})")
-        told = {"format": str(FORMAT), "sweep": self._sweep.to_text()}
+        told = {"format": str(FORMAT), "sweep": self.sweep.to_text()}
         self._file.executemany("INSERT INTO sweep VALUES (?, ?)", told.items())
         self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
@@ -106,7 +106,7 @@ class Store:
 
     def _check(self, accepts: bool) -> None:
         # Nothing that it names is imported.
-        self._refuse("another sweep", _told(self._file, self.path), self._sweep.to_text())
+        self._refuse("another sweep", _told(self._file, self.path), self.sweep.to_text())
         codes = [text for (text,) in self._file.execute("SELECT value FROM code")]
         if json.loads(self._code) not in map(json.loads, codes):
             if not accepts:

@@ -148,7 +148,7 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
         Store(path, WANTED)
     for number in (1, 2):
         with Store(path, WANTED, accept_other_code=number == 1) as kept:
-            run_cases(WANTED, kept, direct(), numbers=[number])
+            run_cases(kept, direct(), numbers=[number])
     first, second, third = Results.load(path).columns["code"].tolist()
     assert first != second == third
 
@@ -203,7 +203,7 @@ def test_damaged_or_foreign_file_is_blamed_and_neither_read_nor_written(
 
 def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
     with Store(path, WANTED) as kept:
-        run_cases(WANTED, kept, direct(), numbers=[1])
+        run_cases(kept, direct(), numbers=[1])
         with pytest.raises(OSError, match="is being written to by another process"):
             Store(path, WANTED)
         assert Results.load(path).columns["number"].tolist() == [0, 1]
