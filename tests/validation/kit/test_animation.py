@@ -114,12 +114,12 @@ def test_part_of_a_motion_begins_and_ends_where_asked() -> None:
     part = keyframes(inversion(), 0.1234, 0.4321)
     assert part.times[[0, -1]].tolist() == [0.1234, 0.4321]
     np.testing.assert_allclose(part.positions, whole.at(part.times).positions, atol=2e-5)
-    assert embedded(player(part, name="a", title="A").text)["times"][0] == 0.1234
+    assert embedded(player(part, title="A").text)["times"][0] == 0.1234
 
 
 def test_speed_lets_the_inversion_be_seen() -> None:
     def shown(poses: Keyframes, speed: float | None = None) -> tuple[Any, Any]:
-        data = embedded(player(poses, name="a", title="A", speed=speed).text)
+        data = embedded(player(poses, title="A", speed=speed).text)
         return data["speed"], data["slowUntil"]
 
     short = keyframes(inversion())
@@ -132,7 +132,7 @@ def test_speed_lets_the_inversion_be_seen() -> None:
 
 def test_page_needs_nothing_from_elsewhere_and_no_text_breaks_it() -> None:
     made = replace(keyframes(inversion()), marks=(("</script><b>", 0.1),), source="<i>")
-    page = player(made, name="a", title='"</canvas>', caption="<u>").text
+    page = player(made, title='"</canvas>', caption="<u>").text
     assert embedded(page)["marks"] == [["</script><b>", 0.1]]
     for unwanted in ("</script><b>", "<i>", '"</canvas>"', "<u>"):
         assert unwanted not in page

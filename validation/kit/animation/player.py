@@ -112,7 +112,6 @@ class Animation(Page):
 def player(
     motion: StoredRun | Keyframes,
     *,
-    name: str,
     title: str,
     caption: str = "",
     speed: float | None = None,
@@ -122,8 +121,6 @@ def player(
     Parameters
     ----------
     motion : Trajectory, SpatialMotion or Keyframes
-    name : str
-        Identifier: a letter first, then letters, digits and hyphens.
     title, caption : str
         Plain text.
     speed : float, optional
@@ -141,7 +138,6 @@ def player(
     poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
     fragment = render(
         "player.html",
-        name=name,
         title=title,
         caption=caption,
         source=poses.source,
