@@ -62,7 +62,8 @@ class Sweep:
 
     def has_witness(self, index: int) -> bool:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
-        return bool(_spread(index) <= _spread_limit(self.design.size, self.plan.witnesses))
+        size, count = self.design.size, self.plan.witnesses
+        return count > 0 and bool(_spread(index) <= _spread_limit(size, min(count, size)))
 
     def to_text(self) -> str:
         """Plain data as JSON, by which two sweeps are the same."""
@@ -106,9 +107,6 @@ def _spread(index: Any) -> Any:
 @lru_cache
 def _spread_limit(size: int, count: int) -> float:
     """What so many of the first cases do not exceed."""
-    if count == 0:
-        return -1.0
-    count = min(count, size)
     return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
 
 

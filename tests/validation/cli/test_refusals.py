@@ -28,6 +28,7 @@ REFUSED = {
     "animate run.npz --body ellipse": "--body: body belongs to none of the motions, got Ell",
     SWEEP + "spin=0:60:1000 gamma=0:1:1000 --most 999999": "--most: most allows 999999 cases",
     SWEEP + "spin=1,2 --scheduler tcp://here:1": "--scheduler: scheduler needs --executor dask",
+    SWEEP + "spin=1,2 --spacing 1e-12": "--spacing: spacing asks for 4e+12 samples of 20",
     SWEEP + "spin=1,2 --spacing 5": "--spacing: spacing must be less than end",
     SWEEP + "spin=1,2 --keep spin_torque": "--keep: keep must name what Model 1 has",
     SWEEP + "spin=1,2 --executor cores": "executor must be one of",

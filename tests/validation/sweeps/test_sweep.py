@@ -90,9 +90,11 @@ def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
 
 
 def test_witnesses_are_spread_evenly() -> None:
-    wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
-    chosen = [number for number in range(400) if wanted.has_witness(number)]
-    assert len(chosen) == 40
+    none, chosen, every = (
+        [number for number in range(400) if wanted.has_witness(number)]
+        for wanted in (sweep("spin=0:60:20", "gamma=0:1:20", witnesses=n) for n in (0, 40, 500))
+    )
+    assert [len(none), len(chosen), len(every)] == [0, 40, 400]
     assert all(sum(part <= n < part + 100 for n in chosen) >= 8 for part in (0, 100, 200, 300))
 
 
