@@ -96,6 +96,17 @@ def test_motion_between_coarse_samples_is_that_of_fine_ones() -> None:
     np.testing.assert_allclose(shown.rotations, rotation, atol=6e-3)
 
 
+def test_contact_of_a_nearly_flat_disk_moves_little_between_keyframes() -> None:
+    radius, times = STEEL_DISK.radius, np.linspace(0.0, 0.2, 21)
+    speeds = np.tile([0.0, 0.0, 0.0, 100.0, 0.0, -100.0], (21, 1))
+    places = times[:, None] * speeds + [0.0, 0.0, radius * np.sin(0.02), 0.0, 0.02, 0.0]
+    wobbling = replace(
+        inversion(), times=times, coordinates=places, rates=speeds, multipliers=np.zeros((21, 1))
+    )
+    ways = np.linalg.norm(np.diff(keyframes(wobbling).contact_points, axis=0), axis=1)
+    assert 0.15 * radius < ways.max() < 0.21 * radius
+
+
 def test_samples_some_turns_apart_are_refused() -> None:
     with pytest.raises(ValueError, match="cannot be animated: the samples around"):
         keyframes(resting(spacing=0.25))
