@@ -104,10 +104,9 @@ def _section(command: Command) -> str:
     ]
     text = [f"## {command.name}", *about, f"```text\n{parser.usage}\n```"]
     text.append("\n".join(["| option | meaning |", "| --- | --- |", *rows]))
-    if command.tables:
-        named = ", ".join(
-            f"`{each}`" if each else "those before the tables" for each in command.tables
-        )
+    known = [QUANTITIES[each.dest] for each in parser.actions if each.dest in QUANTITIES]
+    if tables := dict.fromkeys(each.table for each in known):
+        named = ", ".join(f"`{each}`" if each else "those before the tables" for each in tables)
         text.append(f"Also those of [the scenario](scenario.md): {named}.")
     return "\n\n" + "\n\n".join(text) + "\n"
 

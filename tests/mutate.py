@@ -29,14 +29,6 @@ ROOMS = ("analysis", "mbs_models", *(f"validation/{each}" for each in (
 )))  # fmt: skip
 """Rooms that are tried by default."""
 
-MIRRORS = {
-    "validation/parser": "validation/cli",
-    "validation/commands": "validation/cli",
-    "validation/cli.py": "validation/cli",
-    "validation/run.py": "validation/cli",
-}
-"""Where the tests of a room do not lie in a folder of its name."""
-
 ALLOWED = 0.05
 """Part of the mutations that may survive."""
 
@@ -115,10 +107,7 @@ class Mutation(NamedTuple):
 
 
 def tests_of(path: Path) -> str:
-    """Folder of the tests that mirror a file."""
-    for room, mirror in MIRRORS.items():
-        if path.is_relative_to(room):
-            return f"tests/{mirror}"
+    """Folder of the tests that mirror a file, or of those around it."""
     folder = Path("tests") / path.parent
     while not (ROOT / folder).is_dir():
         folder = folder.parent

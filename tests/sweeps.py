@@ -1,5 +1,6 @@
 """Sweeps that several tests run, and a pool that runs them at once."""
 
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 from analysis import MODELS, Scenario
 from validation.kit.processes import Here
 from validation.sweeps.axes import Design, axis_from_text
+from validation.sweeps.case import CaseRow
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool
 from validation.sweeps.results import Results
@@ -36,8 +38,25 @@ def sweep(
     return Sweep(scenario=scenario, design=design, plan=Plan(**plan))
 
 
-def swept(wanted: Sweep, path: Path, pool: Pool | None = None, **options: Any) -> Results:
-    """Results of a sweep, or of what is wanted of it, that a pool or else this process runs."""
-    with Store(path, wanted) as kept:
-        run_cases(wanted, kept, pool or direct(), **options)
+def swept(
+    wanted: Sweep,
+    path: Path,
+    pool: Pool | None = None,
+    *,
+    told: Callable[[list[CaseRow]], object] = len,
+    **options: Any,
+) -> Results:
+    """Results of a sweep, or of what is wanted of it, that a pool or else this process runs.
+
+    Rows are told when they come in.
+    """
+
+    class Told(Store):
+        def add(self, rows: Iterable[CaseRow]) -> None:
+            super().add(found := list(rows))
+            if found:
+                told(found)
+
+    with Told(path, wanted) as kept:
+        run_cases(kept, pool or direct(), **options)
     return Results.load(path)

@@ -24,41 +24,33 @@ def imported_modules(path: Path) -> set[str]:
     return names
 
 
-SHARED = {"data": {"data"}, "solve": {"data", "solve"}}
-"""Folders of `analysis` that both sides use, and what these import of it themselves: the
-description of a problem and of a motion, and how any initial value problem is solved step by
-step. A solver of differential equations knows no disk, so that it is no mechanics; what it is
-given to solve comes from either side alone."""
+SHARED = {
+    "mbs_models": {"data", "solve"},
+    "analysis/data": {"data"},
+    "analysis/solve": {"data", "solve"},
+}
+"""Folders of `analysis` that both sides use, by who uses them: the engine's side, and they
+themselves. They hold the description of a problem and of a motion, and how any initial value
+problem is solved step by step. A solver of differential equations knows no disk, so that it is no
+mechanics; what it is given to solve comes from either side alone."""
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "mbs_models").rglob("*.py")), ids=lambda p: p.stem)
-def test_engine_side_imports_what_is_shared_only(path: Path) -> None:
-    for name in imported_modules(path):
-        package, _, rest = name.partition(".")
-        assert package != "validation"
-        if package == "analysis":
-            assert rest.split(".")[0] in SHARED, f"{path.name} imports {name}"
+@pytest.mark.parametrize("folder", SHARED)
+def test_engine_side_and_what_is_shared_import_what_is_shared_only(folder: str) -> None:
+    for path in (ROOT / folder).rglob("*.py"):
+        for name in imported_modules(path):
+            package, _, rest = name.partition(".")
+            assert package != "validation", f"{path} imports {name}"
+            if package == "analysis":
+                assert rest.partition(".")[0] in SHARED[folder], f"{path} imports {name}"
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "analysis").rglob("*.py")), ids=lambda p: p.stem)
-def test_in_house_side_imports_numpy_and_scipy_only(path: Path) -> None:
-    allowed = set(sys.stdlib_module_names) | {"analysis", "numpy", "scipy"}
-    if path == ROOT / "analysis" / "compiled" / "library.py":
-        allowed.add("heyoka")
-    packages = {name.partition(".")[0] for name in imported_modules(path)}
-    assert packages <= allowed
-
-
-@pytest.mark.parametrize(
-    "path",
-    sorted(each for folder in SHARED for each in (ROOT / "analysis" / folder).rglob("*.py")),
-    ids=lambda p: p.stem,
-)
-def test_what_is_shared_imports_no_mechanics(path: Path) -> None:
-    for name in imported_modules(path):
-        package, _, rest = name.partition(".")
-        if package == "analysis":
-            assert rest.split(".")[0] in SHARED[path.parent.name], f"{path.name} imports {name}"
+def test_in_house_side_imports_numpy_and_scipy_only() -> None:
+    known = set(sys.stdlib_module_names) | {"analysis", "numpy", "scipy"}
+    for path in (ROOT / "analysis").rglob("*.py"):
+        packages = {name.partition(".")[0] for name in imported_modules(path)}
+        library = {"heyoka"} if path == ROOT / "analysis" / "compiled" / "library.py" else set()
+        assert packages <= known | library, path
 
 
 @pytest.mark.parametrize(

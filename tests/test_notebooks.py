@@ -13,6 +13,8 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot as plt
 
+from tests.stated import values, words
+
 FOLDER = Path(__file__).parent.parent / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 LARGEST = 300_000
@@ -46,12 +48,6 @@ def run(cell: dict[str, Any], names: dict[str, Any]) -> str:
     return printed.getvalue()
 
 
-def told(text: str) -> tuple[list[str], list[float]]:
-    """Words and numbers of a text."""
-    number = r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]\d+)?"
-    return re.sub(number, "#", text).split(), [float(each) for each in re.findall(number, text)]
-
-
 @pytest.mark.parametrize(
     "path",
     [
@@ -68,11 +64,10 @@ def test_notebook_shows_what_comes_out(
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {"__name__": "notebook"}
     for cell in cells(path, "code"):
-        words, numbers = told(run(cell, names))
-        stored_words, stored_numbers = told(shown(cell))
-        assert words == stored_words
+        found, stored = run(cell, names), shown(cell)
+        assert words(found).split() == words(stored).split()
         # Differences and error estimates are of the size of the tolerance, 1e-6.
-        assert numbers == pytest.approx(stored_numbers, rel=1e-3, abs=1e-6, nan_ok=True)
+        assert values(found) == pytest.approx(values(stored), rel=1e-3, abs=1e-6)
     plt.close("all")
     assert not list(tmp_path.iterdir())
 

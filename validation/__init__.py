@@ -49,7 +49,7 @@ def animate(
     from validation.kit.animation.player import player  # noqa: PLC0415
 
     poses = keyframes(run, begin, end)
-    return player(poses, name="tippedisk", title=title, speed=speed)
+    return player(poses, title=title, speed=speed)
 
 
 def play() -> "Page":

@@ -155,11 +155,11 @@ def sweeps(repeats: int) -> Iterator[Check]:
         axis = Axis(field="spin", first=30.0, last=50.0, count=CASES)
         plan = Plan(end=2.0, spacing=1e-2, **how)
         sweep = Sweep(scenario=scenario, design=Design(axes=(axis,)), plan=plan)
-        alone = [partial(plan.motion, sweep.scenario_of(n), time_limit=None) for n in range(CASES)]
+        alone = [partial(plan.motion, sweep.scenario_of(n)) for n in range(CASES)]
         with TemporaryDirectory() as folder, Store(Path(folder) / "a.db", sweep) as store:
 
             def swept(sweep: Sweep = sweep, store: Store = store) -> None:
-                store.add(run_chunk(sweep, range(CASES), 60.0, 200.0))
+                store.add(run_chunk(sweep, range(CASES), 200.0))
 
             taken, *runs = milliseconds(swept, *alone, repeats=repeats)
         yield measured(f"{label}: over single runs", taken / sum(runs), "", 1.2)

@@ -80,8 +80,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         # A law of one's own, or this program, is at fault: where, the traceback says.
         _complain(format_exc().rstrip())
         return _FAULT
-    except KeyboardInterrupt:
-        _complain(f"{name}: interrupted")
+    except KeyboardInterrupt as stop:
+        _complain(": ".join([name, "interrupted", *map(str, stop.args)]))
         return _INTERRUPTED
     finally:
         sys.path[:] = path

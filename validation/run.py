@@ -9,7 +9,7 @@ from typing import Any
 import numpy.typing as npt
 
 import analysis
-from analysis import Progress, RestCriterion, Scenario, SpatialMotion, Trajectory
+from analysis import Progress, Scenario, SpatialMotion, Trajectory
 from analysis.data.checks import increasing_times
 from analysis.data.limits import Effort
 from analysis.solve import effort as inhouse_effort
@@ -59,7 +59,6 @@ def run_to_rest(
     end: float,
     *,
     spacing: float = REST_SPACING,
-    criterion: RestCriterion | None = None,
     progress: Progress | None = None,
     **how: Any,
 ) -> SpatialMotion:
@@ -73,8 +72,8 @@ def run_to_rest(
         Longest time in s.
     spacing : float
         Time between samples in s.
-    criterion, progress
-        As both sides' `simulate_to_rest` take them.
+    progress : callable, optional
+        As both sides take it.
     **how
         See `RunOptions`; without `formulation`, `integrator` and `allow_pulling`.
 
@@ -86,8 +85,7 @@ def run_to_rest(
         If the run fails; both sides tell how.
     """
     options = _of_rest(**how)
-    given = _given(options, *_HOW, *_ENDS)
-    given |= {"spacing": spacing, "criterion": criterion, "progress": progress}
+    given = _given(options, *_HOW, *_ENDS) | {"spacing": spacing, "progress": progress}
     if options.source == "in-house":
         return analysis.simulate_to_rest(scenario, end, **given)
     import mbs_models

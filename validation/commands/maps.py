@@ -1,14 +1,15 @@
 """The command `map`: what becomes of the disk over two parameters."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from analysis.compiled.library import require_heyoka
-from analysis.data.checks import positive, whole
+from analysis.data.checks import whole
 from validation.commands.options import checked_end, output_folder
 from validation.commands.output import Result, save
-from validation.kit.progress import bar, duration, say
+from validation.kit.progress import duration, say
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
 from validation.maps.problems import PROBLEMS, panels
@@ -74,7 +75,6 @@ def map(  # noqa: A001 - the command's name
         Of each run, processor time in s.
     """
     mapped = PROBLEMS[name]
-    positive("time_limit", time_limit)
     whole("pairs", pairs, least=0)
     scenario = problem.scenario()
     how: dict[str, Any] = {
@@ -84,13 +84,15 @@ def map(  # noqa: A001 - the command's name
     if compiled:
         require_heyoka()
     size: dict[str, Any] = {"cells": cells, "levels": levels, "witnesses": witnesses}
-    wanted = panels(mapped, scenario, **size, **how)
-    shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
+    wanted, shifted = (
+        [replace(each, plan=replace(each.plan, time_limit=time_limit)) for each in sweeps]
+        for sweeps in (
+            panels(mapped, scenario, **size, **how),
+            shifted_sweeps(mapped, scenario, number=pairs, **how),
+        )
+    )
     # Workers that cannot be had are not announced, and leave no folder behind.
-    with (
-        open_pool(**pool) as opened,
-        bar(name, unit="cases") as shown,
-    ):
+    with open_pool(**pool) as opened:
         folder = output_folder("out", out)
         runs = [(each, levels, expected_cases(cells, levels)) for each in wanted]
         runs += [(each, 0, pairs) for each in shifted]
@@ -102,8 +104,6 @@ def map(  # noqa: A001 - the command's name
                 opened,
                 to_rest=mapped.to_rest,
                 levels=halved,
-                time_limit=time_limit,
-                told=lambda new, _: shown.update(new),
             )
             for index, (each, halved, _) in enumerate(runs, 1)
         ]
@@ -120,7 +120,7 @@ def map(  # noqa: A001 - the command's name
 
 def _announce(runs: Sequence[tuple[Sweep, int, int]], processes: int) -> None:
     """Say about how many runs are coming, and how long they take where none has been made yet."""
-    seconds = sum(count * look_ahead(sweep).seconds for sweep, _, count in runs)
+    seconds = sum(count * look_ahead(sweep)[0] for sweep, _, count in runs)
     say(
         f"tippedisk map: some {sum(count for *_, count in runs)} cases, roughly "
         f"{duration(seconds / processes)} on {processes} processes where none is in the folder yet"

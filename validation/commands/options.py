@@ -10,7 +10,6 @@ import numpy as np
 from analysis.data.checks import Array, positive, within
 from analysis.data.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
 from analysis.data.names import ArgumentError
-from analysis.data.written import read_value
 from validation.kit.progress import say
 from validation.sweeps.axes import axis_from
 
@@ -83,19 +82,16 @@ def parse_spins(texts: Sequence[str]) -> Array:
     """
     spins: list[Any] = []
     for text in ",".join(texts).split(","):
-        if ":" not in text:
-            spins.append(read_value("start.spin", text, "spin"))
-            continue
         try:
             axis = axis_from("start.spin", text)
-            size = int(within("number", axis.size or 2, 2, MOST_SPINS))
+            within("number", axis.size or 2, 2 if ":" in text else 1, MOST_SPINS)
         except ValueError as error:
             fault = (
                 "must be a value or first:last:number, of different ends and at least 2 and at "
                 f"most {MOST_SPINS} spins, got {text!r}"
             )
             raise ArgumentError("spin", fault) from error
-        spins += map(axis.at, range(size)) if axis.size else (axis.first, axis.last)
+        spins += axis.grid or (axis.first, axis.last)
     return np.unique(np.array(spins, dtype=float))
 
 

@@ -1,12 +1,10 @@
 """The commands `scenario` and `check`: a problem as a file, and the two sides on it."""
 
-from typing import Any
-
 from analysis import scenario_text
 from analysis.data.checks import whole
 from validation.commands.options import checked_end
 from validation.commands.output import Result
-from validation.parser.kinds import AnyProblem, NamedProblem
+from validation.parser.kinds import AnyProblem, NamedProblem, Numbers
 
 
 def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
@@ -24,7 +22,7 @@ def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
     return 0
 
 
-def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result:
+def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Numbers:
     """Compare engine and in-house equations on a scenario of your own.
 
     Compare accelerations, trajectories and, where they are defined, eigenvalues of a scenario
@@ -48,19 +46,5 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
     return Result(
         tables=[comparisons.table(checks)],
         notes=[f"{failed} checks FAIL." if failed else f"All {held} checks hold."],
-        draw=lambda: _picture(checks),
         code=1 if failed else 0,
     )
-
-
-def _picture(checks: Any) -> Any:
-    """Figure of the differences as parts of what is allowed."""
-    from validation.kit import figures
-
-    shown = [each for each in checks if each.difference is not None]
-    figure, axes = figures.new_figure(height=1.0 + 0.3 * len(shown))
-    names = [f"{each.quantity}, {each.formulation}" for each in shown]
-    axes.plot([each.difference / each.criterion for each in shown], names, "o", color="black")
-    axes.axvline(1.0, color=figures.COLOURS[2])
-    axes.set(xscale="log", xlabel="largest difference over what is allowed")
-    return figure

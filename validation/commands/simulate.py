@@ -1,20 +1,23 @@
-"""The command `simulate`."""
+"""The commands `simulate` and `rest`: one run of a scenario."""
 
+from dataclasses import fields
 from typing import Annotated, Any
 
 import numpy as np
 
-from analysis import multiplier_names
+from analysis import CAUSES, Dissipation, SpatialMotion, multiplier_names
 from analysis.data.checks import whole
 from analysis.data.limits import check_storage
+from analysis.data.names import ArgumentError
 from analysis.stability.unstable_start import unstable_start
 from validation.commands.options import announce, checked_end
 from validation.commands.output import Result, pictured
 from validation.kit.progress import progress_bar
+from validation.kit.tables import Cell, Table
 from validation.parser.kinds import AnyProblem, MotionOut
 from validation.parser.options import Group
 from validation.parser.runs import RunOptions
-from validation.run import run, run_effort
+from validation.run import REST_SPACING, rest_effort, run, run_effort, run_to_rest
 
 
 def simulate(
@@ -75,3 +78,113 @@ def simulate(
         draw=lambda: pictured([(scenario.name, motion)]),
         notes=notes,
     )
+
+
+def rest(
+    *,
+    problem: AnyProblem,
+    how: Annotated[
+        dict[str, Any], Group(RunOptions, "source", "tolerance", "step", "stop_when", "time_limit")
+    ],
+    end: float = 80.0,
+    out: MotionOut = None,
+) -> Result:
+    """Simulate the disk from the paper's start until it lies still.
+
+    Simulate the disk on a stiff unilateral contact until it lies still, and print when each phase
+    began and where the energy went. By default the rim is rounded, friction knows the contact
+    force, and nothing but sliding friction and the contact's damper takes energy; then the disk
+    does not lie flat.
+
+    The disk is inverted from the first time at which its centre of gravity has risen to 90% of its
+    largest height above the geometric centre and from which it stays above that centre for 1 s; if
+    the motion ends before, it is not decided.
+
+    Parameters
+    ----------
+    tolerance
+        Largest error in rad and parts of the energy (1e-3).
+    step
+        Engine only: a single run of fixed steps in s instead.
+    end
+        Longest time in s.
+    out
+        Store the motion, .npz or -.
+    """
+    checked_end(end, REST_SPACING)
+    scenario = problem.scenario(rest=True)
+    if scenario.contact is None:
+        raise ArgumentError(
+            "scenario",
+            "needs a penalty contact on the way to rest, and its is ideal; give --stiffness and "
+            "--half-thickness, or the table [contact]",
+        )
+    announce("rest", rest_effort(scenario, end, **how), how.get("time_limit"))
+    with progress_bar() as progress:
+        motion = run_to_rest(scenario, end, **how, progress=progress)
+    if out is not None:
+        motion.save(out)
+    table = _story(motion)
+    return Result(
+        tables=[table],
+        values={str(name): value for name, value, _ in table.rows}
+        | {"ending": None if motion.ending is None else motion.ending.reason},
+        draw=lambda: _picture(motion),
+        notes=list(_remarks(motion)),
+    )
+
+
+def _story(motion: SpatialMotion) -> Table:
+    """When each phase began, where the energy went, and how far that can be relied on."""
+    energies, phases = motion.energies.sum(axis=1), motion.phases
+    rows: list[tuple[str, Cell, str]] = [
+        (field.name.replace("_", " "), getattr(phases, field.name), "s")
+        for field in fields(phases)
+    ]
+    rows += [("energy at first", float(energies[0]), "J")]
+    rows += [
+        # Below the error it may come out negative; no -0.
+        (f"taken by {cause.replace('_', ' ')}", round(float(taken), 9) + 0.0, "J")
+        for cause, taken in zip(CAUSES, motion.dissipated[-1], strict=True)
+        if taken
+    ]
+    rows += [
+        ("energy left", float(energies[-1]), "J"),
+        ("estimated error", motion.error_estimate, "rad and parts of the energy"),
+    ]
+    return Table(
+        title=f"The way to rest of {motion.scenario.name}, {motion.source}",
+        columns=("what", "value", "unit"),
+        rows=rows,
+    )
+
+
+def _remarks(motion: SpatialMotion) -> Any:
+    """What else is to be said of the motion, and why it ended."""
+    if motion.inversion.outcome == "not decided":
+        yield "inversion not decided: the disk was up, and the motion ended too soon after"
+    if warning := unstable_start(motion.scenario):
+        yield warning
+    if motion.ending is not None:
+        yield str(motion.ending)
+    elif motion.phases.rest is None:
+        yield (
+            f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad"
+            + _lacking(motion.scenario.dissipation)
+        )
+
+
+def _lacking(losses: Dissipation) -> str:
+    """What a disk needs that is to come to rest, and does not have."""
+    needs = []
+    if not losses.rolling_dry and not losses.rolling_viscous:
+        needs.append("lying flat needs --rolling or --rolling-viscous")
+    if not losses.pivoting:
+        needs.append("lying still needs --pivoting")
+    return "".join(f"; {each}" for each in needs)
+
+
+def _picture(motion: SpatialMotion) -> Any:
+    from validation.studies.rest.figures import draw_story
+
+    return draw_story(motion)

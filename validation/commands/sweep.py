@@ -2,19 +2,18 @@
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from analysis.data.checks import choice, positive
+from analysis.data.checks import choice
 from analysis.data.endings import named_conditions
 from analysis.data.names import ArgumentError
 from analysis.data.outcomes import DONE
 from analysis.data.scenario_file import read_toml
 from validation.commands.options import PATIENCE, checked_end
 from validation.commands.output import PictureOut, Result
-from validation.kit.progress import bar, duration, say
+from validation.kit.progress import duration, say
 from validation.parser import kinds
 from validation.parser.options import Group
 from validation.parser.runs import RunOptions
@@ -22,9 +21,9 @@ from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
-from validation.sweeps.runner import Told, run_cases
+from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store, expected_size
-from validation.sweeps.sweep import LookAhead, Sweep, look_ahead
+from validation.sweeps.sweep import Sweep, look_ahead
 
 
 def sweep(
@@ -44,8 +43,9 @@ def sweep(
         Group(
             RunOptions,
             *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
-            "stop_when",
+            *("stop_when", "time_limit"),
             source="in-house",
+            time_limit=60.0,
         ),
     ],
     end: float = 4.0,
@@ -54,7 +54,6 @@ def sweep(
     keep: Annotated[str, {"metavar": "NAMES"}] = "",
     rest: bool = False,
     pool: kinds.Pool,
-    time_limit: float = 60.0,
     plot: PictureOut = None,
 ) -> Result:
     """Run a scenario many times with some of its fields varied.
@@ -112,7 +111,6 @@ def sweep(
     plot
         Draw it, .png, .svg, .pdf or -.
     """
-    positive("time_limit", time_limit)
     given = {"layout": layout, "number": number, "seed": seed}
     wanted = Sweep(
         scenario=problem.scenario(rest=rest),
@@ -134,18 +132,17 @@ def sweep(
             _pictures().check_drawable(wanted)
         except ValueError as error:
             raise ArgumentError("plot", f"cannot be made: {error}") from None
-    ahead = look_ahead(wanted)
+    seconds, refused = look_ahead(wanted)
     # The workers first: where there are none, no store is made.
     with (
         open_pool(**pool) as opened,
         Store(out, wanted, accept_other_code=accept_other_code) as store,
-        _interrupted(store, wanted),
-        _counter(wanted.design.size, store.count()) as told,
     ):
         if left := wanted.design.size - store.count():
-            _announce(wanted, ahead, left, opened.workers)
-        how = {"time_limit": time_limit, "retry": retry, "told": told}
-        run_cases(wanted, store, opened, **how)
+            _announce(wanted, seconds, left, opened.workers)
+            if refused:
+                say(f"tippedisk sweep: {refused}")
+        run_cases(store, opened, retry=retry)
         failed = store.count() - store.count(DONE)
         found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
     return Result(
@@ -203,44 +200,11 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
         )
 
 
-def _announce(wanted: Sweep, ahead: LookAhead, left: int, processes: int) -> None:
-    """Say what is coming, if it takes long or some cases will be refused."""
-    seconds = left * ahead.seconds / processes
-    if ahead.refused:
-        say(
-            f"tippedisk sweep: {ahead.refused} of {ahead.looked_at} cases looked at are refused, "
-            f"such as: {ahead.reason}"
-        )
+def _announce(wanted: Sweep, seconds: float, left: int, processes: int) -> None:
+    """Say what is coming, if it takes long."""
+    seconds *= left / processes
     if seconds > PATIENCE:
         say(
             f"tippedisk sweep: {left} cases, roughly {duration(seconds)} on {processes} "
             f"processes, at most {expected_size(wanted) / 1e6:.1f} MB"
         )
-
-
-@contextmanager
-def _interrupted(store: Store, wanted: Sweep) -> Iterator[None]:
-    try:
-        yield
-    except KeyboardInterrupt:
-        say(
-            f"tippedisk sweep: {store.count()} of {wanted.design.size} cases are in {store.path}; "
-            "the same command goes on"
-        )
-        raise
-
-
-@contextmanager
-def _counter(total: int, done: int) -> Iterator[Told]:
-    """A bar with the rate and the time left."""
-    failures = 0
-    with bar(total=total, initial=done, unit="cases") as shown:
-
-        def told(new: int, failed: int) -> None:
-            nonlocal failures
-            failures += failed
-            if failures:
-                shown.set_postfix_str(f"{failures} failed", refresh=False)
-            shown.update(new)
-
-        yield told

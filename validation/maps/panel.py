@@ -15,6 +15,7 @@ from analysis.data.files import AnyArray
 from analysis.data.outcomes import DONE
 from validation.maps.refinement import Cell, refine
 from validation.sweeps.pools import Pool
+from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
@@ -127,9 +128,7 @@ def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
     return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
 
 
-def run_panel(
-    sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0, **how: Any
-) -> Panel:
+def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0) -> Panel:
     """Run a panel, or what its store does not hold of it.
 
     Parameters
@@ -143,14 +142,12 @@ def run_panel(
         See `judged`.
     levels : int
         How often cells are halved.
-    **how
-        As in `run_cases`.
     """
     with Store(path, sweep) as store:
 
         def run(numbers: Iterable[int] | None = None) -> list[Cell]:
-            run_cases(sweep, store, pool, numbers=numbers, **how)
-            return [cell(sweep, row, to_rest=to_rest) for row in store.rows()]
+            run_cases(store, pool, numbers=numbers)
+            return [cell(sweep, row, to_rest=to_rest) for row in Results.load(path).rows()]
 
         cells = refine(sweep.design.shape, levels, run) if levels else run()
     return Panel(sweep=sweep, cells=pd.DataFrame(cells))

@@ -15,11 +15,10 @@ from validation.parser.options import Command, Parser
 _FOLDER = Path(__file__).parent.parent / "commands"
 
 _MODULES = (
-    *("studies", "simulate", "show", "scenario", "sweep", "maps", "rest", "stability"),
-    *("nonlinear", "scene", "animate", "completion"),
+    *("studies", "simulate", "show", "scenario", "sweep", "maps", "stability", "nonlinear"),
+    *("scene", "animate", "completion"),
 )
 """In the order of the help."""
-
 
 _LIGHT = ("pathlib", "typing", "validation.commands.output", "validation.parser")
 """Modules from which signatures have their names."""

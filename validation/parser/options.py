@@ -131,10 +131,14 @@ class OfScenario(NamedTuple):
     flag: str = "--scenario"
 
     def add_to(self, parser: Parser, _: dict[str, str]) -> None:
-        """Add the option for the file; those for the quantities stand at the end."""
+        """Add the options for the file and for the quantities, a group for each table."""
         how: dict[str, Any] = {} if self.flag.startswith("-") else {"nargs": "?"}
         about = "scenario, .toml, or a stored run to repeat, .npz"
         parser.add_argument(self.flag, **file(existing(), help=about), **how)
+        for table in self.tables:
+            group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
+            for quantity in of_table(table).values():
+                group.add_argument(quantity.flag, **_how(quantity))
 
     def value(self, given: Mapping[str, Any]) -> Any:
         """What is told of the scenario."""
@@ -198,11 +202,6 @@ class Command:
         found = _OUTPUTS if told.return_annotation is Result else _keywords(told.return_annotation)
         self._outputs = found if isinstance(found, Group) else None
 
-    @property
-    def tables(self) -> tuple[str, ...]:
-        """Tables of the scenario whose quantities are options."""
-        return next((e.tables for e in self._kinds.values() if isinstance(e, OfScenario)), ())
-
     def parser(self) -> Parser:
         """Parser of the command."""
         parser = Parser(prog=f"tippedisk {self.name}", description=self.about)
@@ -216,10 +215,6 @@ class Command:
             if not each.option_strings
         )
         parser.usage = f"tippedisk {self.name} [OPTION ...]{names}"
-        for table in self.tables:
-            group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
-            for quantity in of_table(table).values():
-                group.add_argument(quantity.flag, **_how(quantity))
         return parser
 
     def call(self, function: Callable[..., Any], given: Mapping[str, Any]) -> int:

@@ -123,9 +123,7 @@ def present(rows: Rows) -> Content:
             "load": draw_load(runs),
             "models": draw_models(runs),
         },
-        animations={
-            "animation": player(contact, name="inversion-animation", title=TITLE, caption=caption)
-        },
+        animations={"animation": player(contact, title=TITLE, caption=caption)},
         checks=[
             at_most(f"inversion, {row['model']}: {name}", row[name], limit)
             for row in apart.to_dict("records")

@@ -36,9 +36,6 @@ WITNESSES = 2
 PAIRS = 40
 """Starts of the map to rest, beside which others are run."""
 
-TIME_LIMIT = 60.0
-"""Of a run in s of processor time."""
-
 REPEATED = {
     "spin-friction": (257, 457),
     "spin-eccentricity": (255, 416),
@@ -131,7 +128,7 @@ def measure(case: Case) -> list[Row]:
 
     def run(numbers: Iterable[int]) -> list[Row]:
         for number in numbers:
-            row = run_case(sweep, number, TIME_LIMIT)
+            row = run_case(sweep, number)
             found.append(cell(sweep, row, to_rest=case.to_rest) | sweep.design.values_of(number))
         return found
 

@@ -29,17 +29,13 @@ TIMERS = tuple(
 """Which ends a process after so many times a limit, and by which signal; none on Windows."""
 
 
-def run_chunk(
-    sweep: Sweep, numbers: Sequence[int], time_limit: float, hanging: float
-) -> list[CaseRow]:
+def run_chunk(sweep: Sweep, numbers: Sequence[int], hanging: float) -> list[CaseRow]:
     """Rows of some cases.
 
     Parameters
     ----------
     sweep : Sweep
     numbers : sequence of int
-    time_limit : float
-        Of each run in s of processor time.
     hanging : float
         Processor time in s after which a case that does not look at its limit, such as an endless
         loop of a friction law of one's own, ends the process.
@@ -51,7 +47,7 @@ def run_chunk(
     rows = []
     for number in numbers:
         with _ended_after(hanging):
-            rows.append(run_case(sweep, number, time_limit))
+            rows.append(run_case(sweep, number))
     return rows
 
 
@@ -75,23 +71,23 @@ def _ended_after(seconds: float) -> Iterator[None]:
             faulthandler.cancel_dump_traceback_later()
 
 
-def run_case(sweep: Sweep, index: int, time_limit: float | None) -> CaseRow:
+def run_case(sweep: Sweep, index: int) -> CaseRow:
     """Row of a case: its number, its values and its outcome, or why there is none."""
     begin = time.process_time()
     row: CaseRow = {"number": index, **sweep.design.values_of(index)}
     try:
-        motion = sweep.plan.motion(sweep.scenario_of(index), time_limit=time_limit)
+        motion = sweep.plan.motion(sweep.scenario_of(index))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - a law of one's own may raise any
         return {**row, **failure(error), "seconds": time.process_time() - begin}
     row |= outcome(motion)
     row["seconds"] = time.process_time() - begin
-    return _with_the_rest(sweep, row, motion, time_limit)
+    return _with_the_rest(sweep, row, motion)
 
 
 def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     """Rows of several cases that are compiled and run together; the plan's method is "taylor".
 
-    The time limit is left to whoever calls this.
+    The time limit of their runs is left to whoever calls this.
     """
     begin, plan = time.process_time(), sweep.plan
     cases = [sweep.design.values_of(number) for number in numbers]
@@ -111,13 +107,11 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     for place, member in enumerate(members.tolist()):
         # A motion of a batch is worked out where it is asked for.
         if rows[member]["status"] == DONE and (plan.keep or sweep.has_witness(numbers[member])):
-            rows[member] = _with_the_rest(sweep, rows[member], runs[place], None)
+            rows[member] = _with_the_rest(sweep, rows[member], runs[place])
     return rows
 
 
-def _with_the_rest(
-    sweep: Sweep, row: CaseRow, motion: Motion, time_limit: float | None
-) -> CaseRow:
+def _with_the_rest(sweep: Sweep, row: CaseRow, motion: Motion) -> CaseRow:
     """Row with series of its motion and what its witness says, where they are asked for."""
     plan = sweep.plan
     if row["status"] != DONE:
@@ -128,7 +122,7 @@ def _with_the_rest(
         return row
     begin = time.process_time()
     try:
-        other = plan.witness.motion(motion.scenario, time_limit=time_limit)
+        other = plan.witness.motion(motion.scenario)
         found = outcome(other)
     except (ValueError, ArithmeticError) as error:
         found = failure(error)

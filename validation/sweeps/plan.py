@@ -1,6 +1,6 @@
 """How each case of a sweep is run."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,8 @@ class Plan(RunOptions):
     ----------
     tolerance : float, optional
         1e-6, or 1e-3 to rest, if no other accuracy is given.
+    time_limit : float
+        Processor time of each run in s.
     end : float
         Of each motion in s.
     spacing : float
@@ -49,7 +51,7 @@ class Plan(RunOptions):
     """
 
     source: str = "in-house"
-    time_limit: None = field(default=None, init=False)
+    time_limit: float = 60.0
     end: float = 4.0
     spacing: float = 5e-3
     to_rest: bool = False
@@ -66,7 +68,7 @@ class Plan(RunOptions):
                 "spacing", f"must be less than end = {end:g} s, got {self.spacing:g}"
             )
         check_storage("spacing", end / self.spacing, 20)
-        for name in (*ACCURACIES, "witness_tolerance", "witness_step"):
+        for name in (*ACCURACIES, "witness_tolerance", "witness_step", "time_limit"):
             if (value := getattr(self, name)) is not None:
                 positive(name, value)
         if self.local_tolerance is not None:
@@ -110,14 +112,15 @@ class Plan(RunOptions):
             tolerance=tolerance if self.witness_step is None else None,
             step=self.witness_step,
             stop_when=self.stop_when,
+            time_limit=self.time_limit,
             end=self.end,
             spacing=self.spacing,
             to_rest=self.to_rest,
         )
 
-    def motion(self, scenario: Scenario, *, time_limit: float | None) -> Motion:
+    def motion(self, scenario: Scenario) -> Motion:
         """Motion of a case."""
-        how = self.given(*OPTIONS) | {"time_limit": time_limit}
+        how = self.given(*OPTIONS)
         if self.to_rest:
             return run_to_rest(scenario, self.end, spacing=self.spacing, **how)
         return run(scenario, self.times, **how)

@@ -5,7 +5,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from itertools import islice
 from types import FrameType
 from typing import Any
@@ -15,6 +15,7 @@ from pebble import ProcessExpired
 from analysis.data.outcomes import DONE, Row, failed
 from analysis.data.state import COORDINATES
 from validation.kit.processes import Processes
+from validation.kit.progress import bar
 from validation.sweeps.case import TIMERS, CaseRow, run_chunk
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
@@ -41,42 +42,24 @@ LARGEST_SERIES = 16_000_000
 LARGEST_BATCH = 100_000_000
 """Bytes of samples of cases that run together; some three times as much is held."""
 
-_LOOK = 4096
-"""Cases whose presence in the store is asked for at once."""
-
-Told = Callable[[int, int], None]
-"""Called with the numbers of cases that are done anew, and of those among them that failed."""
-
 
 def run_cases(
-    sweep: Sweep,
-    store: Store,
-    pool: Pool,
-    *,
-    numbers: Iterable[int] | None = None,
-    time_limit: float = 60.0,
-    retry: bool = False,
-    told: Told = lambda _done, _failed: None,
+    store: Store, pool: Pool, *, numbers: Iterable[int] | None = None, retry: bool = False
 ) -> None:
-    """Run the cases that a store does not hold, and put them there.
+    """Run the cases that a store does not hold of its sweep, with a progress bar.
 
     A case whose run fails, hangs or takes its process down becomes a row that says so. However
     this ends, the store holds what was done up to a second before.
 
     Parameters
     ----------
-    sweep : Sweep
     store : Store
-        Of this sweep.
+        Gets their rows.
     pool : Pool
     numbers : iterable of int, optional
         Cases to run; all by default. Memory does not grow with their number.
-    time_limit : float
-        Of each run in s of processor time.
     retry : bool
         Whether cases that failed run again.
-    told : callable
-        See `Told`.
 
     Raises
     ------
@@ -84,31 +67,36 @@ def run_cases(
         If the store cannot be written, or the workers are lost.
     UnguardedScriptError
         If the processes import a script that starts them without a guard.
+    KeyboardInterrupt
+        It says what the store holds.
     """
-    wanted = range(sweep.design.size) if numbers is None else numbers
-    work = _Work(sweep, pool, time_limit)
-    todo = _missing(store, wanted, retry=retry)
-    with _interrupts_deferred() as check:
-        try:
+    size, failures = store.sweep.design.size, 0
+    work = _Work(store.sweep, pool)
+    todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
+    counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
+    try:
+        with (
+            _interrupts_deferred() as check,
+            closing(work),
+            bar(store.path.name, unit="cases", **counted) as shown,
+        ):
             while work.fill(todo):
-                if rows := work.collect():
-                    store.add(rows)
-                    told(len(rows), sum(row["status"] != DONE for row in rows))
+                rows = work.collect()
+                store.add(rows)
+                failures += sum(row["status"] != DONE for row in rows)
+                shown.set_postfix_str(f"{failures} failed" if failures else "", refresh=False)
+                shown.update(len(rows))
                 store.commit_if_due()
                 check()
-        finally:
-            work.close()
-            store.commit()
+    except KeyboardInterrupt:
+        held = f"{store.count()} of {size} cases are in {store.path}"
+        raise KeyboardInterrupt(f"{held}; the same command goes on") from None
+    finally:
+        store.commit()
 
 
-def run_sweep(
-    sweep: Sweep,
-    path: str | os.PathLike[str],
-    *,
-    workers: int | None = None,
-    time_limit: float = 60.0,
-) -> None:
-    """Run what a store does not hold of a sweep, in processes of this machine.
+def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None = None) -> None:
+    """Run what a store does not hold of a sweep, in processes of this machine, with a bar.
 
     Parameters
     ----------
@@ -117,8 +105,6 @@ def run_sweep(
         Of the store, made if there is none; `Results.load` reads it.
     workers : int, optional
         Number of processes, by default that of the cores.
-    time_limit : float
-        Of each run in s of processor time.
 
     Raises
     ------
@@ -127,7 +113,7 @@ def run_sweep(
     """
     look_ahead(sweep)
     with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
-        run_cases(sweep, store, pool, time_limit=time_limit)
+        run_cases(store, pool)
 
 
 @contextmanager
@@ -159,12 +145,6 @@ def _interrupts_deferred() -> Iterator[Callable[[], None]]:
     check()
 
 
-def _missing(store: Store, numbers: Iterable[int], *, retry: bool) -> Iterator[int]:
-    left = iter(numbers)
-    while block := list(islice(left, _LOOK)):
-        yield from store.missing(block, retry=retry)
-
-
 class _Work:
     """Chunks of cases that are being run.
 
@@ -172,14 +152,14 @@ class _Work:
     one by one, in processes of this machine, where a worker that ends has one case alone.
     """
 
-    def __init__(self, sweep: Sweep, pool: Pool, time_limit: float) -> None:
+    def __init__(self, sweep: Sweep, pool: Pool) -> None:
         self._sweep, self._pool, plan = sweep, pool, sweep.plan
         held = LARGEST_SERIES // max(1, plan.series_bytes)
         if plan.runs_in_batches:
             held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
         self._largest = max(1, min(LARGEST_CHUNK, held))
         # A case is two runs if it has a witness.
-        self._limits = (time_limit, 3.0 * time_limit + GRACE)
+        self._hanging = 3.0 * plan.time_limit + GRACE
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], list[int]] = {}
         self._processes: Processes | None = None
@@ -201,7 +181,7 @@ class _Work:
             if not chunk:
                 break
             try:
-                future = executor.submit(run_chunk, self._sweep, chunk, *self._limits)
+                future = executor.submit(run_chunk, self._sweep, chunk, self._hanging)
             except RuntimeError:
                 self._lost = True
             else:
@@ -245,13 +225,13 @@ class _Work:
             self._pool.executor.check_begun()
         self._processes = self._processes or Processes(1)
         for number in numbers:
-            future = self._processes.submit(run_chunk, self._sweep, [number], *self._limits)
+            future = self._processes.submit(run_chunk, self._sweep, [number], self._hanging)
             self._alone[future] = [number]
 
     def _ended(self, error: ProcessExpired) -> Row:
         """Why a case has ended its process."""
         if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
-            limit = f"no result within {self._limits[1]:g} s of processor time"
+            limit = f"no result within {self._hanging:g} s of processor time"
             return failed("too slow", limit)
         return failed("crashed", f"its process ended with code {error.exitcode}")
 

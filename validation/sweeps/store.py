@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import closing, contextmanager
 from hashlib import sha256
+from itertools import islice
 from pathlib import Path
 
 from analysis.data.outcomes import DONE
@@ -30,6 +31,9 @@ APPLICATION = 0x74697070
 
 COMMIT_EVERY = 1.0
 """Time in s between commits, each of which takes some 20 ms."""
+
+_LOOK = 4096
+"""Cases whose presence is asked for at once."""
 
 _PATIENCE = 30.0
 """Time in s for which a commit waits for a reader of the file."""
@@ -65,7 +69,7 @@ class Store:
         self, path: str | os.PathLike[str], sweep: Sweep, *, accept_other_code: bool = False
     ) -> None:
         self.path = Path(path)
-        self._sweep = sweep
+        self.sweep = sweep
         self._code = json.dumps(sweep.code(), sort_keys=True)
         # Commits of uncommitted changes are all alike.
         identity = sha256(self._code.encode()).hexdigest()[:10]
@@ -91,7 +95,7 @@ class Store:
         for table, kinds in {**self._tables, "sweep": about, "code": about}.items():
             columns = ", ".join(f'"{name}" {kind}' for name, kind in kinds.items())
             self._file.execute(f"CREATE TABLE {table} ({columns})")
-        told = {"format": str(FORMAT), "sweep": self._sweep.to_text()}
+        told = {"format": str(FORMAT), "sweep": self.sweep.to_text()}
         self._file.executemany("INSERT INTO sweep VALUES (?, ?)", told.items())
         self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
@@ -102,7 +106,7 @@ class Store:
 
     def _check(self, accepts: bool) -> None:
         # Nothing that it names is imported.
-        self._refuse("another sweep", _told(self._file, self.path), self._sweep.to_text())
+        self._refuse("another sweep", _told(self._file, self.path), self.sweep.to_text())
         codes = [text for (text,) in self._file.execute("SELECT value FROM code")]
         if json.loads(self._code) not in map(json.loads, codes):
             if not accepts:
@@ -132,8 +136,8 @@ class Store:
             found = self._file.execute("SELECT count(*) FROM cases WHERE status LIKE ?", (status,))
             return int(found.fetchone()[0])
 
-    def missing(self, numbers: Iterable[int], *, retry: bool = False) -> list[int]:
-        """Those of some cases, at most some thousand, that have no row yet.
+    def missing(self, numbers: Iterable[int], *, retry: bool = False) -> Iterator[int]:
+        """Those of some cases that have no row yet; they are asked for as these are.
 
         Parameters
         ----------
@@ -141,22 +145,15 @@ class Store:
         retry : bool
             Whether a case that failed counts as missing.
         """
-        numbers = list(numbers)
-        if not numbers:
-            return []
-        with told(self.path):
-            found = self._file.execute(
-                "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND (status = ? OR ?)",
-                (min(numbers), max(numbers), DONE, not retry),
-            )
-            present = {number for (number,) in found}
-        return [number for number in numbers if number not in present]
-
-    def rows(self) -> Iterator[CaseRow]:
-        """All rows, by their numbers."""
-        with told(self.path):
-            for cells in self._file.execute("SELECT * FROM cases ORDER BY number"):
-                yield dict(zip(self._tables["cases"], cells, strict=True))
+        left = iter(numbers)
+        while block := list(islice(left, _LOOK)):
+            with told(self.path):
+                found = self._file.execute(
+                    "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND (status = ? OR ?)",
+                    (min(block), max(block), DONE, not retry),
+                )
+                present = {number for (number,) in found}
+            yield from (number for number in block if number not in present)
 
     def add(self, rows: Iterable[CaseRow]) -> None:
         """Add rows; they are on the disk at the next commit."""

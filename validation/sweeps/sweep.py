@@ -5,9 +5,8 @@ import sys
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +14,9 @@ from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.compiled.library import require_heyoka
 from analysis.data.changes import changed, check_field
 from analysis.data.names import ArgumentError
+from analysis.data.own import is_own, own_object
 from analysis.data.trajectory import versions
-from validation.kit.sources import digest
+from validation.kit.sources import behind, digest
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 
@@ -62,14 +62,16 @@ class Sweep:
 
     def has_witness(self, index: int) -> bool:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
-        return bool(_spread(index) <= _spread_limit(self.design.size, self.plan.witnesses))
+        size, count = self.design.size, self.plan.witnesses
+        return count > 0 and bool(_spread(index) <= _spread_limit(size, min(count, size)))
 
     def to_text(self) -> str:
         """Plain data as JSON, by which two sweeps are the same."""
+        # However long a run may take, it is the same.
         told = {
             "scenario": self.scenario.values(),
             "design": asdict(self.design),
-            "plan": asdict(self.plan),
+            "plan": asdict(self.plan) | {"time_limit": None},
         }
         return json.dumps(told, sort_keys=True, allow_nan=False)
 
@@ -79,7 +81,7 @@ class Sweep:
         told = json.loads(text)
         design, plan = told["design"], told["plan"]
         axes = tuple(Axis(**axis) for axis in design.pop("axes"))
-        plan.pop("time_limit", None)
+        del plan["time_limit"]
         return cls(
             scenario=Scenario.from_values(told["scenario"]),
             design=Design(axes=axes, **design),
@@ -87,12 +89,14 @@ class Sweep:
         )
 
     def code(self) -> dict[str, str]:
-        """What the results depend on besides: versions, and a digest of all sources."""
-        specs = [find_spec(name) for name in ("analysis", "mbs_models")]
-        paths = [Path(str(spec.origin)).parent for spec in specs if spec is not None]
-        law = sys.modules[type(self.scenario.friction).__module__].__file__
-        sources = digest([*paths, Path(__file__).parent, Path(str(law))])
-        return {**versions("exudyn", "numpy", "scipy"), "sources": sources}
+        """What the results depend on besides: versions, and digests of all sources."""
+        # A law, a body and a condition may be of one's own.
+        parts: list[Any] = [type(self.scenario.friction), type(self.scenario.disk)]
+        if is_own(self.plan.stop_when):
+            parts.append(own_object("stop_when", self.plan.stop_when))
+        files = [Path(str(sys.modules[each.__module__].__file__)) for each in parts]
+        sources = {"sources": behind("validation.sweeps.case"), "own": digest(files)}
+        return versions("exudyn", "numpy", "scipy") | sources
 
 
 def _spread(index: Any) -> Any:
@@ -103,33 +107,18 @@ def _spread(index: Any) -> Any:
 @lru_cache
 def _spread_limit(size: int, count: int) -> float:
     """What so many of the first cases do not exceed."""
-    if count == 0:
-        return -1.0
-    count = min(count, size)
     return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
 
 
-class LookAhead(NamedTuple):
-    """What some cases, evenly spread over a sweep, tell before it runs.
+def look_ahead(sweep: Sweep) -> tuple[float, str]:
+    """Look at some cases of a sweep, evenly spread, without running them.
 
-    Parameters
-    ----------
-    looked_at, refused : int
-        Numbers of cases.
-    reason : str
-        Why the first of them is refused.
-    seconds : float
+    Returns
+    -------
+    float
         Processor time of a case in s, roughly, with the part that the other side has in it.
-    """
-
-    looked_at: int
-    refused: int
-    reason: str
-    seconds: float
-
-
-def look_ahead(sweep: Sweep) -> LookAhead:
-    """Look at some cases of a sweep without running them.
+    str
+        How many of those cases are refused, and why the first of them is; empty if none is.
 
     Raises
     ------
@@ -155,5 +144,5 @@ def look_ahead(sweep: Sweep) -> LookAhead:
                 seconds[-1] += part * sweep.plan.witness.effort(scenario).seconds
     if not seconds:
         raise errors[0]
-    reason = str(errors[0]) if errors else ""
-    return LookAhead(len(numbers), len(errors), reason, sum(seconds) / len(numbers))
+    count = f"{len(errors)} of {len(numbers)} cases looked at are refused"
+    return sum(seconds) / len(numbers), f"{count}, such as: {errors[0]}" if errors else ""

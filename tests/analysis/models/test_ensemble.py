@@ -243,8 +243,8 @@ def test_rows_of_a_batch_are_those_of_its_cases(
     pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     wanted = sweep(*axes, method="taylor", **{"tolerance": 1e-6, **how})
     numbers = range(wanted.design.size)
-    for number, row in zip(numbers, run_chunk(wanted, numbers, 60.0, 60.0), strict=True):
-        (alone,) = run_chunk(wanted, [number], 60.0, 60.0)
+    for number, row in zip(numbers, run_chunk(wanted, numbers, 60.0), strict=True):
+        (alone,) = run_chunk(wanted, [number], 60.0)
         assert row["number"] == number
         kept, expected = (each.pop("series", {}) for each in (row, alone))
         assert kept.keys() == expected.keys()

@@ -27,7 +27,6 @@ from analysis.data.sampled import SOURCES
 from analysis.data.scenario_text import scenario_text
 from tests.calls import Capture, printed, refusal, run
 from tests.helpers import not_none
-from tests.scenario_texts import with_key
 from tests.validation.cli.test_refusals import RING
 from validation.studies import comparisons
 
@@ -91,14 +90,6 @@ def test_of_a_file_and_options_the_one_that_is_wrong_is_blamed(capsys: Capture) 
     assert "--spin: spin cannot change: the start is told by its coord" in said
     said = refusal(capsys, "scenario rolling.toml --model 3")
     assert "error: gamma_rate must be -2.44929e-15 in Model 3" in said
-
-
-def test_a_file_is_blamed_with_the_line_that_is_wrong(capsys: Capture) -> None:
-    text = with_key(scenario_text(PAPER), "table", "gravity", "0")
-    Path("my.toml").write_text(text)
-    line = text.split("\n").index("gravity = 0") + 1
-    said = refusal(capsys, "scene --scenario my.toml")
-    assert said.endswith(f": error: my.toml, line {line}: gravity must be positive, got 0\n")
 
 
 @pytest.mark.parametrize("source", SOURCES)

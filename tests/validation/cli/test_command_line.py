@@ -51,7 +51,6 @@ QUICK = (
 )
 FINDING = (
     *QUICK,
-    "check --model 4 --end 0.02 --states 1",
     "critical --system reduced --spin 30:32",
     "cycles --spin 30.9",
     "heteroclinic",

@@ -86,8 +86,10 @@ def test_a_file_on_standard_output_stands_there_alone(
 
 def test_suffixes_are_known_in_any_case(capsys: Capture) -> None:
     save("new.npz", "RUN.NPZ")
+    capsys.readouterr()
     assert "RUN: Trajectory(" in printed(capsys, "show RUN.NPZ --plot RUN.PNG")
-    assert run("animate RUN.NPZ --fps 10 --width 100 --out RUN.GIF") == 0
+    told = printed(capsys, "animate RUN.NPZ --speed 0.01 --fps 10 --width 100 --out RUN.GIF")
+    assert told.startswith("RUN.GIF: 0 to 0.01 s, 11 frames, ")
 
 
 def test_output_without_greek_letters_gets_the_table_with_replacements(

@@ -2,11 +2,14 @@
 
 import re
 from itertools import count, pairwise
+from pathlib import Path
 
 import pytest
 
 from tests.calls import Capture, run
+from tests.sweeps import sweep, swept
 from validation.kit import progress
+from validation.sweeps import runner
 
 SIMULATE = "simulate --source in-house --samples 3 --tolerance 1e-5 --out new.npz --end"
 
@@ -50,3 +53,13 @@ def test_lines_tell_what_is_done_and_left_and_come_the_rarer_the_longer_it_takes
 def test_times_are_told_in_the_unit_that_suits_them() -> None:
     told = [progress.duration(seconds) for seconds in (0.1, 99.0, 101.0, 5990.0, 6010.0)]
     assert told == ["1 s", "99 s", "1.7 min", "99.8 min", "1.7 h"]
+
+
+@pytest.mark.usefixtures("clock")
+def test_cases_of_a_sweep_that_are_done_and_failed_are_counted(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(runner, "LARGEST_CHUNK", 1)
+    swept(sweep("spin=30:40:50", "mu=-0.1,-0.2"), folder / "a.db")
+    *_, last = capsys.readouterr().err.splitlines()
+    assert re.match(r"a.db: (\d+) of 100 cases, \1 failed, after ", last)

@@ -15,7 +15,6 @@ from analysis.data.quantities import QUANTITIES
 from analysis.data.scenario_text import scenario_text
 from tests.calls import Capture, run
 from tests.scenario_texts import with_key
-from validation.commands import rest
 from validation.commands import simulate as simulating
 from validation.parser.runs import SOURCES
 
@@ -79,8 +78,7 @@ def test_command_answers_in_one_line(
     for side in (analysis, mbs_models):
         for name in ("simulate", "simulate_to_rest"):
             monkeypatch.setattr(side, name, accept)
-    for command in (simulating, rest):
-        monkeypatch.setattr(command, "announce", lambda _, effort, __=None: effort.check())
+    monkeypatch.setattr(simulating, "announce", lambda _, effort, __=None: effort.check())
     answers: Counter[bool] = Counter()
 
     @QUICK

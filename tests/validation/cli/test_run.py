@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, Start
-from analysis.data.sampled import SOURCES, Source
-from validation.run import rest_effort, run, run_effort
+from validation.run import run, run_effort
 
 TIMES = np.linspace(0.0, 0.05, 6)
 
@@ -51,17 +50,6 @@ def test_how_a_side_cannot_run_is_refused_also_by_its_effort(how: Any, said: str
     for call in (run, run_effort):
         with pytest.raises(ValueError, match=f"^{said}"):
             call(Scenario(), TIMES, **how)
-
-
-@pytest.mark.parametrize("source", SOURCES)
-def test_effort_grows_with_the_time_on_either_side(source: Source) -> None:
-    short, long = (
-        run_effort(Scenario(), factor * TIMES, source=source, tolerance=1e-9).steps
-        for factor in (10.0, 100.0)
-    )
-    assert long > 5.0 * short
-    one, two = (rest_effort(Scenario.rest(), end, source=source).steps for end in (1.0, 2.0))
-    assert two == pytest.approx(2.0 * one)
 
 
 def test_in_house_run_does_not_load_the_engine() -> None:

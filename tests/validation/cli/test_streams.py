@@ -8,11 +8,10 @@ import pytest
 
 from analysis import Trajectory, load_run
 from tests.calls import Capture, printed
+from tests.helpers import mostly_slow
 
 SCENE = "scene --model 2"
 SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
-
-needs_full = pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 
 
 @pytest.fixture(autouse=True)
@@ -34,40 +33,32 @@ def test_module_is_the_same_command(capsys: Capture) -> None:
     assert done.stdout == printed(capsys, SCENE)
 
 
-@pytest.mark.slow
-@needs_full
-@pytest.mark.parametrize(
-    ("call", "streams"),
-    [
-        (SIMULATE, ">/dev/full"),
-        (SIMULATE, ">&-"),
-        (SIMULATE, "| true; exit ${PIPESTATUS[0]}"),
-        ("simulate --help", ">/dev/full"),
-    ],
-)
-def test_output_that_is_lost_is_said_in_one_line_and_is_no_failed_run(
-    call: str, streams: str
+LOST = "tippedisk: standard output "
+WRONG = "simulate --model 5 --out new.npz"
+
+STREAMS = [
+    (WRONG, ">/dev/full", 2, "tippedisk simulate: error: "),
+    (WRONG, "2>/dev/full", 2, ""),
+    (WRONG, "2>&-", 2, ""),
+    ("simulate --help", ">/dev/full", 3, LOST),
+    (SIMULATE, ">/dev/full", 3, LOST),
+    (SIMULATE, ">&-", 3, LOST),
+    (SIMULATE, "| true; exit ${PIPESTATUS[0]}", 3, LOST),
+    (SIMULATE, "2>/dev/full", 0, ""),
+    (SIMULATE, "2>&-", 0, ""),
+]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:3]), ids=str)
+def test_lost_streams_are_said_in_one_line_and_hide_neither_a_run_nor_a_wrong_call(
+    case: tuple[str, str, int, str],
 ) -> None:
+    call, streams, code, said = case
     done = process(call, streams)
-    assert done.returncode == 3
-    assert done.stderr.startswith("tippedisk: standard output ")
-    assert done.stderr.count("\n") == 1
+    assert done.returncode == code
+    assert done.stderr.startswith(said)
+    assert done.stderr.count("\n") == bool(said)
     if call == SIMULATE:
         assert load_run("new.npz", Trajectory).times.size == 3
-
-
-@needs_full
-@pytest.mark.parametrize("streams", [">/dev/full", "2>/dev/full", "2>&-"])
-def test_streams_that_are_lost_do_not_hide_a_wrong_call(streams: str) -> None:
-    done = process("simulate --model 5 --out new.npz", streams)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == streams.startswith(">")
-
-
-@pytest.mark.slow
-@needs_full
-@pytest.mark.parametrize("streams", ["2>/dev/full", "2>&-"])
-def test_a_run_needs_no_standard_error(streams: str) -> None:
-    done = process(SIMULATE, streams)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "3 samples of Model 1" in done.stdout
+        assert ("3 samples of Model 1" in done.stdout) == (code == 0)

@@ -96,6 +96,17 @@ def test_motion_between_coarse_samples_is_that_of_fine_ones() -> None:
     np.testing.assert_allclose(shown.rotations, rotation, atol=6e-3)
 
 
+def test_contact_of_a_nearly_flat_disk_moves_little_between_keyframes() -> None:
+    radius, times = STEEL_DISK.radius, np.linspace(0.0, 0.2, 21)
+    speeds = np.tile([0.0, 0.0, 0.0, 100.0, 0.0, -100.0], (21, 1))
+    places = times[:, None] * speeds + [0.0, 0.0, radius * np.sin(0.02), 0.0, 0.02, 0.0]
+    wobbling = replace(
+        inversion(), times=times, coordinates=places, rates=speeds, multipliers=np.zeros((21, 1))
+    )
+    ways = np.linalg.norm(np.diff(keyframes(wobbling).contact_points, axis=0), axis=1)
+    assert 0.15 * radius < ways.max() < 0.21 * radius
+
+
 def test_samples_some_turns_apart_are_refused() -> None:
     with pytest.raises(ValueError, match="cannot be animated: the samples around"):
         keyframes(resting(spacing=0.25))
@@ -114,12 +125,12 @@ def test_part_of_a_motion_begins_and_ends_where_asked() -> None:
     part = keyframes(inversion(), 0.1234, 0.4321)
     assert part.times[[0, -1]].tolist() == [0.1234, 0.4321]
     np.testing.assert_allclose(part.positions, whole.at(part.times).positions, atol=2e-5)
-    assert embedded(player(part, name="a", title="A").text)["times"][0] == 0.1234
+    assert embedded(player(part, title="A").text)["times"][0] == 0.1234
 
 
 def test_speed_lets_the_inversion_be_seen() -> None:
     def shown(poses: Keyframes, speed: float | None = None) -> tuple[Any, Any]:
-        data = embedded(player(poses, name="a", title="A", speed=speed).text)
+        data = embedded(player(poses, title="A", speed=speed).text)
         return data["speed"], data["slowUntil"]
 
     short = keyframes(inversion())
@@ -132,7 +143,7 @@ def test_speed_lets_the_inversion_be_seen() -> None:
 
 def test_page_needs_nothing_from_elsewhere_and_no_text_breaks_it() -> None:
     made = replace(keyframes(inversion()), marks=(("</script><b>", 0.1),), source="<i>")
-    page = player(made, name="a", title='"</canvas>', caption="<u>").text
+    page = player(made, title='"</canvas>', caption="<u>").text
     assert embedded(page)["marks"] == [["</script><b>", 0.1]]
     for unwanted in ("</script><b>", "<i>", '"</canvas>"', "<u>"):
         assert unwanted not in page
@@ -254,6 +265,8 @@ def test_gif_shows_the_heavy_half_low_and_then_high_and_both_faces() -> None:
         for index in range(picture.n_frames):
             picture.seek(index)
             pixels = np.asarray(picture.convert("RGB")) / 255.0
+            # What is read off stands in the upper left corner.
+            assert pixels[:20, :100].min() < 0.5
             rows = [
                 np.nonzero(np.max(np.abs(pixels - to_rgb(colour)), axis=2) < 0.1)[0]
                 for colour in (*drawing.FRONT, *drawing.BACK)

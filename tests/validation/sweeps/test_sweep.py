@@ -16,6 +16,7 @@ import pytest
 
 from analysis import MODELS, Scenario
 from analysis.data.outcomes import DONE
+from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.processes import Here
@@ -41,7 +42,7 @@ REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tole
 
 
 def test_row_holds_what_the_run_itself_says() -> None:
-    row = run_case(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), 0, None)
+    row = run_case(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), 0)
     motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 2.0, 2001), **REDUCED)
     assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
     assert row["inverted_at"] == motion.inversion.time
@@ -55,16 +56,16 @@ def test_row_holds_what_the_run_itself_says() -> None:
 @pytest.mark.parametrize(
     ("coefficient", "limit", "status", "reason"),
     [
-        (-0.1, None, "refused", "coefficient must not be negative"),
-        (FAILS, None, "failed", "no such friction"),
+        (-0.1, 60.0, "refused", "coefficient must not be negative"),
+        (FAILS, 60.0, "failed", "no such friction"),
         (0.3, 1e-3, "too slow", "time limit"),
     ],
 )
 def test_failed_case_is_a_row_with_its_reason(
-    coefficient: float, limit: float | None, status: str, reason: str
+    coefficient: float, limit: float, status: str, reason: str
 ) -> None:
-    wanted = sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, end=5.0, tolerance=1e-3)
-    row = run_case(wanted, 1, limit)
+    how: dict[str, Any] = {"end": 5.0, "tolerance": 1e-3, "time_limit": limit}
+    row = run_case(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), 1)
     assert (row["status"], row["number"]) == (status, 1)
     assert reason in str(row["reason"])
 
@@ -73,7 +74,7 @@ def test_failed_case_is_a_row_with_its_reason(
 
 
 def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
-    row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1, None)
+    row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1)
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
@@ -83,15 +84,17 @@ def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
     ]
     for how, run_as in told:
         wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
-        motion = wanted.plan.witness.motion(wanted.scenario_of(0), time_limit=None)
+        motion = wanted.plan.witness.motion(wanted.scenario_of(0))
         assert motion.source == "engine"
         assert run_as.items() <= motion.method.items()
 
 
 def test_witnesses_are_spread_evenly() -> None:
-    wanted = sweep("spin=0:60:20", "gamma=0:1:20", witnesses=40)
-    chosen = [number for number in range(400) if wanted.has_witness(number)]
-    assert len(chosen) == 40
+    none, chosen, every = (
+        [number for number in range(400) if wanted.has_witness(number)]
+        for wanted in (sweep("spin=0:60:20", "gamma=0:1:20", witnesses=n) for n in (0, 40, 500))
+    )
+    assert [len(none), len(chosen), len(every)] == [0, 40, 400]
     assert all(sum(part <= n < part + 100 for n in chosen) >= 8 for part in (0, 100, 200, 300))
 
 
@@ -99,18 +102,18 @@ def test_witnesses_are_spread_evenly() -> None:
 
 
 def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_path: Path) -> None:
-    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
-    counted: list[tuple[int, int]] = []
+    path = tmp_path / "a.db"
 
-    def again(**how: Any) -> list[tuple[int, int]]:
-        counted.clear()
-        swept(wanted, path, told=lambda new, failed: counted.append((new, failed)), **how)
-        return counted
+    def again(time_limit: float = 60.0, **how: Any) -> list[Any]:
+        done: list[Any] = []
+        wanted = sweep("spin=30:40:3", "mu=0.2,-0.1", time_limit=time_limit)
+        swept(wanted, path, told=done.extend, **how)
+        return sorted(row["number"] for row in done)
 
-    assert np.sum(again(numbers=[4, 1]), axis=0).tolist() == [2, 1]
-    assert np.sum(again(), axis=0).tolist() == [4, 2]
+    assert again(numbers=[4, 1]) == [1, 4]
+    assert again() == [0, 2, 3, 5]
     assert again() == []
-    assert np.sum(again(retry=True), axis=0).tolist() == [3, 3]
+    assert again(time_limit=30.0, retry=True) == [1, 3, 5]
     table = Results.load(path).columns
     assert table["number"].tolist() == list(range(6))
     assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
@@ -147,14 +150,19 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
         Store(path, WANTED)
     for number in (1, 2):
         with Store(path, WANTED, accept_other_code=number == 1) as kept:
-            run_cases(WANTED, kept, direct(), numbers=[number])
+            run_cases(kept, direct(), numbers=[number])
     first, second, third = Results.load(path).columns["code"].tolist()
     assert first != second == third
 
 
-def test_identity_of_the_code_knows_a_law_of_ones_own_and_no_comments(tmp_path: Path) -> None:
-    own = sweep(*SPINS, scenario=WAYWARD)
-    assert own.code()["sources"] != WANTED.code()["sources"]
+def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(tmp_path: Path) -> None:
+    own: tuple[dict[str, Any], ...] = (
+        {},
+        {"scenario": WAYWARD},
+        {"scenario": Scenario(disk=EGG)},
+        {"stop_when": f"{__name__}:one_worker"},
+    )
+    assert len({sweep("alpha=0,1", **each).code()["own"] for each in own}) == len(own)
     found = []
     for text in (
         "def double(x):\n    return 2 * x\n",
@@ -197,7 +205,7 @@ def test_damaged_or_foreign_file_is_blamed_and_neither_read_nor_written(
 
 def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
     with Store(path, WANTED) as kept:
-        run_cases(WANTED, kept, direct(), numbers=[1])
+        run_cases(kept, direct(), numbers=[1])
         with pytest.raises(OSError, match="is being written to by another process"):
             Store(path, WANTED)
         assert Results.load(path).columns["number"].tolist() == [0, 1]
@@ -230,7 +238,7 @@ def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
         yield from range(10_000)
         raise AssertionError("all cases are asked for first")
 
-    def enough(_new: int, _failed: int) -> None:
+    def enough(_rows: object) -> None:
         raise LookupError
 
     with pytest.raises(LookupError):
@@ -245,9 +253,9 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(runner, "GRACE", 0.0)
-    wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02)
+    wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02, time_limit=0.3)
     with open_pool("processes", workers=1) as pool:
-        table = swept(wanted, tmp_path / "a.db", pool, time_limit=0.3).columns
+        table = swept(wanted, tmp_path / "a.db", pool).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
 
@@ -287,6 +295,6 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
         look_ahead(sweep("mu=-1,-2"))
     with pytest.raises(ValueError, match="witness_step must be left out"):
         look_ahead(sweep("spin=30,40", scenario=Scenario(), source="engine", witness_step=1e-3))
-    ahead = look_ahead(sweep("mu=-1,0.2,0.3"))
-    assert (ahead.looked_at, ahead.refused) == (3, 1)
-    assert ahead.reason == "coefficient must not be negative, got -1"
+    _, refused = look_ahead(sweep("mu=-1,0.2,0.3"))
+    reason = "coefficient must not be negative, got -1"
+    assert refused == f"1 of 3 cases looked at are refused, such as: {reason}"

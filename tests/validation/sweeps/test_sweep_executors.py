@@ -47,7 +47,7 @@ def test_dask_finishes_a_sweep_though_a_worker_is_killed(tmp_path: Path) -> None
         n_workers=2, threads_per_worker=1, dashboard_address=None
     ) as cluster:
 
-        def told(_new: int, _failed: int) -> None:
+        def told(_rows: object) -> None:
             if not killed:
                 killed.append(cluster.workers[0].pid)
                 os.kill(killed[0], signal.SIGKILL)
@@ -65,7 +65,7 @@ def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
     cluster = distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)
     closing: list[threading.Thread] = []
 
-    def told(_new: int, _failed: int) -> None:
+    def told(_rows: object) -> None:
         if not closing:
             closing.append(threading.Thread(target=cluster.close))
             closing[0].start()

@@ -90,9 +90,7 @@ def page() -> str:
         "play.html",
         title=TITLE,
         start=Start(),
-        player=player.frame(name="spun", title="The motion", is_heavy=True),
         settings={"columns": COLUMNS, "gamma": Start().gamma, "disks": disks},
         equations=equations(),
-        script=player.asset("play.js"),
     )
     return player.page(TITLE, body)

@@ -8,11 +8,10 @@ import html
 import json
 import os
 from dataclasses import dataclass, field
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment
+from jinja2 import Environment, FileSystemLoader
 
 from analysis import StoredRun
 from analysis.data.checks import within
@@ -113,7 +112,6 @@ class Animation(Page):
 def player(
     motion: StoredRun | Keyframes,
     *,
-    name: str,
     title: str,
     caption: str = "",
     speed: float | None = None,
@@ -123,8 +121,6 @@ def player(
     Parameters
     ----------
     motion : Trajectory, SpatialMotion or Keyframes
-    name : str
-        Identifier: a letter first, then letters, digits and hyphens.
     title, caption : str
         Plain text.
     speed : float, optional
@@ -140,8 +136,8 @@ def player(
     if speed is not None:
         within("speed", speed, *PLAYBACK_SPEEDS)
     poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
-    fragment = frame(
-        name=name,
+    fragment = render(
+        "player.html",
         title=title,
         caption=caption,
         source=poses.source,
@@ -152,17 +148,6 @@ def player(
     return Animation(title=title, text=text, fragment=fragment, poses=poses, speed=speed)
 
 
-def frame(**told: Any) -> str:
-    """Element with the player, for a motion or, without `data`, for what a page's code gives it.
-
-    Parameters
-    ----------
-    **told
-        What `player.html` names.
-    """
-    return render("player.html", style=asset("player.css"), script=asset("player.js"), **told)
-
-
 def page(title: str, body: str) -> str:
     """A page of its own, of which the player begins to play when it is opened."""
     alone = body.replace("<figure ", "<figure data-alone ", 1)
@@ -170,10 +155,14 @@ def page(title: str, body: str) -> str:
 
 
 def render(template: str, **told: Any) -> str:
-    """Text of a template beside this module."""
-    environment = Environment(autoescape=True)
+    """Text of a template beside this module.
+
+    That of `player.html` is an element with the player, for a motion or, without `data`, for what
+    a page's code gives it.
+    """
+    environment = Environment(autoescape=True, loader=FileSystemLoader(Path(__file__).parent))
     environment.filters["data"] = _script_data
-    return environment.from_string(asset(template)).render(**told)
+    return environment.get_template(template).render(**told)
 
 
 def _script_data(value: Any) -> str:
@@ -200,8 +189,3 @@ def _playback(poses: Keyframes, speed: float | None) -> dict[str, object]:
     if speed is None and until is None:
         speed = SLOW if short else 1.0
     return {"speed": speed, "slow": SLOW, "slowUntil": until}
-
-
-def asset(name: str) -> str:
-    """Text of a file beside this module."""
-    return files("validation.kit.animation").joinpath(name).read_text(encoding="utf-8")

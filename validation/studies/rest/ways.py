@@ -109,9 +109,7 @@ def present(rows: Rows) -> Content:
         numbers=numbers(runs),
         tables={"phases": phases(table, differences(runs)), "budget": budget(table)},
         figures={"story": figures.story(shown, tilt, spacing)},
-        animations={
-            "animation": player(shown, name="rest-animation", title=title, caption=caption)
-        },
+        animations={"animation": player(shown, title=title, caption=caption)},
         checks=checks(runs),
         verdicts=[verdict(runs)],
     )
