@@ -57,6 +57,7 @@ class Code:
     Attributes
     ----------
     form : Form
+    constraints : tuple of str
     allow_pulling : bool
         Whether runs go on where the contact pulls.
     reasons : tuple of str
@@ -71,11 +72,12 @@ class Code:
         self._structure, self._compact = structure, compact
         self._system = systems.build(structure)
         self.form: Form = structure.form
+        self.constraints = structure.equations.constraints
         self.allow_pulling = structure.allow_pulling
         self.reasons = (*self._system.endings, TIME_LIMIT)
         self.size = len(self._system.variables)
         self.attitudes = slice(0, 2) if self.form == "reduced" else slice(4, 6)
-        self._held = 12 + len(multiplier_names(structure.equations.constraints))
+        self._held = 12 + len(multiplier_names(self.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
     @contextmanager

@@ -26,6 +26,8 @@ class Group:
     Parameters
     ----------
     code : Code
+    rows : ndarray of int, shape (m,)
+        Numbers of the members.
     starts : ndarray, shape (m, d)
         States at the start.
     numbers : ndarray, shape (m, p)
@@ -39,6 +41,7 @@ class Group:
     """
 
     code: Code
+    rows: Rows
     starts: Array
     numbers: Array
     longest: Array

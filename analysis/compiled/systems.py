@@ -126,6 +126,9 @@ SIGN, ALIVE, REASON, WHEN, SPIN, TURNED = range(6)
 """Numbers of parameters: sign of the slip; whether, why and when a run of a batch ended; of the
 reduced system, the spin and alpha at the time zero."""
 
+CONSTANTS = slice(TURNED + 1, TURNED + 1 + len(recorded.NUMBERS))
+"""Those behind them that are `recorded.NUMBERS`."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:

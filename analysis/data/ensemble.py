@@ -1,7 +1,7 @@
 """Many scenarios that differ in some fields, told by arrays."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -167,19 +167,14 @@ class Ensemble:
                 alone.append(rows)
             else:
                 yield rows, result
-        yield from one_by_one(function, self, np.sort(np.concatenate(alone)))
-
-    def groups(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T]]:
-        """The same, where an error is raised."""
-        for rows, result in self.alike(function):
-            if isinstance(result, Exception):
-                raise result
-            yield rows, result
+        yield from one_by_one(function, self, np.sort(np.concatenate(alone)).tolist())
 
     def numbers(self, function: Callable[[Scenario], float]) -> Array:
         """Number of each member that a function tells of its scenario, shape (m,)."""
         found = np.empty(len(self))
-        for rows, told in self.groups(function):
+        for rows, told in self.alike(function):
+            if isinstance(told, Exception):
+                raise told
             found[rows] = told
         return found
 
@@ -200,10 +195,12 @@ class Ensemble:
 
 
 def one_by_one(
-    function: Callable[[Scenario], T], scenarios: Ensemble | Sequence[Scenario], rows: Rows
+    function: Callable[[Scenario], T],
+    scenarios: Ensemble | Sequence[Scenario],
+    rows: Iterable[int],
 ) -> Iterator[tuple[Rows, T | Exception]]:
     """Call a function for single scenarios; see `Ensemble.alike`."""
-    for row in rows.tolist():
+    for row in rows:
         try:
             yield np.array([row]), function(scenarios[row])
         except (ArithmeticError, ValueError) as error:

@@ -1,21 +1,21 @@
 """Many runs of the in-house equations at once."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 from contextlib import ExitStack
 from functools import partial
 from math import nan
 from os import cpu_count
 from time import process_time
-from typing import Any, TypeVar, overload
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
 from analysis.compiled.library import CannotCompileError
-from analysis.data.checks import Array, ToleranceError, function, instance, whole
-from analysis.data.ensemble import Ensemble
+from analysis.data.checks import ToleranceError, function, instance, whole
+from analysis.data.ensemble import Ensemble, one_by_one
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
@@ -25,8 +25,6 @@ from analysis.models.request import Request
 from analysis.models.simulation import run_member
 from analysis.models.trajectories import Trajectories
 from analysis.solve.stepping import Method
-
-T = TypeVar("T")
 
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""
@@ -117,20 +115,22 @@ def simulate_many(
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
-    chunks = list(_chunks(members, request, workers))
-    motions = _called(partial(_run, request), chunks, executor, workers, tell)
-    parts, alone, seconds = _joined(zip(motions, map(len, chunks), strict=True))
+    chunks = dict(_chunks(members, request, workers))
+    found = _called(partial(_run, request), chunks, executor, workers, tell)
+    parts = [part for some, _, _ in found for part in some]
+    alone = {row: outcome for _, some, _ in found for row, outcome in some.items()}
     if isinstance(members, Ensemble):
+        sizes = [len(chunk) for chunk in chunks.values()]
         return Trajectories(
             ensemble=members,
             times=request.times,
             parts=parts,
             alone={row: each for row, each in alone.items() if isinstance(each, Trajectory)},
             failures={row: each for row, each in alone.items() if isinstance(each, Exception)},
-            seconds=seconds,
+            seconds=np.repeat([each for _, _, each in found], sizes),
         )
     for part in parts:
-        alone |= zip(part.rows.tolist(), part.outcomes(), strict=True)
+        alone |= zip(part.group.rows.tolist(), part.outcomes(members), strict=True)
     return [alone[member] for member in range(len(members))]
 
 
@@ -142,90 +142,68 @@ def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
     return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
 
 
-def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[Scenarios]:
-    """Members that a worker gets at once."""
+def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[tuple[int, Scenarios]]:
+    """Members that a worker gets at once, by the number of the first one."""
     size = COMPILED_CHUNK
     if request.first_method != "taylor":
         size = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
     for first in range(0, len(members), size):
         some = slice(first, first + size)
-        yield members.part(some) if isinstance(members, Ensemble) else members[some]
+        yield first, members.part(some) if isinstance(members, Ensemble) else members[some]
 
 
 def _called(
-    call: Callable[[Scenarios], T],
-    chunks: Sequence[Scenarios],
+    call: Callable[[int, Scenarios], Motions],
+    chunks: Mapping[int, Scenarios],
     executor: Executor | None,
     workers: int,
     tell: Callable[[int, int], None],
-) -> list[T | Exception]:
-    """What a function makes of chunks, here or elsewhere, in order."""
-    size, done = sum(map(len, chunks)), 0
+) -> list[Motions]:
+    """Motions of chunks, run here or elsewhere, in order."""
+    size, done = sum(map(len, chunks.values())), 0
     if executor is None and (workers == 1 or len(chunks) == 1):
-        results: list[T | Exception] = []
-        for chunk in chunks:
-            results.append(call(chunk))
+        results = []
+        for first, chunk in chunks.items():
+            results.append(call(first, chunk))
             done += len(chunk)
             tell(done, size)
         return results
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
-        futures: dict[Future[T], int] = {pool.submit(call, chunk): len(chunk) for chunk in chunks}
+        futures = {pool.submit(call, *each): each for each in chunks.items()}
         for future in as_completed(futures):
             if isinstance(pool, Pool) and isinstance(future.exception(), BrokenExecutor):
                 pool.check_begun()
-            done += futures[future]
+            done += len(futures[future][1])
             tell(done, size)
-    return [_result(future) for future in futures]
+    return [_result(future, *each) for future, each in futures.items()]
 
 
-def _result(future: Future[Any]) -> Any:
+def _result(future: Future[Motions], first: int, chunk: Scenarios) -> Motions:
     try:
         return future.result()
     except BrokenExecutor as error:
-        return error
+        return [], dict.fromkeys(range(first, first + len(chunk)), error), nan
 
 
-def _run(request: Request, scenarios: Scenarios) -> Motions:
+def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
     """Motions of members in this process."""
-    begin, first = process_time(), request.first_method
+    begin = process_time()
     parts: list[CompiledPart] = []
     outcomes: dict[int, Outcome] = {}
+
+    def alone(members: Iterable[int], method: Method) -> dict[int, Outcome]:
+        call = partial(run_member, request=request, method=method)
+        found = one_by_one(call, scenarios, (member - first for member in members))
+        return {first + int(row): outcome for (row,), outcome in found}
+
     if request.goes_together:
-        parts, failures = simulate_compiled(scenarios, request)
+        parts, failures = simulate_compiled(scenarios, request, first)
         outcomes |= failures
     else:
-        outcomes |= {member: _alone(each, request, first) for member, each in enumerate(scenarios)}
-    for member, outcome in outcomes.items():
-        cannot = isinstance(outcome, CannotCompileError | ToleranceError)
-        if cannot and request.method is None and first == "taylor":
-            outcomes[member] = _alone(scenarios[member], request, "DOP853")
+        outcomes = alone(range(first, first + len(scenarios)), request.first_method)
+    if request.method is None and request.first_method == "taylor":
+        kinds = (CannotCompileError, ToleranceError)
+        cannot = [member for member, each in outcomes.items() if isinstance(each, kinds)]
+        outcomes |= alone(cannot, "DOP853")
     return parts, outcomes, (process_time() - begin) / len(scenarios)
-
-
-def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
-    """Outcome of one member by itself."""
-    try:
-        return run_member(scenario, request, method)
-    except (ArithmeticError, ValueError) as error:
-        return error
-
-
-def _joined(
-    pieces: Iterable[tuple[Motions | Exception, int]],
-) -> tuple[list[CompiledPart], dict[int, Outcome], Array]:
-    """All motions, from those of so many members each, or from a worker's error."""
-    parts: list[CompiledPart] = []
-    alone: dict[int, Outcome] = {}
-    seconds: list[float] = []
-    for found, count in pieces:
-        first = len(seconds)
-        some, others, each = (
-            ([], dict.fromkeys(range(count), found), nan)
-            if isinstance(found, Exception)
-            else found
-        )
-        parts += [part.moved(first) for part in some]
-        alone |= {first + member: outcome for member, outcome in others.items()}
-        seconds += [each] * count
-    return parts, alone, np.array(seconds)

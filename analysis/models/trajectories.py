@@ -11,10 +11,10 @@ from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
-from analysis.data.inversion import Inversions, inversions
+from analysis.data.inversion import Inversions, judged
 from analysis.data.members import Rows
 from analysis.data.motion_quantities import InCoordinates, lowest
-from analysis.data.samples import Samples, blocks
+from analysis.data.samples import Samples
 from analysis.data.trajectory import Trajectory
 
 
@@ -72,8 +72,9 @@ class Trajectories(InCoordinates):
             raise self.failures[member]
         if member in self.alone:
             return self.alone[member]
-        part = next(part for part in self.parts if member in part.rows)
-        return part.trajectory(int(np.argmax(part.rows == member)))
+        part = next(part for part in self.parts if member in part.group.rows)
+        row = int(np.argmax(part.group.rows == member))
+        return part.trajectory(row, self.ensemble[member])
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[member] for member in range(len(self)))
@@ -98,17 +99,21 @@ class Trajectories(InCoordinates):
     @cached_property
     def ends(self) -> Array:
         """Time of the end of each motion in s, shape (m,)."""
-        return self._whole("ends", np.nan, lambda motion: motion.times[-1])
+        return self._whole(np.nan, lambda part: part.runs.ends, lambda motion: motion.times[-1])
 
     @cached_property
     def error_estimates(self) -> Array:
         """Estimated errors of beta and gamma in rad, shape (m,); nan where there is none."""
-        return self._whole("error_estimates", np.nan, lambda motion: motion.error_estimate)
+        return self._whole(
+            np.nan, lambda part: part.runs.estimates, lambda motion: motion.error_estimate
+        )
 
     @cached_property
     def endings(self) -> AnyArray:
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
-        return self._whole("endings", None, lambda motion: motion.ending and motion.ending.reason)
+        return self._whole(
+            None, lambda part: part.endings, lambda motion: motion.ending and motion.ending.reason
+        )
 
     @cached_property
     def coordinates(self) -> Array:
@@ -125,11 +130,8 @@ class Trajectories(InCoordinates):
         """What became of the inversion of each member; see `Trajectory.inversion`."""
         outcomes = np.full(len(self), "not inverted", dtype=object)
         numbers = np.full((4, len(self)), np.nan)
-        for rows, samples in self._blocks():
-            eccentricities = self._eccentricity[rows, 0]
-            found = inversions(
-                samples.times, samples.cog_direction, samples.cog_direction_rate, eccentricities
-            )
+        for rows, samples in self.blocks():
+            found = judged(samples)
             outcomes[rows], numbers[:, rows] = found.outcomes, found.numbers
         return Inversions(outcomes, *numbers)
 
@@ -137,29 +139,35 @@ class Trajectories(InCoordinates):
     def _kinematics(self) -> tuple[Array, Array]:
         """Coordinates and rates at the times asked for, shape (2, m, n, 6)."""
         whole = np.full((2, len(self), self.times.size, 6), np.nan)
-        for rows, samples in self._blocks():
+        for rows, samples in self.blocks():
             for each, found in zip(whole, (samples.coordinates, samples.rates), strict=True):
                 each[rows] = found[:, :-1]
         whole[:, self.times > self.ends[:, None]] = np.nan
         whole.setflags(write=False)
         return whole[0], whole[1]
 
-    def _blocks(self) -> Iterator[tuple[Rows, Samples]]:
-        """Numbers of some members at a time, and their samples."""
+    def blocks(self) -> Iterator[tuple[Rows, Samples]]:
+        """Numbers of some members at a time that have not failed, and their samples.
+
+        The last one of each is that at its end.
+        """
         for part in self.parts:
-            for some in blocks(len(part.rows), self.times.size):
-                yield part.rows[some], part.samples(some)
+            for some, samples in part.blocks():
+                yield part.group.rows[some], samples
         for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
     def _whole(
-        self, name: str, empty: float | None, read: Callable[[Trajectory], Any]
+        self,
+        empty: float | None,
+        together: Callable[[CompiledPart], AnyArray],
+        alone: Callable[[Trajectory], Any],
     ) -> AnyArray:
-        """What the parts tell of their members under a name, and what is read off the others."""
+        """What is read off members that were run together, and off those run alone."""
         whole = np.full(len(self), empty)
         for part in self.parts:
-            whole[part.rows] = getattr(part, name)
+            whole[part.group.rows] = together(part)
         for row, motion in self.alone.items():
-            whole[row] = read(motion)
+            whole[row] = alone(motion)
         whole.setflags(write=False)
         return whole
