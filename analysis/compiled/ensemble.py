@@ -73,11 +73,8 @@ class CompiledPart:
 
     def _samples(self, some: slice) -> Samples:
         runs, code, numbers = self.runs, self.group.code, self.group.numbers[some]
-        ends, last = runs.ends[some, None], runs.last[some, None]
-        times = np.append(runs.times, np.inf)
-        states = np.append(runs.states[some], last, axis=1)
-        states = np.where((times > ends)[..., None], last, states)
-        times = np.minimum(times, ends)
+        times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
+        states = np.append(runs.states[some], runs.last[some, None], axis=1)
         coordinates, rates, forces, _ = code.readings(states, times, numbers)
         constants = numbers.T[systems.CONSTANTS, :, None]
         scenario = SimpleNamespace(
