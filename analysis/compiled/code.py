@@ -56,10 +56,7 @@ class Code:
 
     Attributes
     ----------
-    form : Form
-    constraints : tuple of str
-    allow_pulling : bool
-        Whether runs go on where the contact pulls.
+    structure : Structure
     reasons : tuple of str
         Why a run may end.
     size : int
@@ -69,15 +66,12 @@ class Code:
     """
 
     def __init__(self, structure: Structure, compact: bool) -> None:
-        self._structure, self._compact = structure, compact
+        self.structure, self._compact = structure, compact
         self._system = systems.build(structure)
-        self.form: Form = structure.form
-        self.constraints = structure.equations.constraints
-        self.allow_pulling = structure.allow_pulling
         self.reasons = (*self._system.endings, TIME_LIMIT)
         self.size = len(self._system.variables)
-        self.attitudes = slice(0, 2) if self.form == "reduced" else slice(4, 6)
-        self._held = 12 + len(multiplier_names(self.constraints))
+        self.attitudes = slice(0, 2) if structure.form == "reduced" else slice(4, 6)
+        self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
     @contextmanager
@@ -97,7 +91,7 @@ class Code:
         events = []
         for number, (reason, symbol) in enumerate(system.endings.items()):
             direction, callback = library.event_direction.negative, _stop(number)
-            if reason == CONTACT_WOULD_PULL and self.allow_pulling:
+            if reason == CONTACT_WOULD_PULL and self.structure.allow_pulling:
                 direction, callback = library.event_direction.any, _note(edges)
             events.append(library.t_event_batch(symbol, direction=direction, callback=callback))
         derivatives = system.derivatives
@@ -116,7 +110,7 @@ class Code:
     def width(self) -> int:
         """Members of a batch."""
         widest: int = heyoka().recommended_simd_size()
-        return min(widest, WIDEST_INDEX_1) if self.form == "index-1" else widest
+        return min(widest, WIDEST_INDEX_1) if self.structure.form == "index-1" else widest
 
     @cached_property
     def _readings(self) -> Any:

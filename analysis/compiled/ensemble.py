@@ -78,7 +78,7 @@ class CompiledPart:
         coordinates, rates, forces, _ = code.readings(states, times, numbers)
         constants = numbers.T[systems.CONSTANTS, :, None]
         scenario = SimpleNamespace(
-            constraints=code.constraints,
+            constraints=code.structure.equations.constraints,
             contact=None,
             disk=recorded.disk_of(constants),
             table=SimpleNamespace(vector=constants[9:]),
@@ -110,7 +110,7 @@ class CompiledPart:
         run = self.runs.run(row)
         sampled = (samples.coordinates, samples.rates, samples.multipliers)
         coordinates, rates, forces = (each[place, : run.times.size] for each in sampled)
-        if self.group.code.form == "index-1":
+        if self.group.code.structure.form == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
@@ -162,7 +162,7 @@ def simulate_compiled(
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))
         group = _group(code, rows, array, float(request.times[0]))
-        refused = {} if code.allow_pulling else _refused(group, scenarios, first)
+        refused = {} if code.structure.allow_pulling else _refused(group, scenarios, first)
         if refused:
             group = group.part(_left(group, refused, failures))
         if len(group):
@@ -208,7 +208,9 @@ def _refused(group: Group, scenarios: Scenarios, first: int) -> dict[int, Except
     for row in np.flatnonzero(group.pulled).tolist():
         try:
             scenario = scenarios[int(group.rows[row]) - first]
-            pulls_at_start(pose(scenario, group.code.form, {}).problem, allow_pulling=False)
+            pulls_at_start(
+                pose(scenario, group.code.structure.form, {}).problem, allow_pulling=False
+            )
         except (ArithmeticError, ValueError) as error:
             found[row] = error
     return found

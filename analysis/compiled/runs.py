@@ -99,7 +99,7 @@ def integrate(
             solver.state[:] = group.starts[some].T
             solver.pars[:] = group.numbers[some, : len(solver.pars)].T
             solver.reset_cooldowns()
-            if code.allow_pulling:
+            if code.structure.allow_pulling:
                 for each, is_pulled in zip(edges, group.pulled[some].tolist(), strict=True):
                     each[:] = [begin] * is_pulled
             limit = watch or Watch(most=float(group.most[some].max()))
@@ -110,7 +110,7 @@ def integrate(
                 callback=_interruption(limit, end),
             )
             failed += _take(found, solver, samples, first)
-            if code.allow_pulling:
+            if code.structure.allow_pulling:
                 for row, each in enumerate(edges[: members.size - first], first):
                     found.pulling[row] = intervals(each, float(found.ends[row]))
         if watch is not None:

@@ -75,46 +75,24 @@ class Ensemble:
         firsts = self._told(0)
         for name in found:
             check_field(self.scenario, name, firsts)
-        for member, error in self._refused():
-            raise ValueError(f"member {member} of fields: {error}") from None
-
-    def _refused(self) -> Iterator[tuple[int, Exception]]:
-        """Members that are no scenarios, in order, and why."""
-        made = self.alike(lambda scenario: scenario)
-        return ((int(rows[0]), error) for rows, error in made if isinstance(error, Exception))
+        for rows, made in self.alike(lambda scenario: scenario):
+            if isinstance(made, Exception):
+                raise ValueError(f"member {rows[0]} of fields: {made}") from None
 
     @classmethod
-    def sieved(
-        cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]
-    ) -> tuple["Ensemble", Rows, dict[int, Exception]]:
-        """Ensemble of those members that are scenarios.
+    def unchecked(cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]) -> "Ensemble":
+        """Ensemble whose members may be no scenarios: each of these fails where it is run.
 
         Parameters
         ----------
         scenario : Scenario
         fields : mapping
             Arrays of one shape by dotted names of fields that may vary.
-
-        Returns
-        -------
-        Ensemble
-            May be empty.
-        rows : ndarray of int, shape (k,)
-            Numbers of its members.
-        dict
-            From the others to why they are none.
         """
-        found = {name: _values(name, values) for name, values in fields.items()}
-        whole = cls._unchecked(scenario, found)
-        refused = dict(cls._refused(whole))
-        rows = np.array([row for row in range(len(whole)) if row not in refused], dtype=int)
-        return whole.part(rows), rows, refused
-
-    @classmethod
-    def _unchecked(cls, scenario: Scenario, fields: Mapping[str, Values]) -> "Ensemble":
         whole = object.__new__(cls)
         object.__setattr__(whole, "scenario", scenario)
-        object.__setattr__(whole, "fields", fields)
+        found = {name: _values(name, values) for name, values in fields.items()}
+        object.__setattr__(whole, "fields", found)
         return whole
 
     def __len__(self) -> int:
@@ -133,7 +111,7 @@ class Ensemble:
     def part(self, rows: Rows | slice) -> "Ensemble":
         """Ensemble of some of the members, which need no further check."""
         fields = {name: values[rows] for name, values in self.fields.items()}
-        return self._unchecked(self.scenario, fields)
+        return self.unchecked(self.scenario, fields)
 
     def alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
         """Call a function for the scenarios of members that go the same way in it.

@@ -197,7 +197,8 @@ def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
         found = one_by_one(call, scenarios, (member - first for member in members))
         return {first + int(row): outcome for (row,), outcome in found}
 
-    if request.goes_together:
+    # A limit of its own has each one alone.
+    if request.first_method == "taylor" and request.time_limit is None:
         parts, failures = simulate_compiled(scenarios, request, first)
         outcomes |= failures
     else:
