@@ -88,24 +88,27 @@ def integrate(
     """
     code, begin, end = group.code, float(times[0]), float(times[-1])
     width = code.width if watch is None else 1
-    grid = np.repeat(times, width).reshape(-1, width)
+    # A batch that is not full repeats its last member.
+    size = members.size + -members.size % width
+    lanes = members[np.minimum(np.arange(size), members.size - 1)]
+    starts, numbers = group.starts[lanes].T, group.numbers[lanes].T
+    longest, grid = (part * group.longest[lanes]).tolist(), np.repeat(times, width)
     found = Runs.empty(members.size, times, code.size, code.reasons)
     failed, errors = list[int](), dict[int, Exception]()
     with code.integrator(local_tolerance, width) as (solver, edges):
         for first in range(0, members.size, width):
-            # A batch that is not full repeats its last member.
-            some = members[np.minimum(np.arange(first, first + width), members.size - 1)]
+            some = slice(first, first + width)
             solver.set_time(begin)
-            solver.state[:] = group.starts[some].T
-            solver.pars[:] = group.numbers[some, : len(solver.pars)].T
+            solver.state[:] = starts[:, some]
+            solver.pars[:] = numbers[: len(solver.pars), some]
             solver.reset_cooldowns()
             if code.structure.allow_pulling:
-                for each, is_pulled in zip(edges, group.pulled[some].tolist(), strict=True):
+                for each, is_pulled in zip(edges, group.pulled[lanes[some]].tolist(), strict=True):
                     each[:] = [begin] * is_pulled
-            limit = watch or Watch(most=float(group.most[some].max()))
+            limit = watch or Watch(most=float(group.most[lanes[some]].max()))
             _, samples = solver.propagate_grid(
-                grid,
-                max_delta_t=(part * group.longest[some]).tolist(),
+                grid.reshape(-1, width),
+                max_delta_t=longest[some],
                 max_steps=limit.steps_left,
                 callback=_interruption(limit, end),
             )

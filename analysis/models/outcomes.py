@@ -10,7 +10,7 @@ from analysis.data.checks import Array
 from analysis.data.constraint_set import multiplier_names, prescribed
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
-from analysis.data.inversion import STAYING, judged
+from analysis.data.inversion import STAYING, inversions
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.data.samples import Samples
 from analysis.data.spatial_motion import SpatialMotion
@@ -110,9 +110,10 @@ def _ideal(samples: Samples) -> Mapping[str, Array]:
 
 def _sampled(motion: SpatialMotion | Samples) -> dict[str, Array]:
     """What samples of k motions tell by themselves, each shape (k,)."""
-    names = ("times", "cog_direction", "face", "spin", "normal_force")
-    times, directions, face, spin, force = (np.atleast_2d(getattr(motion, name)) for name in names)
-    found = judged(motion)
+    names = ("times", "cog_direction", "cog_direction_rate", "face", "spin", "normal_force")
+    each = (np.atleast_2d(getattr(motion, name)) for name in names)
+    times, directions, rates, face, spin, force = each
+    found = inversions(times, directions, rates, np.ravel(motion.scenario.disk.eccentricity))
     after = np.full(len(times), np.nan)
     for row in np.flatnonzero(np.isfinite(found.times)).tolist():
         after[row] = np.interp(found.times[row] + STAYING, times[row], spin[row])
