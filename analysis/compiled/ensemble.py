@@ -69,25 +69,27 @@ class CompiledPart:
         size = max(1, _BLOCK // self.runs.times.size)
         for first in range(0, len(self.group), size):
             some = slice(first, first + size)
-            yield some, self._samples(some)
+            constants = self.group.numbers[some].T[systems.CONSTANTS, :, None]
+            scenario = SimpleNamespace(
+                constraints=self.group.code.structure.equations.constraints,
+                contact=None,
+                disk=recorded.disk_of(constants),
+                table=SimpleNamespace(vector=constants[9:]),
+            )
+            yield some, Samples(scenario, *self._sampled(some))
 
-    def _samples(self, some: slice) -> Samples:
-        runs, code, numbers = self.runs, self.group.code, self.group.numbers[some]
+    def _sampled(self, some: slice) -> tuple[Array, Array, Array, Array]:
+        """Times, coordinates, rates and constraint forces of some."""
+        runs, group = self.runs, self.group
         times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
         states = np.append(runs.states[some], runs.last[some, None], axis=1)
-        coordinates, rates, forces, _ = code.readings(states, times, numbers)
-        constants = numbers.T[systems.CONSTANTS, :, None]
-        scenario = SimpleNamespace(
-            constraints=code.structure.equations.constraints,
-            contact=None,
-            disk=recorded.disk_of(constants),
-            table=SimpleNamespace(vector=constants[9:]),
-        )
-        return Samples(scenario, times, coordinates, rates, forces)
+        coordinates, rates, forces, _ = group.code.readings(states, times, group.numbers[some])
+        return times, coordinates, rates, forces
 
     def trajectory(self, row: int, scenario: Scenario) -> Trajectory:
         """Motion of one of them, which has this scenario."""
-        return self._trajectory(row, scenario, self._samples(slice(row, row + 1)), 0)
+        _, *arrays = self._sampled(slice(row, row + 1))
+        return self._trajectory(row, scenario, [each[0] for each in arrays])
 
     def outcomes(self, scenarios: Sequence[Scenario]) -> Iterator[Trajectory | Exception]:
         """Motion of each of them, or why it has none, worked out in blocks.
@@ -98,18 +100,16 @@ class CompiledPart:
             Of all members, not of these alone.
         """
         for some, samples in self.blocks():
-            for place, member in enumerate(self.group.rows[some].tolist()):
+            sampled = zip(samples.coordinates, samples.rates, samples.multipliers, strict=True)
+            for row, arrays in enumerate(sampled, some.start):
                 try:
-                    yield self._trajectory(some.start + place, scenarios[member], samples, place)
+                    yield self._trajectory(row, scenarios[int(self.group.rows[row])], arrays)
                 except (ArithmeticError, ValueError) as error:
                     yield error
 
-    def _trajectory(
-        self, row: int, scenario: Scenario, samples: Samples, place: int
-    ) -> Trajectory:
+    def _trajectory(self, row: int, scenario: Scenario, arrays: Sequence[Array]) -> Trajectory:
         run = self.runs.run(row)
-        sampled = (samples.coordinates, samples.rates, samples.multipliers)
-        coordinates, rates, forces = (each[place, : run.times.size] for each in sampled)
+        coordinates, rates, forces = (each[: run.times.size] for each in arrays)
         if self.group.code.structure.form == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state

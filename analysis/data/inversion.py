@@ -138,13 +138,6 @@ def inversions(
     return Inversions(outcomes, *numbers)
 
 
-def judged(motion: Any) -> Inversions:
-    """What became of the inversion in k motions: `Samples`, or one motion, of which k = 1."""
-    sampled = (motion.times, motion.cog_direction, motion.cog_direction_rate)
-    times, directions, rates = map(np.atleast_2d, sampled)
-    return inversions(times, directions, rates, np.ravel(motion.scenario.disk.eccentricity))
-
-
 class _Risen:
     """Motions whose centre of gravity rises to `REACHED` at some sample, shape (k, n)."""
 

@@ -11,7 +11,7 @@ from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble
 from analysis.data.files import AnyArray
-from analysis.data.inversion import Inversions, judged
+from analysis.data.inversion import Inversions, inversions
 from analysis.data.members import Rows
 from analysis.data.motion_quantities import InCoordinates, lowest
 from analysis.data.samples import Samples
@@ -131,7 +131,10 @@ class Trajectories(InCoordinates):
         outcomes = np.full(len(self), "not inverted", dtype=object)
         numbers = np.full((4, len(self)), np.nan)
         for rows, samples in self.blocks():
-            found = judged(samples)
+            eccentricities = np.ravel(samples.scenario.disk.eccentricity)
+            found = inversions(
+                samples.times, samples.cog_direction, samples.cog_direction_rate, eccentricities
+            )
             outcomes[rows], numbers[:, rows] = found.outcomes, found.numbers
         return Inversions(outcomes, *numbers)
 
