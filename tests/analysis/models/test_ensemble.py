@@ -21,7 +21,6 @@ from analysis import (
     Start,
     State,
     TimeLimitError,
-    ToleranceError,
     Trajectories,
     Trajectory,
     outcomes,
@@ -166,18 +165,6 @@ def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
     assert refused > 10
 
 
-def test_each_member_has_its_own_end_in_order() -> None:
-    members = [model(1), model(1, start=Start(spin=200.0))]
-    how: dict[str, Any] = {"method": "DOP853", "workers": 1}
-    (hopeless,) = simulate_many(members[:1], SHORT, tolerance=1e-16, **how)
-    assert isinstance(hopeless, ToleranceError)
-    fine, pulling = simulate_many(members, SHORT, tolerance=1e-6, **how)
-    for member, outcome in zip(members, (fine, pulling), strict=True):
-        assert isinstance(outcome, Trajectory)
-        assert outcome.scenario == member
-        assert outcome.ending == simulate(member, SHORT, tolerance=1e-6).ending
-
-
 def killer(_: State) -> float:
     os._exit(1)
 
@@ -209,12 +196,18 @@ def assert_alike(found: Row, expected: Row, relative: float) -> None:
             assert cell == other, name
 
 
-def test_outcomes_of_arrays_are_those_of_single_motions() -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+@pytest.mark.parametrize("method", ["taylor", "DOP853"])
+def test_outcomes_of_arrays_are_those_of_single_motions(method: str) -> None:
+    if method == "taylor":
+        pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     ensemble = Ensemble(scenario=model(4), fields=ENDING)
-    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-6, "method": "taylor"}
-    runs = simulate_many(ensemble, np.linspace(0.0, 2.0, 201), workers=1, **how)
+    how: dict[str, Any] = {"tolerance": 1e-6, "method": method, "workers": 1, **REDUCED}
+    runs = simulate_many(ensemble, np.linspace(0.0, 2.0, 201), **how)
     table = outcomes(runs)
+    assert list(table.columns) == ["number", *ensemble.fields, *OUTCOMES]
+    assert list(COLUMNS)[: len(OUTCOMES)] == list(OUTCOMES)
+    assert (table.units["start.spin"], table.units["force_least"]) == ("rad/s", "N")
+    assert table.columns["start.spin"].tolist() == ENDING["spin"].tolist()
     assert set(table.columns["ending"]) == {None, "flat"}
     assert set(table.columns["status"]) == {DONE, "refused"}
     assert {"inverted", "not inverted"} <= set(table.columns["inversion"])
@@ -302,16 +295,3 @@ def test_errors_are_rows_that_say_why() -> None:
     assert table.columns["status"].tolist() == ["refused", "failed", "too slow", "crashed", DONE]
     assert table.columns["reason"][:2].tolist() == ["no such", "ArithmeticError"]
     assert np.isnan(table.columns["end"]).tolist() == [True] * 4 + [False]
-
-
-def test_columns_of_a_sweep_are_those_of_an_ensemble() -> None:
-    ensemble = Ensemble(scenario=Scenario(), fields={"spin": np.array([30.0, 40.0])})
-    how: dict[str, Any] = {"method": "DOP853", "local_tolerance": 1e-6, "workers": 1}
-    runs = simulate_many(ensemble, np.linspace(0.0, 0.1, 3), **how)
-    table = outcomes(runs)
-    assert list(table.columns) == ["number", "start.spin", *OUTCOMES]
-    assert list(COLUMNS)[: len(OUTCOMES)] == list(OUTCOMES)
-    assert (table.units["start.spin"], table.units["force_least"]) == ("rad/s", "N")
-    assert table.columns["start.spin"].tolist() == [30.0, 40.0]
-    for row, other in zip(table.rows(), outcomes(list(runs)).rows(), strict=True):
-        assert_alike({name: row[name] for name in OUTCOMES}, other, 1e-13)
