@@ -162,9 +162,6 @@ class Ensemble:
     def _by_words(self) -> Iterator[tuple[Words, Rows]]:
         """Members that differ in numbers alone."""
         words = {name: each for name, each in self.fields.items() if each.dtype.kind != "f"}
-        if not words and len(self):
-            yield {}, np.arange(len(self))
-            return
         groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
         for member in range(len(self)):
             groups[tuple(each[member].item() for each in words.values())].append(member)
