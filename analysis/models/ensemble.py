@@ -1,7 +1,7 @@
 """Many runs of the in-house equations at once."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import ExitStack
 from functools import partial
 from math import nan
@@ -116,18 +116,23 @@ def simulate_many(
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
     chunks = dict(_chunks(members, request, workers))
-    found = _called(partial(_run, request), chunks, executor, workers, tell)
-    parts = [part for some, _, _ in found for part in some]
-    alone = {row: outcome for _, some, _ in found for row, outcome in some.items()}
+    parts: list[CompiledPart] = []
+    alone: dict[int, Outcome] = {}
+    seconds, done = np.empty(len(members)), 0
+    for first, (some, others, each) in _called(partial(_run, request), chunks, executor, workers):
+        parts += some
+        alone |= others
+        seconds[first : first + len(chunks[first])] = each
+        done += len(chunks[first])
+        tell(done, len(members))
     if isinstance(members, Ensemble):
-        sizes = [len(chunk) for chunk in chunks.values()]
         return Trajectories(
             ensemble=members,
             times=request.times,
             parts=parts,
             alone={row: each for row, each in alone.items() if isinstance(each, Trajectory)},
             failures={row: each for row, each in alone.items() if isinstance(each, Exception)},
-            seconds=np.repeat([each for _, _, each in found], sizes),
+            seconds=seconds,
         )
     for part in parts:
         alone |= zip(part.group.rows.tolist(), part.outcomes(members), strict=True)
@@ -157,33 +162,24 @@ def _called(
     chunks: Mapping[int, Scenarios],
     executor: Executor | None,
     workers: int,
-    tell: Callable[[int, int], None],
-) -> list[Motions]:
-    """Motions of chunks, run here or elsewhere, in order."""
-    size, done = sum(map(len, chunks.values())), 0
-    if executor is None and (workers == 1 or len(chunks) == 1):
-        results = []
+) -> Iterator[tuple[int, Motions]]:
+    """Motions of chunks, run here or elsewhere, as they come in, by the number of the first."""
+    if executor is None and (workers == 1 or len(chunks) < 2):
         for first, chunk in chunks.items():
-            results.append(call(first, chunk))
-            done += len(chunk)
-            tell(done, size)
-        return results
+            yield first, call(first, chunk)
+        return
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
         futures = {pool.submit(call, *each): each for each in chunks.items()}
         for future in as_completed(futures):
-            if isinstance(pool, Pool) and isinstance(future.exception(), BrokenExecutor):
-                pool.check_begun()
-            done += len(futures[future][1])
-            tell(done, size)
-    return [_result(future, *each) for future, each in futures.items()]
-
-
-def _result(future: Future[Motions], first: int, chunk: Scenarios) -> Motions:
-    try:
-        return future.result()
-    except BrokenExecutor as error:
-        return [], dict.fromkeys(range(first, first + len(chunk)), error), nan
+            first, chunk = futures[future]
+            try:
+                found = future.result()
+            except BrokenExecutor as error:
+                if isinstance(pool, Pool):
+                    pool.check_begun()
+                found = [], dict.fromkeys(range(first, first + len(chunk)), error), nan
+            yield first, found
 
 
 def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
