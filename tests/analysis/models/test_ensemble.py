@@ -101,25 +101,28 @@ def test_ensemble_in_pieces_is_the_same_told_by_arrays_or_listed(
 ) -> None:
     pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     monkeypatch.setattr(many, "COMPILED_CHUNK", 3)
-    ensemble = spins(30.0, 40.0, 60.0, 50.0, beta_rate=np.array([0.0, 0.0, 30.0, 0.0]))
+    turning, leaning = np.array([[0.0, 0.0, 30.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.1, 0.0]])
+    ensemble = spins(30.0, 40.0, 60.0, 50.0, 50.0, beta_rate=turning, inclination=leaning)
     how: dict[str, Any] = {"tolerance": 1e-6, **REDUCED}
     told: list[tuple[int, int]] = []
     with ThreadPoolExecutor(1) as thread:
         elsewhere = how | {"executor": thread, "progress": lambda *counts: told.append(counts)}
         runs = simulate_many(ensemble, TIMES, **elsewhere)
         listed = simulate_many(list(ensemble), TIMES, **elsewhere)
-    assert told == 2 * [(3, 4), (4, 4)]
+    assert told == 2 * [(3, 5), (5, 5)]
     whole = simulate_many(ensemble, TIMES, workers=1, **how)
     np.testing.assert_allclose(runs.coordinates, whole.coordinates, rtol=0.0, atol=1e-12)
     for each in (runs, whole):
-        assert list(each.failures) == [2]
-        assert np.isnan(each.coordinates[2]).all()
-        with pytest.raises(ValueError, match="start needs a contact that pulls"):
-            each[2]
-    assert str(runs.outcome(2)) == str(listed[2])
-    for member in (0, 1, 3):
+        assert set(each.failures) == {2, 3}
+        assert np.isnan(each.coordinates[2:4]).all()
+        for member, message in ((2, "start needs a contact that pulls"), (3, "horizontal table")):
+            assert str(each.failures[member]) == str(listed[member])
+            with pytest.raises(ValueError, match=message):
+                each[member]
+    for member in (0, 1, 4):
         outcome = listed[member]
         assert isinstance(outcome, Trajectory)
+        assert outcome.scenario == runs[member].scenario == ensemble[member]
         np.testing.assert_array_equal(outcome.coordinates, runs[member].coordinates)
 
 
@@ -295,3 +298,7 @@ def test_errors_are_rows_that_say_why() -> None:
     assert table.columns["status"].tolist() == ["refused", "failed", "too slow", "crashed", DONE]
     assert table.columns["reason"][:2].tolist() == ["no such", "ArithmeticError"]
     assert np.isnan(table.columns["end"]).tolist() == [True] * 4 + [False]
+    late = simulate_many(
+        spins(30.0), SHORT, method="DOP853", time_limit=1e-9, local_tolerance=1e-6
+    )
+    assert outcomes(late).columns["status"].tolist() == ["too slow"]
