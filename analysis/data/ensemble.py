@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.changes import changed, check_field
-from analysis.data.checks import Array, unmasked
+from analysis.data.checks import unmasked
 from analysis.data.members import DividedError, Members, Rows
 from analysis.data.names import full_name
 from analysis.data.scenario import Scenario
@@ -146,15 +146,6 @@ class Ensemble:
             else:
                 yield rows, result
         yield from one_by_one(function, self, np.sort(np.concatenate(alone)).tolist())
-
-    def numbers(self, function: Callable[[Scenario], float]) -> Array:
-        """Number of each member that a function tells of its scenario, shape (m,)."""
-        found = np.empty(len(self))
-        for rows, told in self.alike(function):
-            if isinstance(told, Exception):
-                raise told
-            found[rows] = told
-        return found
 
     def _told(self, member: int) -> dict[str, Value]:
         return {name: values[member].item() for name, values in self.fields.items()}

@@ -91,7 +91,11 @@ class Trajectories(InCoordinates):
 
     @cached_property
     def _eccentricity(self) -> Array:
-        return self.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)[:, None]
+        found = np.full((len(self), 1), np.nan)
+        for rows, told in self.ensemble.alike(lambda scenario: scenario.disk.eccentricity):
+            if not isinstance(told, Exception):
+                found[rows] = told
+        return found
 
     def _lowest(self, up: Any) -> Any:
         return np.array([lowest(each, one) for each, one in zip(self.ensemble, up, strict=True)])
