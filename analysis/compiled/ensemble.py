@@ -16,7 +16,6 @@ from analysis.compiled.runs import Group, integrate
 from analysis.compiled.systems import SIGN
 from analysis.data.checks import Array
 from analysis.data.ensemble import Ensemble, one_by_one
-from analysis.data.files import AnyArray
 from analysis.data.members import Rows, in_columns
 from analysis.data.samples import Samples
 from analysis.data.scenario import Scenario
@@ -55,14 +54,6 @@ class CompiledPart:
     runs: Runs
     watch: Watch | None
     seconds: float | None
-
-    @property
-    def endings(self) -> AnyArray:
-        """Reasons, or None."""
-        # The last one is that of `RUNNING`, -1.
-        names = np.array([*self.runs.names, None], dtype=object)
-        found: AnyArray = names[self.runs.reasons]
-        return found
 
     def blocks(self) -> Iterator[tuple[slice, Samples]]:
         """Samples of some at a time, at the times asked for and at their ends."""

@@ -1,6 +1,6 @@
 """The motions of an ensemble as arrays, and each of them as a `Trajectory` if it is asked for."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -91,33 +91,29 @@ class Trajectories(InCoordinates):
 
     @cached_property
     def _eccentricity(self) -> Array:
-        found = np.full((len(self), 1), np.nan)
+        found = np.full(len(self), np.nan)
         for rows, told in self.ensemble.alike(lambda scenario: scenario.disk.eccentricity):
             if not isinstance(told, Exception):
                 found[rows] = told
-        return found
+        return found[:, None]
 
     def _lowest(self, up: Any) -> Any:
         return np.array([lowest(each, one) for each, one in zip(self.ensemble, up, strict=True)])
 
-    @cached_property
+    @property
     def ends(self) -> Array:
         """Time of the end of each motion in s, shape (m,)."""
-        return self._whole(np.nan, lambda part: part.runs.ends, lambda motion: motion.times[-1])
+        return self._ended[0]
 
-    @cached_property
+    @property
     def error_estimates(self) -> Array:
         """Estimated errors of beta and gamma in rad, shape (m,); nan where there is none."""
-        return self._whole(
-            np.nan, lambda part: part.runs.estimates, lambda motion: motion.error_estimate
-        )
+        return self._ended[1]
 
-    @cached_property
+    @property
     def endings(self) -> AnyArray:
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
-        return self._whole(
-            None, lambda part: part.endings, lambda motion: motion.ending and motion.ending.reason
-        )
+        return self._ended[2]
 
     @cached_property
     def coordinates(self) -> Array:
@@ -164,17 +160,20 @@ class Trajectories(InCoordinates):
         for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
-    def _whole(
-        self,
-        empty: float | None,
-        together: Callable[[CompiledPart], AnyArray],
-        alone: Callable[[Trajectory], Any],
-    ) -> AnyArray:
-        """What is read off members that were run together, and off those run alone."""
-        whole = np.full(len(self), empty)
+    @cached_property
+    def _ended(self) -> tuple[Array, Array, AnyArray]:
+        """Ends, estimated errors and why they ended, each shape (m,)."""
+        ends, estimates = np.full((2, len(self)), np.nan)
+        endings = np.full(len(self), None)
         for part in self.parts:
-            whole[part.group.rows] = together(part)
+            rows, runs = part.group.rows, part.runs
+            # The last one is that of `RUNNING`, -1.
+            reasons = np.array([*runs.names, None])
+            ends[rows], estimates[rows] = runs.ends, runs.estimates
+            endings[rows] = reasons[runs.reasons]
         for row, motion in self.alone.items():
-            whole[row] = alone(motion)
-        whole.setflags(write=False)
-        return whole
+            ends[row], estimates[row] = motion.times[-1], motion.error_estimate
+            endings[row] = motion.ending and motion.ending.reason
+        for each in (ends, estimates, endings):
+            each.setflags(write=False)
+        return ends, estimates, endings

@@ -67,7 +67,7 @@ def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> Non
         assert runs.ends[member] == found.times[-1] == pytest.approx(single.times[-1], abs=1e-10)
         for name in ("coordinates", "rates", "multipliers"):
             assert_close(getattr(found, name), getattr(single, name), relative=100 * relative)
-        for name in ("coordinates", "rates"):
+        for name in ("coordinates", "rates", "cog_height"):
             whole = getattr(runs, name)[member]
             assert_close(whole[:count], getattr(single, name)[:count], relative=relative)
             assert np.isnan(whole[count:]).all()
@@ -80,6 +80,7 @@ def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
         *(20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 0.0),
         beta=np.append(np.full(8, 1.5), 1.0),
         gamma=np.append(np.full(8, 0.1 - pi / 2), pi / 2),
+        eccentricity=np.append(np.full(8, 2.5e-3), 2e-3),
     )
     how: dict[str, Any] = {"stop_when": "inverted", "method": "taylor", "tolerance": 1e-8}
     runs = simulate_many(ensemble, TIMES, **how, **REDUCED)
