@@ -173,13 +173,12 @@ def _called(
         futures = {pool.submit(call, *each): each for each in chunks.items()}
         for future in as_completed(futures):
             first, chunk = futures[future]
-            try:
-                found = future.result()
-            except BrokenExecutor as error:
+            if isinstance(error := future.exception(), BrokenExecutor):
                 if isinstance(pool, Pool):
                     pool.check_begun()
-                found = [], dict.fromkeys(range(first, first + len(chunk)), error), nan
-            yield first, found
+                yield first, ([], dict.fromkeys(range(first, first + len(chunk)), error), nan)
+            else:
+                yield first, future.result()
 
 
 def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
