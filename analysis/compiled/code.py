@@ -56,9 +56,7 @@ class Code:
 
     Attributes
     ----------
-    form : Form
-    allow_pulling : bool
-        Whether runs go on where the contact pulls.
+    structure : Structure
     reasons : tuple of str
         Why a run may end.
     size : int
@@ -68,13 +66,11 @@ class Code:
     """
 
     def __init__(self, structure: Structure, compact: bool) -> None:
-        self._structure, self._compact = structure, compact
+        self.structure, self._compact = structure, compact
         self._system = systems.build(structure)
-        self.form: Form = structure.form
-        self.allow_pulling = structure.allow_pulling
         self.reasons = (*self._system.endings, TIME_LIMIT)
         self.size = len(self._system.variables)
-        self.attitudes = slice(0, 2) if self.form == "reduced" else slice(4, 6)
+        self.attitudes = slice(0, 2) if structure.form == "reduced" else slice(4, 6)
         self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
@@ -95,7 +91,7 @@ class Code:
         events = []
         for number, (reason, symbol) in enumerate(system.endings.items()):
             direction, callback = library.event_direction.negative, _stop(number)
-            if reason == CONTACT_WOULD_PULL and self.allow_pulling:
+            if reason == CONTACT_WOULD_PULL and self.structure.allow_pulling:
                 direction, callback = library.event_direction.any, _note(edges)
             events.append(library.t_event_batch(symbol, direction=direction, callback=callback))
         derivatives = system.derivatives
@@ -114,7 +110,7 @@ class Code:
     def width(self) -> int:
         """Members of a batch."""
         widest: int = heyoka().recommended_simd_size()
-        return min(widest, WIDEST_INDEX_1) if self.form == "index-1" else widest
+        return min(widest, WIDEST_INDEX_1) if self.structure.form == "index-1" else widest
 
     @cached_property
     def _readings(self) -> Any:
@@ -198,7 +194,13 @@ def kinks(system: System, event: Callable[..., Any]) -> list[Any]:
     A step across it, or close by, has an error that its size does not show. Where both slips come
     close to zero, one of them passes through it no farther from the kink than the kink is off.
     """
-    return [event(slip, callback=_flip) for slip in system.kinks]
+    # The sign of one of two slips is of no use, and noting it takes as long as half a step.
+    passed = _flip if len(system.kinks) == 1 else _go_on
+    return [event(slip, callback=passed) for slip in system.kinks]
+
+
+def _go_on(*_: Any) -> bool:
+    return True
 
 
 def _flip(solver: Any, direction: int, *lane: int) -> bool:

@@ -16,7 +16,7 @@ from analysis.data.files import AnyArray
 from analysis.data.members import Rows
 from analysis.data.watch import Watch
 from analysis.solve.lookout import intervals
-from analysis.solve.to_tolerance import Runs
+from analysis.solve.to_tolerance import RUNNING, Runs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,6 +26,8 @@ class Group:
     Parameters
     ----------
     code : Code
+    rows : ndarray of int, shape (m,)
+        Numbers of the members.
     starts : ndarray, shape (m, d)
         States at the start.
     numbers : ndarray, shape (m, p)
@@ -39,6 +41,7 @@ class Group:
     """
 
     code: Code
+    rows: Rows
     starts: Array
     numbers: Array
     longest: Array
@@ -83,34 +86,34 @@ def integrate(
     dict
         From members to the errors that ended them; their runs mean nothing.
     """
-    code, errors = group.code, dict[int, Exception]()
+    code, begin, end = group.code, float(times[0]), float(times[-1])
     width = code.width if watch is None else 1
     # A batch that is not full repeats its last member.
-    lanes = np.append(members, np.repeat(members[-1:], -members.size % width))
-    starts = np.ascontiguousarray(group.starts[lanes].T)
-    numbers = np.ascontiguousarray(group.numbers[lanes].T)
-    longest = (part * group.longest[lanes]).tolist()
-    grid = np.ascontiguousarray(np.broadcast_to(times[:, None], (times.size, width)))
-    found, failed = Runs.empty(members.size, times, len(starts), code.reasons), list[int]()
+    size = members.size + -members.size % width
+    lanes = members[np.minimum(np.arange(size), members.size - 1)]
+    starts, numbers = group.starts[lanes].T, group.numbers[lanes].T
+    longest, grid = (part * group.longest[lanes]).tolist(), np.repeat(times, width)
+    found = Runs.empty(members.size, times, code.size, code.reasons)
+    failed, errors = list[int](), dict[int, Exception]()
     with code.integrator(local_tolerance, width) as (solver, edges):
         for first in range(0, members.size, width):
             some = slice(first, first + width)
-            solver.set_time(float(times[0]))
+            solver.set_time(begin)
             solver.state[:] = starts[:, some]
             solver.pars[:] = numbers[: len(solver.pars), some]
             solver.reset_cooldowns()
-            if code.allow_pulling:
-                for member, each in zip(lanes[some], edges, strict=True):
-                    each[:] = times[:1].tolist() if group.pulled[member] else []
+            if code.structure.allow_pulling:
+                for each, is_pulled in zip(edges, group.pulled[lanes[some]].tolist(), strict=True):
+                    each[:] = [begin] * is_pulled
             limit = watch or Watch(most=float(group.most[lanes[some]].max()))
             _, samples = solver.propagate_grid(
-                grid,
+                grid.reshape(-1, width),
                 max_delta_t=longest[some],
                 max_steps=limit.steps_left,
-                callback=_interruption(limit, float(times[-1])),
+                callback=_interruption(limit, end),
             )
             failed += _take(found, solver, samples, first)
-            if code.allow_pulling:
+            if code.structure.allow_pulling:
                 for row, each in enumerate(edges[: members.size - first], first):
                     found.pulling[row] = intervals(each, float(found.ends[row]))
         if watch is not None:
@@ -135,21 +138,26 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     found.states.reshape(len(found.ends), -1)[rows] = flat[:count]
     found.last[rows] = solver.state.T[:count]
     found.steps[rows] = [each[3] for each in results[:count]]
-    alive = solver.pars[ALIVE]
+    alive = solver.pars[ALIVE, :count]
     complete = heyoka().taylor_outcome.time_limit
     if alive.any() and any(each[0] != complete for each in results):
         # What went wrong in one of them must not touch the others.
         return list(range(first, first + count))
     if alive.all():
         return []
-    ended = np.flatnonzero(alive[:count] == 0.0)
+    ended = np.flatnonzero(alive == 0.0)
     over = first + ended
     found.ends[over] = solver.pars[WHEN, ended]
     found.reasons[over] = solver.pars[REASON, ended]
-    # A sample at the ending itself may have come too late.
-    behind = found.times >= found.ends[over, None]
-    found.states[over] = np.where(behind[..., None], found.last[over, None], found.states[over])
+    for row in over.tolist():
+        _end(found, row)
     return [row for row in over.tolist() if _name(found, row) == SINGULAR]
+
+
+def _end(found: Runs, row: int) -> None:
+    """Let a run stay from its end on what it is there."""
+    # A sample at the ending itself may have come too late.
+    found.states[row, found.times >= found.ends[row]] = found.last[row]
 
 
 def _name(found: Runs, row: int) -> str:
@@ -158,25 +166,26 @@ def _name(found: Runs, row: int) -> str:
 
 def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | None:
     """What is wrong with a run that was watched; tells when it has met its time limit."""
-    kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
-    moment, state = float(solver.time[0]), solver.state[:, 0]
     watch.steps += int(found.steps[0])
+    kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
     why = "it does not get on"
-    if solver.pars[ALIVE, 0] == 0.0:
+    if found.reasons[0] != RUNNING:
         if _name(found, 0) != SINGULAR:
             return None
         why = "each newton of normal force calls for another one of it through friction"
     elif outcome == kinds.time_limit:
         return None
     elif outcome == kinds.cb_stop:
-        found.ends[0], found.reasons[0] = moment, found.names.index(TIME_LIMIT)
+        found.ends[0], found.reasons[0] = solver.time[0], found.names.index(TIME_LIMIT)
+        _end(found, 0)
         return None
     elif outcome == kinds.err_nf_state:
         why = "its state is no longer finite"
+    moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.attitudes][0])
     found.states[:] = np.nan
     found.last[:] = np.nan
     if outcome == kinds.step_limit:
-        watch.flattest = (moment, asin(min(1.0, sin(state[group.code.attitudes][0]))))
+        watch.flattest = (moment, asin(min(1.0, leaning)))
         return watch.given_up("taylor")
     return ArithmeticError(f"taylor stopped after t = {moment:g} s: {why}")
 

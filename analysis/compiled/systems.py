@@ -126,6 +126,9 @@ SIGN, ALIVE, REASON, WHEN, SPIN, TURNED = range(6)
 """Numbers of parameters: sign of the slip; whether, why and when a run of a batch ended; of the
 reduced system, the spin and alpha at the time zero."""
 
+CONSTANTS = slice(TURNED + 1, TURNED + 1 + len(recorded.NUMBERS))
+"""Those behind them that are `recorded.NUMBERS`."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
@@ -179,52 +182,52 @@ def build(structure: Structure) -> System:
         If its friction law or a condition does what cannot be done with symbols.
     """
     library, scenario = heyoka(), _symbolic(structure)
+    speed = _signed if structure.flips else _size(FAINT)
     if structure.form == "reduced":
         variables = library.make_vars("beta", "gamma", "beta_rate")
-        beta, solution = variables[0], _reduced(structure, scenario, variables)
         coordinates, rates = reduced.expanded(
             scenario.disk, scenario.spin, scenario.alpha, variables
         )
         state = state_of(scenario.disk, coordinates, rates, EulerTurning)
     else:
         variables = state = library.make_vars(*recorded.STATE)
-        beta = variables[4]
-        solution = _index_1(structure, scenario, variables, _slip_speed(structure))
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    endings = {CONTACT_WOULD_PULL: solution.forces[0], FLAT: library.sin(beta) - LEAST_TILT}
-    if solution.feedback is not None:
-        endings[SINGULAR] = 1.0 - solution.feedback
+    solve = _reduced if structure.form == "reduced" else _index_1
+    derivatives, forces, slips, feedback = solve(structure, scenario, variables, speed)
+    endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
+    if feedback:
+        endings[SINGULAR] = 1.0 - feedback[0]
     told = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
         endings[reason] = _expressed(f"stop_when {reason!r}", condition, told)
     # The kink does no harm here, but 0 / 0 would.
-    single = _index_1(structure, scenario, state, _size(1e-150))
+    _, forces, single, _ = _index_1(structure, scenario, state, _size(1e-150))
     return System(
         variables=variables,
-        derivatives=solution.derivatives,
-        kinks=solution.slips if structure.kinked else [],
+        derivatives=derivatives,
+        kinks=slips if structure.kinked else [],
         endings=endings,
-        readings=_symbols([*coordinates, *rates, *single.forces, *single.slips]),
+        readings=_symbols([*coordinates, *rates, *forces, *single]),
     )
 
 
-class _Solution(NamedTuple):
-    """Symbols at a state; `feedback` is the part of the normal force that friction calls for."""
+_Speed = Callable[[Any, Any], Any]
+"""Size of a slip along and across the edge."""
 
-    derivatives: list[Any]
-    forces: list[Any]
-    slips: list[Any]
-    feedback: Any = None
+_Solution = tuple[list[Any], list[Any], list[Any], list[Any]]
+"""Symbols at a state: derivatives, constraint forces, slips, and if there is any the part of the
+normal force that friction calls for."""
 
 
-def _reduced(structure: Structure, scenario: Any, variables: Sequence[Any]) -> _Solution:
+def _reduced(
+    structure: Structure, scenario: Any, variables: Sequence[Any], speed: _Speed
+) -> _Solution:
     library = heyoka()
     slips: list[Any] = []
 
     def friction(slip: Any) -> Any:
         slips.append(slip)
-        speed = _slip_speed(structure)(0.0, slip)
-        return scenario.per_speed(speed) * slip
+        return scenario.per_speed(speed(0.0, slip)) * slip
 
     *derivatives, force, _ = reduced.formula()(
         *scenario.numbers,
@@ -233,14 +236,11 @@ def _reduced(structure: Structure, scenario: Any, variables: Sequence[Any]) -> _
         cos=library.cos,
         friction=friction if structure.equations.load else lambda _: 0.0,
     )(*variables)
-    return _Solution(derivatives, [force], slips)
+    return derivatives, [force], slips, []
 
 
 def _index_1(
-    structure: Structure,
-    scenario: Any,
-    state: Sequence[Any],
-    speed: Callable[[Any, Any], Any],
+    structure: Structure, scenario: Any, variables: Sequence[Any], speed: _Speed
 ) -> _Solution:
     """What `recorded.formula` tells of a state."""
     library = heyoka()
@@ -263,9 +263,9 @@ def _index_1(
         speed=noted,
         per_speed=scenario.per_speed,
         contact_load=contact_load,
-    )(*state)
+    )(*variables)
     told = _symbols(found)
-    return _Solution(told[:12], told[12:], slips, *feedback)
+    return told[:12], told[12:], slips, feedback
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:
@@ -274,15 +274,13 @@ def _symbols(entries: Sequence[Any]) -> list[Any]:
     return [symbol(entry) if isinstance(entry, float) else entry for entry in entries]
 
 
-def _slip_speed(structure: Structure) -> Callable[[Any, Any], Any]:
-    """Size of a slip; the only one there is keeps its sign until a step ends at its zero."""
-    if structure.flips:
-        return lambda slip_x, slip_y: heyoka().par[SIGN] * (slip_x + slip_y)
-    return _size(FAINT)
+def _signed(along: Any, across: Any) -> Any:
+    """Size of the only slip there is, which keeps its sign until a step ends at its zero."""
+    return heyoka().par[SIGN] * (along + across)
 
 
-def _size(faint: float) -> Callable[[Any, Any], Any]:
-    return lambda slip_x, slip_y: heyoka().sqrt(slip_x * slip_x + slip_y * slip_y + faint**2)
+def _size(faint: float) -> _Speed:
+    return lambda along, across: heyoka().sqrt(along * along + across * across + faint**2)
 
 
 def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:

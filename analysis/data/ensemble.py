@@ -1,7 +1,7 @@
 """Many scenarios that differ in some fields, told by arrays."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.data.changes import changed, check_field
-from analysis.data.checks import Array, unmasked
+from analysis.data.checks import unmasked
 from analysis.data.members import DividedError, Members, Rows
 from analysis.data.names import full_name
 from analysis.data.scenario import Scenario
@@ -75,46 +75,24 @@ class Ensemble:
         firsts = self._told(0)
         for name in found:
             check_field(self.scenario, name, firsts)
-        for member, error in self._refused():
-            raise ValueError(f"member {member} of fields: {error}") from None
-
-    def _refused(self) -> Iterator[tuple[int, Exception]]:
-        """Members that are no scenarios, in order, and why."""
-        made = self.alike(lambda scenario: scenario)
-        return ((int(rows[0]), error) for rows, error in made if isinstance(error, Exception))
+        for rows, made in self.alike(lambda scenario: scenario):
+            if isinstance(made, Exception):
+                raise ValueError(f"member {rows[0]} of fields: {made}") from None
 
     @classmethod
-    def sieved(
-        cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]
-    ) -> tuple["Ensemble", Rows, dict[int, Exception]]:
-        """Ensemble of those members that are scenarios.
+    def unchecked(cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]) -> "Ensemble":
+        """Ensemble whose members may be no scenarios: each of these fails where it is run.
 
         Parameters
         ----------
         scenario : Scenario
         fields : mapping
             Arrays of one shape by dotted names of fields that may vary.
-
-        Returns
-        -------
-        Ensemble
-            May be empty.
-        rows : ndarray of int, shape (k,)
-            Numbers of its members.
-        dict
-            From the others to why they are none.
         """
-        found = {name: _values(name, values) for name, values in fields.items()}
-        whole = cls._unchecked(scenario, found)
-        refused = dict(cls._refused(whole))
-        rows = np.array([row for row in range(len(whole)) if row not in refused], dtype=int)
-        return whole.part(rows), rows, refused
-
-    @classmethod
-    def _unchecked(cls, scenario: Scenario, fields: Mapping[str, Values]) -> "Ensemble":
         whole = object.__new__(cls)
         object.__setattr__(whole, "scenario", scenario)
-        object.__setattr__(whole, "fields", fields)
+        found = {name: _values(name, values) for name, values in fields.items()}
+        object.__setattr__(whole, "fields", found)
         return whole
 
     def __len__(self) -> int:
@@ -133,7 +111,7 @@ class Ensemble:
     def part(self, rows: Rows | slice) -> "Ensemble":
         """Ensemble of some of the members, which need no further check."""
         fields = {name: values[rows] for name, values in self.fields.items()}
-        return self._unchecked(self.scenario, fields)
+        return self.unchecked(self.scenario, fields)
 
     def alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
         """Call a function for the scenarios of members that go the same way in it.
@@ -167,21 +145,7 @@ class Ensemble:
                 alone.append(rows)
             else:
                 yield rows, result
-        yield from one_by_one(function, self, np.sort(np.concatenate(alone)))
-
-    def groups(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T]]:
-        """The same, where an error is raised."""
-        for rows, result in self.alike(function):
-            if isinstance(result, Exception):
-                raise result
-            yield rows, result
-
-    def numbers(self, function: Callable[[Scenario], float]) -> Array:
-        """Number of each member that a function tells of its scenario, shape (m,)."""
-        found = np.empty(len(self))
-        for rows, told in self.groups(function):
-            found[rows] = told
-        return found
+        yield from one_by_one(function, self, np.sort(np.concatenate(alone)).tolist())
 
     def _told(self, member: int) -> dict[str, Value]:
         return {name: values[member].item() for name, values in self.fields.items()}
@@ -189,9 +153,6 @@ class Ensemble:
     def _by_words(self) -> Iterator[tuple[Words, Rows]]:
         """Members that differ in numbers alone."""
         words = {name: each for name, each in self.fields.items() if each.dtype.kind != "f"}
-        if not words and len(self):
-            yield {}, np.arange(len(self))
-            return
         groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
         for member in range(len(self)):
             groups[tuple(each[member].item() for each in words.values())].append(member)
@@ -200,10 +161,12 @@ class Ensemble:
 
 
 def one_by_one(
-    function: Callable[[Scenario], T], scenarios: Ensemble | Sequence[Scenario], rows: Rows
+    function: Callable[[Scenario], T],
+    scenarios: Ensemble | Sequence[Scenario],
+    rows: Iterable[int],
 ) -> Iterator[tuple[Rows, T | Exception]]:
     """Call a function for single scenarios; see `Ensemble.alike`."""
-    for row in rows.tolist():
+    for row in rows:
         try:
             yield np.array([row]), function(scenarios[row])
         except (ArithmeticError, ValueError) as error:

@@ -1,16 +1,13 @@
 """Samples of many motions at once, as arrays."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from analysis.data.checks import Array
 from analysis.data.motion_quantities import InCoordinates
 from analysis.data.trajectory import Trajectory
-
-_BLOCK = 2**14
-"""Samples of motions that are looked at at once: they take some 5 MB."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,11 +16,15 @@ class Samples(InCoordinates):
 
     Parameters
     ----------
+    scenario : Scenario
+        Of the one motion there is; or what has its constraints, contact, and numbers of disk and
+        table, each shape (k, 1).
     times : ndarray, shape (k, n)
     coordinates, rates : ndarray, shape (k, n, 6)
     multipliers : ndarray, shape (k, n, c)
     """
 
+    scenario: Any
     times: Array
     coordinates: Array
     rates: Array
@@ -34,10 +35,4 @@ class Samples(InCoordinates):
         """So many samples of one motion, k = 1."""
         rows = np.minimum(np.arange(count), motion.times.size - 1)[None]
         arrays = (motion.times, motion.coordinates, motion.rates, motion.multipliers)
-        return cls(*(each[rows] for each in arrays))
-
-
-def blocks(rows: int, samples: int) -> Iterator[slice]:
-    """Rows with so many samples, some at a time."""
-    size = max(1, _BLOCK // samples)
-    return (slice(first, first + size) for first in range(0, rows, size))
+        return cls(motion.scenario, *(each[rows] for each in arrays))

@@ -14,12 +14,12 @@ from analysis.mechanics.states import state_of
 
 
 def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Array, Array]:
-    """Kinetic and potential energy in J, each shape (n,).
+    """Kinetic and potential energy in J, each shape (..., n).
 
     Parameters
     ----------
     scenario : Scenario
-    coordinates, rates : ndarray, shape (n, 6)
+    coordinates, rates : ndarray, shape (..., n, 6)
         Co-rotating coordinates and their rates. The potential energy counts from the table, on a
         leaning one from its origin.
 
@@ -33,7 +33,7 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
     True
     """
     disk = scenario.disk
-    x, y, z, *rest = state_of(disk, np.transpose(coordinates), np.transpose(rates))
+    x, y, z, *rest = state_of(disk, np.moveaxis(coordinates, -1, 0), np.moveaxis(rates, -1, 0))
     angular = EulerAngles.angular_velocity(rest[:3], rest[6:9])
     kinetic = kinetic_energy(disk, (rest[3], rest[4], rest[5]), angular)
     along, across, down = scenario.table.vector

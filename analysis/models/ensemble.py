@@ -1,21 +1,21 @@
 """Many runs of the in-house equations at once."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import ExitStack
 from functools import partial
 from math import nan
 from os import cpu_count
 from time import process_time
-from typing import Any, TypeVar, overload
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
 from analysis.compiled.library import CannotCompileError
-from analysis.data.checks import Array, ToleranceError, function, instance, whole
-from analysis.data.ensemble import Ensemble
+from analysis.data.checks import ToleranceError, function, instance, whole
+from analysis.data.ensemble import Ensemble, one_by_one
 from analysis.data.limits import check_storage
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
@@ -25,8 +25,6 @@ from analysis.models.request import Request
 from analysis.models.simulation import run_member
 from analysis.models.trajectories import Trajectories
 from analysis.solve.stepping import Method
-
-T = TypeVar("T")
 
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""
@@ -117,9 +115,16 @@ def simulate_many(
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
-    chunks = list(_chunks(members, request, workers))
-    motions = _called(partial(_run, request), chunks, executor, workers, tell)
-    parts, alone, seconds = _joined(zip(motions, map(len, chunks), strict=True))
+    chunks = dict(_chunks(members, request, workers))
+    parts: list[CompiledPart] = []
+    alone: dict[int, Outcome] = {}
+    seconds, done = np.empty(len(members)), 0
+    for first, (some, others, each) in _called(partial(_run, request), chunks, executor, workers):
+        parts += some
+        alone |= others
+        seconds[first : first + len(chunks[first])] = each
+        done += len(chunks[first])
+        tell(done, len(members))
     if isinstance(members, Ensemble):
         return Trajectories(
             ensemble=members,
@@ -130,7 +135,7 @@ def simulate_many(
             seconds=seconds,
         )
     for part in parts:
-        alone |= zip(part.rows.tolist(), part.outcomes(), strict=True)
+        alone |= zip(part.group.rows.tolist(), part.outcomes(members), strict=True)
     return [alone[member] for member in range(len(members))]
 
 
@@ -142,90 +147,59 @@ def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
     return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
 
 
-def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[Scenarios]:
-    """Members that a worker gets at once."""
+def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[tuple[int, Scenarios]]:
+    """Members that a worker gets at once, by the number of the first one."""
     size = COMPILED_CHUNK
     if request.first_method != "taylor":
         size = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
     for first in range(0, len(members), size):
         some = slice(first, first + size)
-        yield members.part(some) if isinstance(members, Ensemble) else members[some]
+        yield first, members.part(some) if isinstance(members, Ensemble) else members[some]
 
 
 def _called(
-    call: Callable[[Scenarios], T],
-    chunks: Sequence[Scenarios],
+    call: Callable[[int, Scenarios], Motions],
+    chunks: Mapping[int, Scenarios],
     executor: Executor | None,
     workers: int,
-    tell: Callable[[int, int], None],
-) -> list[T | Exception]:
-    """What a function makes of chunks, here or elsewhere, in order."""
-    size, done = sum(map(len, chunks)), 0
-    if executor is None and (workers == 1 or len(chunks) == 1):
-        results: list[T | Exception] = []
-        for chunk in chunks:
-            results.append(call(chunk))
-            done += len(chunk)
-            tell(done, size)
-        return results
+) -> Iterator[tuple[int, Motions]]:
+    """Motions of chunks, run here or elsewhere, as they come in, by the number of the first."""
+    if executor is None and (workers == 1 or len(chunks) < 2):
+        for first, chunk in chunks.items():
+            yield first, call(first, chunk)
+        return
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
-        futures: dict[Future[T], int] = {pool.submit(call, chunk): len(chunk) for chunk in chunks}
+        futures = {pool.submit(call, *each): each for each in chunks.items()}
         for future in as_completed(futures):
-            if isinstance(pool, Pool) and isinstance(future.exception(), BrokenExecutor):
-                pool.check_begun()
-            done += futures[future]
-            tell(done, size)
-    return [_result(future) for future in futures]
+            first, chunk = futures[future]
+            if isinstance(error := future.exception(), BrokenExecutor):
+                if isinstance(pool, Pool):
+                    pool.check_begun()
+                yield first, ([], dict.fromkeys(range(first, first + len(chunk)), error), nan)
+            else:
+                yield first, future.result()
 
 
-def _result(future: Future[Any]) -> Any:
-    try:
-        return future.result()
-    except BrokenExecutor as error:
-        return error
-
-
-def _run(request: Request, scenarios: Scenarios) -> Motions:
+def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
     """Motions of members in this process."""
-    begin, first = process_time(), request.first_method
+    begin = process_time()
     parts: list[CompiledPart] = []
     outcomes: dict[int, Outcome] = {}
-    if request.goes_together:
-        parts, failures = simulate_compiled(scenarios, request)
+
+    def alone(members: Iterable[int], method: Method) -> dict[int, Outcome]:
+        call = partial(run_member, request=request, method=method)
+        found = one_by_one(call, scenarios, (member - first for member in members))
+        return {first + int(row): outcome for (row,), outcome in found}
+
+    # A limit of its own has each one alone.
+    if request.first_method == "taylor" and request.time_limit is None:
+        parts, failures = simulate_compiled(scenarios, request, first)
         outcomes |= failures
     else:
-        outcomes |= {member: _alone(each, request, first) for member, each in enumerate(scenarios)}
-    for member, outcome in outcomes.items():
-        cannot = isinstance(outcome, CannotCompileError | ToleranceError)
-        if cannot and request.method is None and first == "taylor":
-            outcomes[member] = _alone(scenarios[member], request, "DOP853")
+        outcomes = alone(range(first, first + len(scenarios)), request.first_method)
+    if request.method is None and request.first_method == "taylor":
+        kinds = (CannotCompileError, ToleranceError)
+        cannot = [member for member, each in outcomes.items() if isinstance(each, kinds)]
+        outcomes |= alone(cannot, "DOP853")
     return parts, outcomes, (process_time() - begin) / len(scenarios)
-
-
-def _alone(scenario: Scenario, request: Request, method: Method) -> Outcome:
-    """Outcome of one member by itself."""
-    try:
-        return run_member(scenario, request, method)
-    except (ArithmeticError, ValueError) as error:
-        return error
-
-
-def _joined(
-    pieces: Iterable[tuple[Motions | Exception, int]],
-) -> tuple[list[CompiledPart], dict[int, Outcome], Array]:
-    """All motions, from those of so many members each, or from a worker's error."""
-    parts: list[CompiledPart] = []
-    alone: dict[int, Outcome] = {}
-    seconds: list[float] = []
-    for found, count in pieces:
-        first = len(seconds)
-        some, others, each = (
-            ([], dict.fromkeys(range(count), found), nan)
-            if isinstance(found, Exception)
-            else found
-        )
-        parts += [part.moved(first) for part in some]
-        alone |= {first + member: outcome for member, outcome in others.items()}
-        seconds += [each] * count
-    return parts, alone, np.array(seconds)

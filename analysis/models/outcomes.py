@@ -6,15 +6,13 @@ from typing import Any
 import numpy as np
 from scipy.integrate import simpson
 
-from analysis.compiled.ensemble import CompiledPart
 from analysis.data.checks import Array
-from analysis.data.constraint_set import ConstraintSet, multiplier_names, prescribed
+from analysis.data.constraint_set import multiplier_names, prescribed
 from analysis.data.dissipation import CAUSES
 from analysis.data.endings import TIME_LIMIT
 from analysis.data.inversion import STAYING, inversions
 from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
-from analysis.data.samples import Samples, blocks
-from analysis.data.scenario import Scenario
+from analysis.data.samples import Samples
 from analysis.data.spatial_motion import SpatialMotion
 from analysis.data.state import COORDINATES
 from analysis.data.trajectory import Trajectory
@@ -51,13 +49,15 @@ def outcomes(
     alone: Mapping[int, Trajectory | SpatialMotion | Exception]
     if isinstance(motions, Trajectories):
         table = OutcomeTable.empty(motions.ensemble.fields, len(motions))
-        table.columns["seconds"][:] = motions.seconds
-        for part in motions.parts:
-            _put_part(table, part)
+        for rows, samples in motions.blocks():
+            table.put(rows, _ideal(samples))
+        told = {"status": DONE, "ending": motions.endings, "end": motions.ends}
+        told |= {"error_estimate": motions.error_estimates, "seconds": motions.seconds}
+        table.put(slice(None), told)
         # What is not finite is an error of that member.
         forces = table.columns["force_least"] + table.columns["force_largest"]
-        missing = np.flatnonzero(~np.isfinite(forces)).tolist()
-        alone = {member: motions.outcome(member) for member in missing}
+        apart = ~np.isfinite(forces) | (motions.endings == TIME_LIMIT)
+        alone = {member: motions.outcome(member) for member in np.flatnonzero(apart).tolist()}
     else:
         alone = dict(enumerate(motions))
         table = OutcomeTable.empty({}, len(alone))
@@ -69,9 +69,13 @@ def outcomes(
 
 def _row(motion: Trajectory | SpatialMotion) -> Mapping[str, Any]:
     is_slow = motion.ending is not None and motion.ending.reason == TIME_LIMIT
+    if isinstance(motion, SpatialMotion):
+        found = _to_rest(motion)
+    else:
+        found = _ideal(Samples.of(motion, motion.times.size))
     return {
         **(failed("too slow", str(motion.ending)) if is_slow else {"status": DONE}),
-        **(_to_rest(motion) if isinstance(motion, SpatialMotion) else _ideal(motion)),
+        **found,
         "ending": None if motion.ending is None else motion.ending.reason,
         "end": motion.times[-1],
         "error_estimate": motion.error_estimate,
@@ -81,7 +85,7 @@ def _row(motion: Trajectory | SpatialMotion) -> Mapping[str, Any]:
 def _to_rest(motion: SpatialMotion) -> Mapping[str, Any]:
     phases, total = motion.phases, motion.energies.sum(axis=1)
     return {
-        **_sampled(motion, np.array([motion.scenario.disk.eccentricity])),
+        **_sampled(motion),
         "energy_start": total[0],
         "energy_end": total[-1],
         **{f"taken_{cause}": motion.energy_taken(cause)[-1] for cause in CAUSES},
@@ -91,55 +95,34 @@ def _to_rest(motion: SpatialMotion) -> Mapping[str, Any]:
     }
 
 
-def _ideal(motion: Trajectory) -> Mapping[str, Any]:
-    scenario, samples = motion.scenario, Samples.of(motion, motion.times.size)
-    found = _sampled(samples, np.array([scenario.disk.eccentricity]))
-    brought = _brought(scenario.constraints, samples)
-    if scenario.contact is not None:
+def _ideal(samples: Samples) -> Mapping[str, Array]:
+    """What samples in the paper's coordinates tell, each shape (k,)."""
+    brought = _brought(samples)
+    found = _sampled(samples) | brought
+    if samples.scenario.contact is not None:
         # It does not hold what its spring stores and its damper takes.
-        return {**found, **brought}
+        return found
     ends = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
-    return {**found, **brought, **_balance(scenario, *ends, sum(brought.values()))}
+    first, last = np.transpose(sum(energies(samples.scenario, *ends)))
+    taken = first - last + sum(brought.values())
+    return found | {"energy_start": first, "energy_end": last, "taken_sliding": taken}
 
 
-def _put_part(table: OutcomeTable, part: CompiledPart) -> None:
-    """Put in motions that are arrays; none of these has a time limit."""
-    eccentric = part.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)
-    constraints, members = part.ensemble[0].constraints, part.rows
-    ends, brought = np.empty((2, len(members), 2, 6)), np.zeros(len(members))
-    for some in blocks(len(members), part.times.size):
-        samples = part.samples(some)
-        work = _brought(constraints, samples)
-        table.put(members[some], {**_sampled(samples, eccentric[some]), **work})
-        brought[some] = sum(work.values())
-        ends[0, some], ends[1, some] = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
-    told = {"status": DONE, "ending": part.endings, "end": part.ends}
-    table.put(members, told | {"error_estimate": part.error_estimates})
-    for rows, scenario in part.ensemble.groups(_level_or_leaning):
-        z, u = ends[:, rows]
-        table.put(members[rows], _balance(scenario, z, u, brought[rows]))
-
-
-def _level_or_leaning(scenario: Scenario) -> Scenario:
-    _ = bool(scenario.table.is_horizontal)
-    return scenario
-
-
-def _sampled(motion: SpatialMotion | Samples, eccentricities: Array) -> Mapping[str, Array]:
+def _sampled(motion: SpatialMotion | Samples) -> dict[str, Array]:
     """What samples of k motions tell by themselves, each shape (k,)."""
     names = ("times", "cog_direction", "cog_direction_rate", "face", "spin", "normal_force")
     each = (np.atleast_2d(getattr(motion, name)) for name in names)
     times, directions, rates, face, spin, force = each
-    judged = inversions(times, directions, rates, eccentricities)
+    found = inversions(times, directions, rates, np.ravel(motion.scenario.disk.eccentricity))
     after = np.full(len(times), np.nan)
-    for row in np.flatnonzero(np.isfinite(judged.times)).tolist():
-        after[row] = np.interp(judged.times[row] + STAYING, times[row], spin[row])
+    for row in np.flatnonzero(np.isfinite(found.times)).tolist():
+        after[row] = np.interp(found.times[row] + STAYING, times[row], spin[row])
     return {
-        "inversion": judged.outcomes,
-        "inverted_at": judged.times,
-        "inverted_at_error": judged.time_errors,
-        "lost_at": judged.lost,
-        "lost_at_error": judged.lost_errors,
+        "inversion": found.outcomes,
+        "inverted_at": found.times,
+        "inverted_at_error": found.time_errors,
+        "lost_at": found.lost,
+        "lost_at_error": found.lost_errors,
         "spin_after": after,
         "spin_end": spin[:, -1],
         "cog_direction_end": directions[:, -1],
@@ -149,9 +132,10 @@ def _sampled(motion: SpatialMotion | Samples, eccentricities: Array) -> Mapping[
     }
 
 
-def _brought(constraints: ConstraintSet, samples: Samples) -> dict[str, Array]:
+def _brought(samples: Samples) -> dict[str, Array]:
     """Work of those forces that keep a rate as it is, by Simpson's rule, each shape (k,)."""
-    names, found = multiplier_names(constraints), {}
+    constraints, found = samples.scenario.constraints, {}
+    names = multiplier_names(constraints)
     # Behind the end of a motion its last sample is repeated.
     counts = 1 + np.count_nonzero(np.diff(samples.times), axis=1)
     for name, coordinate in prescribed(constraints).items():
@@ -162,12 +146,3 @@ def _brought(constraints: ConstraintSet, samples: Samples) -> dict[str, Array]:
             rows = counts == count
             work[rows] = simpson(power[rows, :count], x=samples.times[rows, :count])
     return found
-
-
-def _balance(
-    scenario: Scenario, coordinates: Array, rates: Array, brought: Array | float
-) -> Mapping[str, Array]:
-    """Energies of k motions at their starts and ends, shape (k, 2, 6), and what sliding took."""
-    kinetic, potential = energies(scenario, coordinates, rates)
-    first, last = np.asarray(kinetic + potential)
-    return {"energy_start": first, "energy_end": last, "taken_sliding": first - last + brought}

@@ -92,11 +92,6 @@ class Request:
         """Method that is tried first."""
         return self.method or ("taylor" if is_installed() else "DOP853")
 
-    @property
-    def goes_together(self) -> bool:
-        """Whether members are run together: a limit of its own has each one alone."""
-        return self.first_method == "taylor" and self.time_limit is None
-
     def watch(self, most: float = MOST_STEPS) -> Watch:
         """Who watches a run of so many steps at most."""
         return Watch(self.time_limit, self._progress, most)

@@ -118,7 +118,7 @@ def run_member(scenario: Scenario, request: Request, method: Method) -> Trajecto
     parts, failures = simulate_compiled([scenario], request)
     for failure in failures.values():
         raise failure
-    return parts[0].trajectory(0)
+    return parts[0].trajectory(0, scenario)
 
 
 def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory:

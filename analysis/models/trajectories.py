@@ -1,6 +1,6 @@
 """The motions of an ensemble as arrays, and each of them as a `Trajectory` if it is asked for."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,7 +14,7 @@ from analysis.data.files import AnyArray
 from analysis.data.inversion import Inversions, inversions
 from analysis.data.members import Rows
 from analysis.data.motion_quantities import InCoordinates, lowest
-from analysis.data.samples import Samples, blocks
+from analysis.data.samples import Samples
 from analysis.data.trajectory import Trajectory
 
 
@@ -72,8 +72,9 @@ class Trajectories(InCoordinates):
             raise self.failures[member]
         if member in self.alone:
             return self.alone[member]
-        part = next(part for part in self.parts if member in part.rows)
-        return part.trajectory(int(np.argmax(part.rows == member)))
+        part = next(part for part in self.parts if member in part.group.rows)
+        row = int(np.argmax(part.group.rows == member))
+        return part.trajectory(row, self.ensemble[member])
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[member] for member in range(len(self)))
@@ -90,25 +91,29 @@ class Trajectories(InCoordinates):
 
     @cached_property
     def _eccentricity(self) -> Array:
-        return self.ensemble.numbers(lambda scenario: scenario.disk.eccentricity)[:, None]
+        found = np.full(len(self), np.nan)
+        for rows, told in self.ensemble.alike(lambda scenario: scenario.disk.eccentricity):
+            if not isinstance(told, Exception):
+                found[rows] = told
+        return found[:, None]
 
     def _lowest(self, up: Any) -> Any:
         return np.array([lowest(each, one) for each, one in zip(self.ensemble, up, strict=True)])
 
-    @cached_property
+    @property
     def ends(self) -> Array:
         """Time of the end of each motion in s, shape (m,)."""
-        return self._whole("ends", np.nan, lambda motion: motion.times[-1])
+        return self._ended[0]
 
-    @cached_property
+    @property
     def error_estimates(self) -> Array:
         """Estimated errors of beta and gamma in rad, shape (m,); nan where there is none."""
-        return self._whole("error_estimates", np.nan, lambda motion: motion.error_estimate)
+        return self._ended[1]
 
-    @cached_property
+    @property
     def endings(self) -> AnyArray:
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
-        return self._whole("endings", None, lambda motion: motion.ending and motion.ending.reason)
+        return self._ended[2]
 
     @cached_property
     def coordinates(self) -> Array:
@@ -125,8 +130,8 @@ class Trajectories(InCoordinates):
         """What became of the inversion of each member; see `Trajectory.inversion`."""
         outcomes = np.full(len(self), "not inverted", dtype=object)
         numbers = np.full((4, len(self)), np.nan)
-        for rows, samples in self._blocks():
-            eccentricities = self._eccentricity[rows, 0]
+        for rows, samples in self.blocks():
+            eccentricities = np.ravel(samples.scenario.disk.eccentricity)
             found = inversions(
                 samples.times, samples.cog_direction, samples.cog_direction_rate, eccentricities
             )
@@ -137,29 +142,38 @@ class Trajectories(InCoordinates):
     def _kinematics(self) -> tuple[Array, Array]:
         """Coordinates and rates at the times asked for, shape (2, m, n, 6)."""
         whole = np.full((2, len(self), self.times.size, 6), np.nan)
-        for rows, samples in self._blocks():
+        for rows, samples in self.blocks():
             for each, found in zip(whole, (samples.coordinates, samples.rates), strict=True):
                 each[rows] = found[:, :-1]
         whole[:, self.times > self.ends[:, None]] = np.nan
         whole.setflags(write=False)
         return whole[0], whole[1]
 
-    def _blocks(self) -> Iterator[tuple[Rows, Samples]]:
-        """Numbers of some members at a time, and their samples."""
+    def blocks(self) -> Iterator[tuple[Rows, Samples]]:
+        """Numbers of some members at a time that have not failed, and their samples.
+
+        The last one of each is that at its end.
+        """
         for part in self.parts:
-            for some in blocks(len(part.rows), self.times.size):
-                yield part.rows[some], part.samples(some)
+            for some, samples in part.blocks():
+                yield part.group.rows[some], samples
         for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
-    def _whole(
-        self, name: str, empty: float | None, read: Callable[[Trajectory], Any]
-    ) -> AnyArray:
-        """What the parts tell of their members under a name, and what is read off the others."""
-        whole = np.full(len(self), empty)
+    @cached_property
+    def _ended(self) -> tuple[Array, Array, AnyArray]:
+        """Ends, estimated errors and why they ended, each shape (m,)."""
+        ends, estimates = np.full((2, len(self)), np.nan)
+        endings = np.full(len(self), None)
         for part in self.parts:
-            whole[part.rows] = getattr(part, name)
+            rows, runs = part.group.rows, part.runs
+            # The last one is that of `RUNNING`, -1.
+            reasons = np.array([*runs.names, None])
+            ends[rows], estimates[rows] = runs.ends, runs.estimates
+            endings[rows] = reasons[runs.reasons]
         for row, motion in self.alone.items():
-            whole[row] = read(motion)
-        whole.setflags(write=False)
-        return whole
+            ends[row], estimates[row] = motion.times[-1], motion.error_estimate
+            endings[row] = motion.ending and motion.ending.reason
+        for each in (ends, estimates, endings):
+            each.setflags(write=False)
+        return ends, estimates, endings

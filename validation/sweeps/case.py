@@ -92,22 +92,19 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     begin, plan = time.process_time(), sweep.plan
     cases = [sweep.design.values_of(number) for number in numbers]
     fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
-    ensemble, members, found = Ensemble.sieved(sweep.scenario, fields)
-    outcome_of = {member: failure(error) for member, error in found.items()}
-    runs: Any = ()
-    if members.size:
-        how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
-        runs = simulate_many(ensemble, plan.times, form=plan.formulation, workers=1, **how)
-        outcome_of |= dict(zip(members.tolist(), outcomes(runs).rows(), strict=True))
+    ensemble = Ensemble.unchecked(sweep.scenario, fields)
+    how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
+    runs = simulate_many(ensemble, plan.times, form=plan.formulation, workers=1, **how)
+    found = list(outcomes(runs).rows())
     each = (time.process_time() - begin) / len(cases)
     rows: list[CaseRow] = [
-        {**outcome_of[member], "number": number, **case, "seconds": each}
-        for member, (number, case) in enumerate(zip(numbers, cases, strict=True))
+        {**row, "number": number, **case, "seconds": each}
+        for row, number, case in zip(found, numbers, cases, strict=True)
     ]
-    for place, member in enumerate(members.tolist()):
+    for place, row in enumerate(rows):
         # A motion of a batch is worked out where it is asked for.
-        if rows[member]["status"] == DONE and (plan.keep or sweep.has_witness(numbers[member])):
-            rows[member] = _with_the_rest(sweep, rows[member], runs[place])
+        if row["status"] == DONE and (plan.keep or sweep.has_witness(row["number"])):
+            rows[place] = _with_the_rest(sweep, row, runs[place])
     return rows
 
 
