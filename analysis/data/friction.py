@@ -1,7 +1,7 @@
 """Friction laws of the contact."""
 
 from abc import abstractmethod
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import cos, sin
 from typing import Any, ClassVar
 
@@ -454,11 +454,6 @@ LAWS = Kinds[FrictionLaw](
     ),
 )
 """Laws by name, as files and the command line know them; others are `module:class`."""
-
-
-def law_values(law: FrictionLaw) -> dict[str, Any]:
-    """Name and parameters of a law, to be stored; `LAWS.made` makes it again."""
-    return {"law": LAWS.name_of(type(law))} | asdict(law)
 
 
 def check_answers(law: FrictionLaw) -> None:

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import fields
 from importlib import import_module
 from typing import Any, TypeVar
 
@@ -86,9 +85,13 @@ class Kinds(Named[str, type[T]]):
         return type(self), (self._name, self._what, self._key, self._base, dict(self))
 
     def find(self, name: Any) -> type[T]:
-        """Class of this name; `ArgumentError` if there is none, or it is another."""
+        """Class of this name, of itself, or of None; `ArgumentError` if there is none such."""
+        if name is None:
+            return next(iter(self.values()))
         if isinstance(name, str) and name in self:
             return self[name]
+        if isinstance(name, type) and issubclass(name, self._base):
+            return name
         if not is_own(name):
             fault = f"must be one of {', '.join(self)} or module:class, got {name!r}"
             raise ArgumentError(self._key, fault + nearest(name, self), self._what)
@@ -111,25 +114,17 @@ class Kinds(Named[str, type[T]]):
         Raises
         ------
         ArgumentError
-            If the class is unknown, or a field missing, not one of its own, or out of range.
+            If the class is unknown, or a field missing, unknown or out of range.
         """
-        name = given.pop(self._key, next(iter(self)))
-        kind = self.find(name)
-        known: list[str] = [field.name for field in fields(kind)]  # type: ignore[arg-type]
-        for each in given:
-            if each not in known:
-                raise ArgumentError(
-                    each,
-                    f"is no parameter of the {self._what} {name}, which takes {', '.join(known)}"
-                    f"{nearest(each, known)}",
-                )
+        kind = self.find(given.pop(self._key, None))
         try:
             return kind(**given)
         except ValueError:
             raise
         except (Exception, SystemExit) as error:
             fault = f"cannot be made: {_said(error, TypeError)}"
-            raise ArgumentError(self._key, fault, f"{self._what} {name!r}") from error
+            subject = f"{self._what} {self.name_of(kind)!r}"
+            raise ArgumentError(self._key, fault, subject) from error
 
     @contextmanager
     def answering(self, one: T) -> Iterator[None]:

@@ -9,8 +9,9 @@ from typing import Any
 
 from analysis.data.constraint_set import MODELS
 from analysis.data.names import ArgumentError, nearest
+from analysis.data.parts import made_part
 from analysis.data.quantities import QUANTITIES, SECTIONS
-from analysis.data.scenario import Scenario, made_part
+from analysis.data.scenario import Scenario
 from analysis.data.scenario_text import FORMAT
 from analysis.data.written import read_value
 
@@ -110,7 +111,7 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
     parts = {"constraints": _constraints(values)}
     for table in _TABLES:
         if table in values:
-            parts[table] = _part(table, values[table])
+            parts[table] = made_part(table, _read(table, values[table]))
         elif SECTIONS[table].needed:
             fault = f"is missing; {SECTIONS[table].needed}"
             raise ArgumentError("end of file", fault, f"the table [{table}]")
@@ -137,17 +138,15 @@ def _constraints(values: Mapping[str, Any]) -> Any:
     return given if level is None else MODELS[read_value("model", level)]  # type: ignore[index]
 
 
-def _part(table: str, values: Any) -> Any:
-    """What a table describes; its values are read as everywhere."""
+def _read(table: str, values: Any) -> Any:
+    """What a table holds, its values read as everywhere."""
     if not isinstance(values, Mapping):
-        return made_part(table, values)
-    read = {}
-    for name, value in values.items():
-        key = f"{table}.{name}"
-        read[name] = read_value(key, value, name) if key in QUANTITIES else value
-        if name in ("coordinates", "rates") and not isinstance(value, list):
-            raise ArgumentError(name, f"must be a list of 6 numbers, got {value!r}")
-    return made_part(table, read)
+        return values
+    keys = {name: f"{table}.{name}" for name in values}
+    return {
+        name: read_value(keys[name], value, name) if keys[name] in QUANTITIES else value
+        for name, value in values.items()
+    }
 
 
 def _line_of(text: str, argument: str) -> int:

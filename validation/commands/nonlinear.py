@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from analysis import Scenario
-from analysis.data.changes import changed, check_field
+from analysis.data.changes import changed, check_fields
 from analysis.data.limits import MOST_SCENARIOS
 from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
@@ -294,7 +294,7 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[float], list[Scena
             f"axis {field} must have at most {MOST_SCENARIOS} values here, got {axis.size}"
         )
     values = [float(axis.at(index)) for index in range(axis.size)]
-    check_field(scenario, field, {field: values[0]})
+    check_fields(scenario, {field: values[0]})
     return axis, values, [changed(scenario, {field: value}) for value in values]
 
 

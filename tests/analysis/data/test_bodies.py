@@ -24,8 +24,8 @@ from analysis import (
     simulate,
 )
 from analysis.data import bodies
-from analysis.data.bodies import body_values
 from analysis.data.checks import Array
+from analysis.data.parts import told
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
@@ -86,7 +86,7 @@ def test_ring_is_a_plate_with_a_hole_and_stays_one(tmp_path: Path) -> None:
     assert ring == Disk.of_parts((0.045, 0.01, 7700.0), [(-0.03, 0.0, 0.01)])
     (tmp_path / "a.toml").write_text(scenario_text(Scenario(disk=ring)))
     again = load_scenario(tmp_path / "a.toml")
-    assert body_values(again.disk) == body_values(ring)
+    assert told(again.disk) == told(ring)
     assert scenario_text(again) == scenario_text(Scenario(disk=ring))
     varied = Ensemble(scenario=Scenario(disk=ring), fields={"disk.thickness": np.array([0.02])})
     assert varied[0].disk == Disk.ring(hole_radius=0.01, hole_distance=0.03, thickness=0.02)
@@ -105,7 +105,7 @@ def test_a_body_is_the_same_again(body: Body, tmp_path: Path) -> None:
     )
     for again in copies:
         assert again == scenario
-        assert body_values(again.disk) == body_values(body)
+        assert told(again.disk) == told(body)
 
 
 def test_a_body_is_told_by_options(capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,8 +31,8 @@ from analysis import (
     load_run,
 )
 from analysis.data.checks import Array
-from analysis.data.friction import law_values
 from analysis.data.own import foreign_names
+from analysis.data.parts import told
 from analysis.mechanics.contact_load import any_contact_load
 from analysis.mechanics.recorded import accelerations
 from analysis.stability import spectra
@@ -190,7 +190,7 @@ def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
     assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
-    assert LAWS.made(**law_values(law)) == law
+    assert LAWS.made(**told(law)) == law
 
 
 def test_file_runs_no_module_that_it_names() -> None:

@@ -18,8 +18,8 @@ from analysis import (
 )
 from analysis.data.changes import changed
 from analysis.data.names import ArgumentError, full_name
+from analysis.data.parts import KINDS
 from analysis.data.quantities import QUANTITIES, RING, Quantity, default
-from analysis.data.scenario import KINDS
 from tests.calls import printed, run
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text

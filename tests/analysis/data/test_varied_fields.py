@@ -61,8 +61,8 @@ TOLD = replace(PAPER, start=PAPER.initial_state)
     ("scenario", "names", "message"),
     [
         (PAPER, "contact.stiffness", "needs a penalty contact"),
-        (PAPER, "friction.static", r"friction\.static must be one of load, .*coefficient"),
-        (PAPER, "disk.radius disk.mass", "mass does not go together with radius, from which it"),
+        (PAPER, "friction.static", r"static is unknown here; .* takes law, .*coefficient"),
+        (PAPER, "disk.radius disk.mass", "mass is unknown here; .*; or radius, mass"),
         (ROUNDED, "disk.radius", "radius varies a ring alone"),
         (TOLD, "start.spin", "the start is told by its coordinates and"),
     ],
