@@ -44,7 +44,7 @@ def own_object(what: str, name: str, argument: str = "") -> Any:
     try:
         return getattr(import_module(module), attribute)
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
-        fault = f"cannot be loaded: {_said(error, ImportError, AttributeError)}"
+        fault = f"cannot be loaded: {said(error, ImportError, AttributeError)}"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
 
 
@@ -122,7 +122,7 @@ class Kinds(Named[str, type[T]]):
         except ValueError:
             raise
         except (Exception, SystemExit) as error:
-            fault = f"cannot be made: {_said(error, TypeError)}"
+            fault = f"cannot be made: {said(error, TypeError)}"
             subject = f"{self._what} {self.name_of(kind)!r}"
             raise ArgumentError(self._key, fault, subject) from error
 
@@ -133,9 +133,9 @@ class Kinds(Named[str, type[T]]):
             yield
         except (Exception, SystemExit) as error:
             subject = f"{self._what} {self.name_of(type(one))!r}:"
-            raise ArgumentError(self._key, _said(error, ValueError), subject) from error
+            raise ArgumentError(self._key, said(error, ValueError), subject) from error
 
 
-def _said(error: BaseException, *plain: type[Exception]) -> str:
+def said(error: BaseException, *plain: type[Exception]) -> str:
     """What an error says, with its kind unless that is one of these."""
     return str(error) if isinstance(error, plain) else f"{type(error).__name__}: {error}"

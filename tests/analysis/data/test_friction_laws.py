@@ -210,19 +210,19 @@ class Pushing(Answering):
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        (Answering(says=lambda _: nan), "per_speed(0) must be a finite number, got nan"),
-        (Answering(says=lambda _: -3.0), "per_speed(0) must not be negative, got -3"),
-        (Answering(says=lambda _: 1e300), "per_speed(0) must lie from 0 to 1e+12, got 1e+300"),
+        (Answering(says=lambda _: nan), "slope of force at no slip must be a finite"),
+        (Answering(says=lambda _: -3.0), "slope of force at no slip must not be negative, got -3"),
+        (Answering(says=lambda _: 1e300), "slope of force at no slip must lie from 0 to 1e+12"),
         (Answering(says=lambda speed: 1.0 / speed), "ZeroDivisionError: float division"),
         (Answering(says=abs, finest_speed=0.0), "finest_speed must be positive, got 0"),
         (Pushing(says=lambda x, y, n: (n * x, n * y)), "slope of force at no slip must"),
         (
             Pushing(says=lambda x, y, n: (-n * x, n * y)),
-            "force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC",
+            "Pushing.force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC",
         ),
         (
             Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y)),
-            "force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL",
+            "Pushing.force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL",
         ),
         (
             Pushing(says=lambda x, y, n: (nan, n * x * y)),
