@@ -164,25 +164,10 @@ class Disk(Body):
             lean = min(1.0, e * sqrt(square / (flattening * (flattening - e**2))))
         return sqrt(square + flattening * lean**2) - e * lean, lean
 
-    @property
-    def hole(self) -> tuple[float, float] | None:
-        """Radius and distance in m of the round hole that this mass distribution tells of.
-
-        It lies against the x axis. Eccentricity and `inertia_z` of a flat disk of uniform density
-        follow from it alone and tell it again; None where no hole inside the disk would do.
-        """
-        r, e = self.radius, self.eccentricity
-        linear = r**2 + 2.0 * e**2 - 2.0 * self.inertia_z / self.mass
-        square = 0.5 * (-linear + sqrt(linear**2 + 8.0 * (e * r) ** 2))
-        if square < (1e-6 * r) ** 2:
-            return None
-        radius, distance = sqrt(square), e * (r**2 - square) / square
-        return (radius, distance) if radius + distance < r else None
-
     def outline(self) -> tuple[list[Hole], list[PointMass]]:
-        """Holes and masses in axes of the body; of a disk told by its numbers, that of `hole`."""
+        """Holes and masses in axes of the body; none of a disk that is told by its numbers."""
         if self.parts is None:
-            return [] if self.hole is None else [Hole(-self.hole[1], 0.0, self.hole[0])], []
+            return [], []
         c, s = self._made_of[1]
 
         def turned(part: Any) -> Any:

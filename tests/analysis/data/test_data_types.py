@@ -24,21 +24,6 @@ from analysis import (
 )
 
 
-@pytest.mark.parametrize(("radius", "distance"), [(0.015, 0.02), (0.001, 0.03), (0.04, 0.001)])
-def test_disk_tells_the_hole_it_was_made_with(radius: float, distance: float) -> None:
-    disk = Disk.ring(
-        radius=0.9, hole_radius=20 * radius, hole_distance=20 * distance, thickness=0.2
-    )
-    assert disk.hole == pytest.approx((20 * radius, 20 * distance), rel=1e-6)
-
-
-def test_disk_that_no_hole_explains_has_none() -> None:
-    full = Disk.ring(hole_radius=0.0)
-    assert (full.hole, full.eccentricity) == (None, 0.0)
-    assert full.inertia_x == full.inertia_y
-    assert replace(STEEL_DISK, eccentricity=0.02, inertia_y=4.3e-4, inertia_z=6e-4).hole is None
-
-
 def test_named_disks_are_the_unrounded_ring_and_table_1() -> None:
     assert DISKS == {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
     unrounded = (0.045, 0.4354247, 2.5e-3, 2.485550e-4, 2.267837e-4, 4.680816e-4)
