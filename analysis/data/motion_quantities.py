@@ -218,6 +218,5 @@ def lowest(scenario: Scenario, up: Any) -> Any:
     up : ndarray, shape (..., 3)
         The vertical in axes of the body; complex for the derivative along a motion.
     """
-    half_thickness = 0.0 if scenario.contact is None else scenario.contact.half_thickness
-    points = scenario.disk.lowest_point(np.moveaxis(up, -1, 0), half_thickness)
+    points = scenario.disk.lowest_point(np.moveaxis(up, -1, 0), scenario.half_thickness)
     return np.stack(np.broadcast_arrays(*points), axis=-1)

@@ -98,8 +98,8 @@ class Scenario(Described):
     def _check_body(self) -> None:
         """Refuse what is known of a round disk alone."""
         check_surface(self.disk)
-        rounded = self.contact is not None and self.contact.is_rounded
-        if not self.friction.IS_ISOTROPIC and (rounded or not self.disk.is_round_disk):
+        has_sharp_rim = self.disk.is_round_disk and self.half_thickness == 0.0
+        if not self.friction.IS_ISOTROPIC and not has_sharp_rim:
             raise ArgumentError(
                 "friction",
                 "must be isotropic unless the body is a disk with a sharp rim: there may else "
@@ -195,20 +195,18 @@ class Scenario(Described):
         """State at the start, consistent with the constraints unless given as a `State`."""
         if isinstance(self.start, State):
             return self.start
-        if self.contact is None:
-            return self.start.state(self.constraints, self.disk)
-        return self.start.state(
-            self.constraints,
-            self.disk,
-            half_thickness=self.contact.half_thickness,
-            height=-self.contact.resting_penetration(self.weight),
-        )
+        sunk = 0.0 if self.contact is None else self.contact.resting_penetration(self.weight)
+        return self.start.state(self.constraints, self.disk, self.half_thickness, -sunk)
+
+    @property
+    def half_thickness(self) -> float:
+        """Half thickness of the rim in m; 0 where it is sharp."""
+        return 0.0 if self.contact is None else self.contact.half_thickness
 
     @property
     def is_smooth(self) -> bool:
         """Whether the lowest point of the body is defined in every attitude."""
-        rounded = self.contact is not None and self.contact.is_rounded
-        return rounded or not self.disk.has_edge
+        return self.half_thickness > 0.0 or not self.disk.has_edge
 
     def require_plain(self, analysis: str) -> None:
         """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.

@@ -100,7 +100,6 @@ class Start(Described):
         self,
         constraints: ConstraintSet,
         disk: Body,
-        *,
         half_thickness: float = 0.0,
         height: float = 0.0,
     ) -> State:
