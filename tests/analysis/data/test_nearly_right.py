@@ -13,18 +13,9 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import (
-    MODELS,
-    Ensemble,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    load_scenario,
-    scenario_text,
-    simulate,
-)
+from analysis import LAWS, MODELS, Ensemble, Scenario, SmoothCoulomb, Start, simulate
 from mbs_models import Scene
-from tests.calls import printed, refusal
+from tests.calls import printed
 from validation.sweeps.axes import axis_from_text
 
 TIMES = [0.0, 0.01]
@@ -55,6 +46,8 @@ def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any
         (lambda: Ensemble(scenario=Scenario(), fields={"spn": [1.0]}), r"did you mean spin\?$"),
         (lambda: simulate(Scenario(), TIMES, method="DOP835"), r"did you mean DOP853\?$"),
         (lambda: Start(gamma=" -22.5 deg"), r"write np.radians\(-22.5\)$"),
+        (lambda: LAWS.find("smooth-columb"), r"^friction law .*; did you mean smooth-coulomb\?$"),
+        (lambda: Scenario.from_values({"start": {"spn": 3.0}}), r"^spn is .* did you mean spin\?$"),
         (lambda: axis_from_text("viscous=1:2:3"), r"did you mean viscosity or rolling_viscous\?$"),
     ],
 )  # fmt: skip
@@ -62,35 +55,6 @@ def test_one_line_says_what_is_right(call: Callable[[], Any], message: str) -> N
     with pytest.raises((ValueError, TypeError, KeyError), match=message) as caught:
         call()
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("spin =", "spn =", "spn is unknown here; .*; did you mean spin"),
-        ("[friction]", "[fricton]", "unknown key 'fricton'; .*; did you mean friction"),
-        ('law = "smooth-coulomb"', 'law = "smooth-columb"', ".* did you mean smooth-coulomb"),
-    ],
-)
-def test_file_says_which_key_is_meant(old: str, new: str, message: str, tmp_path: Path) -> None:
-    text = scenario_text(Scenario())
-    assert old in text
-    (tmp_path / "my.toml").write_text(text.replace(old, new, 1))
-    with pytest.raises(ValueError, match=rf"my.toml, line \d+: {message}\?$"):
-        load_scenario(tmp_path / "my.toml")
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        ("scenario --law tanh,coeficient=1", "; did you mean coefficient?"),
-        ("map spin-fricton", "; did you mean spin-friction?"),
-    ],
-)
-def test_command_line_says_which_word_is_meant(
-    call: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert refusal(capsys, call).endswith(f"{message}\n")
 
 
 def test_negative_values_are_taken(capsys: pytest.CaptureFixture[str]) -> None:

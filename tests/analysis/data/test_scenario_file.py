@@ -31,6 +31,7 @@ from analysis import (
     scenario_text,
 )
 from analysis.data.angles import angle, spelled_angle
+from analysis.data.quantities import SECTIONS
 from analysis.data.scenario_file import LARGEST_FILE
 from tests.helpers import TILTED
 from tests.scenario_texts import with_key
@@ -166,6 +167,9 @@ def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
     assert text is None or angle("beta", text) == value
 
 
+HELD = f"a scenario holds format, model, constraints, {', '.join([*SECTIONS][1:])}"
+
+
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
@@ -175,6 +179,7 @@ def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
         ("", 1, "format is missing; it must be 1"),
         ("format = 1\nmodel = 1\ndisk = 3\n", 3, "disk must be a table, got 3"),
         ("format = 1\nmodel = 1\n[disk]\n\"name\" = 'gold'\n", 4, "name must be one of steel"),
+        ("format = 1\nspim = 1", 2, f"unknown key 'spim'; {HELD}; did you mean spin?"),
         ("format = 1\nmodel = 1\n[[disk]]\nname = 'steel'\n", 3, "disk must be a table, got ["),
     ],
 )
