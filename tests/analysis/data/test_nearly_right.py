@@ -46,8 +46,8 @@ def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any
         (lambda: Ensemble(scenario=Scenario(), fields={"spn": [1.0]}), r"did you mean spin\?$"),
         (lambda: simulate(Scenario(), TIMES, method="DOP835"), r"did you mean DOP853\?$"),
         (lambda: Start(gamma=" -22.5 deg"), r"write np.radians\(-22.5\)$"),
-        (lambda: LAWS.find("smooth-columb"), r"^friction law .*; did you mean smooth-coulomb\?$"),
-        (lambda: Scenario.from_values({"start": {"spn": 3.0}}), r"^spn is .* did you mean spin\?$"),
+        (lambda: LAWS.find("smooth-columb"), r"did you mean smooth-coulomb\?$"),
+        (lambda: Scenario.from_values({"start": {"spn": 3.0}}), r"^spn .* mean spin\?$"),
         (lambda: axis_from_text("viscous=1:2:3"), r"did you mean viscosity or rolling_viscous\?$"),
     ],
 )  # fmt: skip
