@@ -20,8 +20,7 @@ LARGEST_FILE = 1_000_000
 
 _TABLES = tuple(name for name in SECTIONS if name)
 _TOP = ("format", "model", "constraints", *_TABLES)
-_HEADER = re.compile(r"\s*\[\[?\s*([^\[\]]+?)\s*\]")
-_ENTRY = re.compile(r"\s*([\w\"'.\- ]+?)\s*=")
+_KEY = re.compile(r"\s*(\[\[?)?\s*([\w\"'.\- ]+?)\s*[\]=]")
 _LINE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
@@ -104,10 +103,10 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
     if type(given) is int and given > FORMAT:
         fault = f"is newer than this version of tippedisk, which reads {FORMAT}"
         raise ArgumentError("format", fault, f"format {given}")
-    if given is None:
-        raise ArgumentError("format", f"is missing; it must be {FORMAT}")
     if type(given) is not int or given != FORMAT:
-        raise ArgumentError("format", f"must be {FORMAT}, got {given!r}")
+        missing = f"is missing; it must be {FORMAT}"
+        fault = missing if given is None else f"must be {FORMAT}, got {given!r}"
+        raise ArgumentError("format", fault)
     parts = {"constraints": _constraints(values)}
     for table in _TABLES:
         if table in values:
@@ -155,12 +154,12 @@ def _line_of(text: str, argument: str) -> int:
     lines: dict[str, int] = {}
     table = ""
     for line, row in enumerate(rows, 1):
-        if header := _HEADER.match(row):
-            table = _plain(header[1])
-            lines.setdefault(table, line)
-        elif entry := _ENTRY.match(row):
-            name = _plain(entry[1])
-            full = f"{table}.{name}" if table else name
+        if key := _KEY.match(row):
+            name = re.sub(r"[\s\"']", "", key[2])
+            if key[1]:
+                table = full = name
+            else:
+                full = f"{table}.{name}" if table else name
             for part in (full, full.partition(".")[0]):
                 lines.setdefault(part, line)
     # An entry of a list is found by the list.
@@ -170,7 +169,3 @@ def _line_of(text: str, argument: str) -> int:
     places.append(name.partition(".")[0])
     last = 1 if name == "format" else len(rows)
     return next((lines[each] for each in places if each in lines), last)
-
-
-def _plain(dotted: str) -> str:
-    return re.sub(r"[\s\"']", "", dotted)
