@@ -34,7 +34,6 @@ from analysis.data.angles import angle, spelled_angle
 from analysis.data.quantities import SECTIONS
 from analysis.data.scenario_file import LARGEST_FILE
 from tests.helpers import TILTED
-from tests.scenario_texts import with_key
 
 QUICK = settings(
     max_examples=100,
@@ -210,15 +209,13 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
         "from tests.analysis.data.test_scenario_file import Own\n\nclass Rough(Own):\n    pass\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
-    text = scenario_text(Scenario(friction=TanhCoulomb()))
-    path = tmp_path / "my.toml"
-    path.write_text(with_key(text, "start", "gamma", '"own_law:Rough"'))
+    path, law = tmp_path / "my.toml", '"own_law:Rough"'
+    short = 'format = 1\nmodel = 1\ndisk.name = "steel"\ntable = {}\n'
+    path.write_text(f"{short}friction = {{}}\nstart.gamma = {law}\n")
     with pytest.raises(ValueError, match="gamma must be an angle"):
         load_scenario(path)
     assert "own_law" not in sys.modules
-    for key in ("coefficient", "smoothing"):
-        text = with_key(text, "friction", key, None)
-    path.write_text(with_key(text, "friction", "law", '"own_law:Rough"'))
+    path.write_text(f"{short}start = {{}}\nfriction.law = {law}\n")
     try:
         assert type(load_scenario(path).friction).__module__ == "own_law"
     finally:
