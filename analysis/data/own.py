@@ -81,9 +81,6 @@ class Kinds(Named[str, type[T]]):
         super().__init__(name, dict(entries))
         self._what, self._key, self._base = what, key, base
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._name, self._what, self._key, self._base, dict(self))
-
     def find(self, name: Any) -> type[T]:
         """Class of this name, of itself, or of None; `ArgumentError` if there is none such."""
         if name is None:

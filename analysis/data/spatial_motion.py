@@ -191,9 +191,9 @@ class SpatialMotion(SampledMotion):
         for name in filled(SpatialMotion):
             if name not in _WITH_RATES:
                 # Impacts make these jump.
-                columns = np.atleast_2d(getattr(self, name).T)
-                values = np.transpose([np.interp(wanted, self.times, each) for each in columns])
-                found[name] = values[:, 0] if len(columns) == 1 else values
+                found[name] = np.apply_along_axis(
+                    lambda values: np.interp(wanted, self.times, values), 0, getattr(self, name)
+                )
         return found
 
     @staticmethod
