@@ -18,28 +18,11 @@ from analysis import (
 )
 from analysis.data.changes import changed
 from analysis.data.names import ArgumentError, full_name
-from analysis.data.parts import KINDS
+from analysis.data.parts import KINDS, told
 from analysis.data.quantities import QUANTITIES, RING, Quantity, default
 from tests.calls import printed, run
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text
-
-STEADY = {
-    "disk.radius": 0.05,
-    "disk.thickness": 0.02,
-    "disk.mass": 0.44,
-    "disk.inertia_x": 2.6e-4,
-    "disk.inertia_y": 2.5e-4,
-    "disk.inertia_z": 4.7e-4,
-    "disk.inertia_xy": 1e-6,
-    "disk.inertia_xz": 1e-6,
-    "disk.inertia_yz": 1e-6,
-    "friction.static": 0.5,
-    "friction.exponent": 0.5,
-    "contact.stiffness": 2e6,
-    "dissipation.rolling_smoothing": 0.02,
-}
-"""Values that fit, where 0.01 does not."""
 
 EVERY = pytest.mark.parametrize("quantity", QUANTITIES.values(), ids=list(QUANTITIES))
 
@@ -55,6 +38,14 @@ def home(quantity: Quantity) -> Scenario:
         return Scenario(disk=ROUNDED_STEEL_DISK)
     soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"
     return Scenario.rest() if soft else Scenario()
+
+
+def other(quantity: Quantity, scenario: Scenario) -> float | str:
+    """Another value, near that of a scenario if there is one."""
+    if quantity.choices:
+        return "contact" if quantity.key == "constraints" else quantity.choices[-1]
+    now = told(getattr(scenario, quantity.table)).get(quantity.name)
+    return 1.01 * now if now else 1e-6
 
 
 def beyond(quantity: Quantity) -> list[float | str]:
@@ -117,9 +108,7 @@ def test_an_option_changes_its_quantity_and_nothing_else(
 ) -> None:
     scenario, path = home(quantity), tmp_path / "my.toml"
     path.write_text(scenario_text(scenario))
-    value = quantity.choices[-1] if quantity.choices else STEADY.get(quantity.key, 0.01)
-    if quantity.key == "constraints":
-        value = "contact"
+    value = other(quantity, scenario)
     words = [f"{quantity.flag}={value}"]
     if quantity.is_switch:
         words = [quantity.flag.replace("--", "--no-")]
