@@ -1,4 +1,7 @@
-"""Calls that are nearly right are taken, or told in one line how they would be right."""
+"""Calls that are nearly right are taken, or told in one line how they would be right.
+
+Numbers that look as if they were meant in another unit are taken, with a warning.
+"""
 
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type, call-arg, index, dict-item"
@@ -13,9 +16,22 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import LAWS, MODELS, Ensemble, Scenario, SmoothCoulomb, Start, simulate
+from analysis import (
+    LAWS,
+    MODELS,
+    Ensemble,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    load_scenario,
+    scenario_text,
+    simulate,
+)
+from analysis.data.written import UnitWarning
 from mbs_models import Scene
 from tests.calls import printed
+from tests.validation.cli.test_refusals import RING
+from validation import cli
 from validation.sweeps.axes import axis_from_text
 
 TIMES = [0.0, 0.01]
@@ -78,3 +94,37 @@ def test_script_without_guard_is_told_so_and_gets_nothing(tmp_path: Path) -> Non
     assert done.stderr.splitlines()[-1].endswith(
         'which must do so below `if __name__ == "__main__":`, or with workers=1'
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--gamma=-90 --alpha 1", "gamma is in rad, and above a turn; degrees are written with"),
+        (RING.replace("0.05", "40", 1), "radius is in m, and above 1 m"),
+        ("--gamma 450deg --alpha 10*pi", ""),
+    ],
+)
+def test_units_that_are_in_doubt_are_warned_of_once(
+    words: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["scenario", *words.split()]) == 0
+    shown = capsys.readouterr()
+    lines = shown.err.splitlines()
+    assert len(lines) == bool(said)
+    assert all(line.startswith(f"tippedisk scenario: {said}") for line in lines)
+    assert "[start]" in shown.out
+
+
+def test_units_of_a_file_and_of_an_axis_are_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
+    assert cli.main(["scenario", str(path)]) == 0
+    assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
+    with pytest.warns(UnitWarning, match="^gamma is in rad, and above a turn"):
+        assert load_scenario(path).start.gamma == 90.0  # type: ignore[union-attr]
+    out = str(tmp_path / "out.db")
+    # Refused before anything runs.
+    assert cli.main(["sweep", "gamma=0,90,180", "--most", "1", "--out", out]) == 2
+    assert capsys.readouterr().err.count("gamma is in rad, and above a turn") == 1
