@@ -60,7 +60,7 @@ def test_file_of_format_2_loads(saved: StoredRun, path: Path) -> None:
     saved.save(path)
     rewrite(path, meta={"format": 2})
     with np.load(path) as stored:
-        arrays = dict(stored)
+        arrays: Stored = dict(stored)
     older = {"meta": "spatial_meta"}
     if isinstance(saved, Trajectory):
         older = {"times": "t", "coordinates": "q", "rates": "u"}

@@ -149,7 +149,7 @@ def test_what_is_out_of_range_is_refused_by_name(
             assert path.read_text().split("\n")[line - 1] == f"{quantity.name} = {literal}"
 
 
-# --- Quantities that vary --------------------------------------------------------------------------
+# --- Quantities that vary ------------------------------------------------------------------------
 
 PAPER = Scenario()
 TWICE = asdict(STEEL_DISK)

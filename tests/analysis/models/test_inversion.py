@@ -31,9 +31,8 @@ def risen(*stretches: tuple[float, float], low: float = -1.0, high: float = 1.0)
     return np.where(np.any(is_up, axis=0), high, low)
 
 
-def judged(*rows: Array) -> Inversion:
-    """By times, directions and their rates."""
-    return inversions(*(each[None] for each in rows), np.array([1e-3]))[0]
+def judged(times: Array, directions: Array, rates: Array) -> Inversion:
+    return inversions(times[None], directions[None], rates[None], np.ones(1))[0]
 
 
 @pytest.mark.parametrize(
