@@ -39,7 +39,7 @@ from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.helpers import derivative, model
-from tests.wayward_law import Answering
+from tests.wayward_law import Answering, Own
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
@@ -53,22 +53,7 @@ def name(law: FrictionLaw) -> str:
     return type(law).__name__
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SquareRoot(FrictionLaw):
-    """A law of one's own: force = -coefficient * load * slip / sqrt(slip² + smoothing²)."""
-
-    coefficient: float = 0.3
-    smoothing: float = 0.1
-
-    def per_speed(self, speed: float) -> float:
-        return float(self.coefficient / np.hypot(speed, self.smoothing))
-
-    @property
-    def finest_speed(self) -> float:
-        return self.smoothing
-
-
-ON_CONTACT = [replace(law, load="contact") for law in (*OTHERS, SquareRoot())]
+ON_CONTACT = [replace(law, load="contact") for law in (*OTHERS, Own())]
 
 
 @pytest.mark.parametrize("law", SHIPPED, ids=name)
@@ -81,7 +66,7 @@ def test_both_sides_write_the_same_law(law: FrictionLaw) -> None:
             assert engine(*slip, load) == pytest.approx(law.force(*slip, load), rel=2e-14)
 
 
-@pytest.mark.parametrize("law", [*SIMPLE, SquareRoot()], ids=name)
+@pytest.mark.parametrize("law", [*SIMPLE, Own()], ids=name)
 def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
     unit = law.gradient / law.finest_speed
     for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
@@ -175,7 +160,7 @@ def test_accelerations_agree_under_every_law_and_on_a_yielding_table(scenario: S
         np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
 
 
-@pytest.mark.parametrize("law", [*SHIPPED, SquareRoot(coefficient=0.2)], ids=name)
+@pytest.mark.parametrize("law", [*SHIPPED, Own(strength=0.2)], ids=name)
 def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")

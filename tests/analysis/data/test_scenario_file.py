@@ -2,7 +2,7 @@
 
 import re
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,6 @@ from analysis import (
     STEEL_DISK,
     Disk,
     Dissipation,
-    FrictionLaw,
     PenaltyContact,
     Scenario,
     Start,
@@ -36,30 +35,13 @@ from analysis.data.quantities import SECTIONS
 from analysis.data.scenario_file import LARGEST_FILE
 from tests.helpers import TILTED
 from tests.scenario_texts import with_key
+from tests.wayward_law import Own
 
 QUICK = settings(
     max_examples=100,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Own(FrictionLaw):
-    """A law of one's own, with a parameter of each kind."""
-
-    strength: float = 0.3
-    kind: str = 'quoted "so" \\ and\tso'
-    order: int = 2
-    smooth: bool = True
-    nothing: float | None = None
-
-    def per_speed(self, speed: float) -> float:
-        return 0.3 / (self.order + speed)
-
-    @property
-    def finest_speed(self) -> float:
-        return 1.0
 
 
 def reals(low: float, high: float) -> st.SearchStrategy[float]:
@@ -207,7 +189,7 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "own_law.py").write_text(
-        "from tests.analysis.data.test_scenario_file import Own\n\nclass Rough(Own):\n    pass\n"
+        "from tests.wayward_law import Own\n\nclass Rough(Own):\n    pass\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
     path, law = tmp_path / "my.toml", '"own_law:Rough"'
@@ -224,8 +206,8 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
 
 
 def test_law_that_toml_cannot_hold_is_refused() -> None:
-    law = Own(strength={1})  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"strength cannot be written to a scenario's file"):
+    law = Own(kind={1})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"kind cannot be written to a scenario's file"):
         scenario_text(replace(Scenario(), disk=STEEL_DISK, friction=law))
 
 
