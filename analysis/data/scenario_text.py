@@ -6,7 +6,6 @@ from math import isfinite
 from numbers import Integral, Real
 from typing import Any
 
-from analysis.data.angles import spelled_angle
 from analysis.data.body import PRODUCTS
 from analysis.data.checks import instance
 from analysis.data.constraint_set import MODELS
@@ -15,6 +14,7 @@ from analysis.data.disk import STEEL_RING
 from analysis.data.quantities import CONSTRAINTS, QUANTITIES, SIX, of_table
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
+from analysis.data.written import spelled_angle
 
 FORMAT = 1
 """Of the files written here."""

@@ -151,7 +151,7 @@ def test_what_is_out_of_range_is_refused_by_name(
 
 # --- Quantities that vary ------------------------------------------------------------------------
 
-PAPER = Scenario()
+PAPER = Scenario(friction=SmoothCoulomb(smoothing=0.05))
 TWICE = asdict(STEEL_DISK)
 
 
@@ -161,7 +161,10 @@ TWICE = asdict(STEEL_DISK)
         ({"start.spin": 12.0}, replace(PAPER, start=Start(spin=12.0))),
         ({"model": 4}, replace(PAPER, constraints=MODELS[4])),
         ({"constraints": "contact+fixed-cog"}, replace(PAPER, constraints=MODELS[2])),
-        ({"friction.load": "contact"}, replace(PAPER, friction=SmoothCoulomb(load="contact"))),
+        (
+            {"friction.load": "contact"},
+            replace(PAPER, friction=replace(PAPER.friction, load="contact")),
+        ),
         (
             {"friction.static": 0.6, "friction.law": "stribeck"},
             replace(PAPER, friction=Stribeck(static=0.6)),

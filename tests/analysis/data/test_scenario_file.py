@@ -30,9 +30,9 @@ from analysis import (
     load_scenario,
     scenario_text,
 )
-from analysis.data.angles import angle, spelled_angle
 from analysis.data.quantities import SECTIONS
 from analysis.data.scenario_file import LARGEST_FILE
+from analysis.data.written import angle, spelled_angle
 from tests.helpers import TILTED
 from tests.scenario_texts import with_key
 from tests.wayward_law import Own
