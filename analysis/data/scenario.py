@@ -98,14 +98,14 @@ class Scenario(Described):
     def _check_body(self) -> None:
         """Refuse what is known of a round disk alone."""
         check_surface(self.disk)
-        has_sharp_rim = self.disk.is_round_disk and self.half_thickness == 0.0
-        if not self.friction.IS_ISOTROPIC and not has_sharp_rim:
+        is_round = self.disk.is_round_disk
+        if not self.friction.IS_ISOTROPIC and (self.half_thickness > 0.0 or not is_round):
             raise ArgumentError(
                 "friction",
                 "must be isotropic unless the body is a disk with a sharp rim: there may else "
                 f"be no edge that has a direction, got {self.friction!r}",
             )
-        if self.disk.is_round_disk:
+        if is_round:
             return
         kind = type(self.disk).__name__
         if self.model != 1:
