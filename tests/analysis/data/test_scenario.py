@@ -123,7 +123,7 @@ def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
             rows.check_admissible(Scenario(), start, tolerance=0.99 * allowed)
 
 
-# --- Disk, table and contact ----------------------------------------------------------------------
+# --- Disk, table and contact -------------------------------------------------------------------
 
 
 def test_named_disks_are_the_unrounded_ring_and_table_1() -> None:
