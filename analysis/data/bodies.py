@@ -9,7 +9,7 @@ from analysis.data.disk import Disk
 from analysis.data.elementary import cos, sin, sqrt
 from analysis.data.names import ArgumentError
 from analysis.data.own import Kinds
-from analysis.data.quantities import QUANTITIES, default
+from analysis.data.quantities import default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,13 +93,7 @@ class EllipticDisk(Body):
         return c * x - s * y, c * y + s * x, -(square * z) / height
 
 
-BODIES = Kinds[Body](
-    "BODIES",
-    "body",
-    "body",
-    Body,
-    dict(zip(QUANTITIES["disk.body"].choices, (Disk, Sphere, EllipticDisk), strict=True)),
-)
+BODIES = Kinds[Body]("BODIES", "body", "disk.body", Body, (Disk, Sphere, EllipticDisk))
 """Bodies by name; others are `module:class`."""
 
 

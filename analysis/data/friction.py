@@ -10,7 +10,7 @@ from analysis.data.described import Described
 from analysis.data.elementary import exp, hypot, tanh
 from analysis.data.names import ArgumentError
 from analysis.data.own import Kinds
-from analysis.data.quantities import LOADS, QUANTITIES, STEEPEST_FRICTION, Load, default
+from analysis.data.quantities import LOADS, STEEPEST_FRICTION, Load, default
 
 _LITTLE = 1e-7
 """Slip over the finest speed of a law at which its force is still linear."""
@@ -435,22 +435,16 @@ class LubricatedCoulomb(_Regularised):
 LAWS = Kinds[FrictionLaw](
     "LAWS",
     "friction law",
-    "law",
+    "friction.law",
     FrictionLaw,
-    dict(
-        zip(
-            QUANTITIES["friction.law"].choices,
-            (
-                SmoothCoulomb,
-                Stribeck,
-                TanhCoulomb,
-                ViscousFriction,
-                AnisotropicCoulomb,
-                PowerLawCoulomb,
-                LubricatedCoulomb,
-            ),
-            strict=True,
-        )
+    (
+        SmoothCoulomb,
+        Stribeck,
+        TanhCoulomb,
+        ViscousFriction,
+        AnisotropicCoulomb,
+        PowerLawCoulomb,
+        LubricatedCoulomb,
     ),
 )
 """Laws by name, as files and the command line know them; others are `module:class`."""

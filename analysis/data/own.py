@@ -1,13 +1,14 @@
 """What a user writes in a module of their own, by the name `module:attribute`."""
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
 from typing import Any, TypeVar
 
 from analysis.data.names import ArgumentError, Named, nearest
+from analysis.data.quantities import QUANTITIES
 
 T = TypeVar("T")
 
@@ -68,18 +69,18 @@ class Kinds(Named[str, type[T]]):
     what : str
         What to call one in an error, such as "friction law".
     key : str
-        What gives the name of the class: an argument, and a key of stored values.
+        Of the quantity that gives the name of the class, such as "friction.law".
     base : type
         What a class of one's own must derive from.
-    entries : mapping
-        The first one is meant where no name is given.
+    kinds : sequence of type
+        In the order of the quantity's choices; the first is meant where no name is given.
     """
 
     def __init__(
-        self, name: str, what: str, key: str, base: Any, entries: Mapping[str, type[T]]
+        self, name: str, what: str, key: str, base: Any, kinds: Sequence[type[T]]
     ) -> None:
-        super().__init__(name, dict(entries))
-        self._what, self._key, self._base = what, key, base
+        super().__init__(name, dict(zip(QUANTITIES[key].choices, kinds, strict=True)))
+        self._what, self._key, self._base = what, QUANTITIES[key].name, base
 
     def find(self, name: Any) -> type[T]:
         """Class of this name, of itself, or of None; `ArgumentError` if there is none such."""

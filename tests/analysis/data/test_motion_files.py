@@ -145,7 +145,7 @@ TRAJECTORIES: list[tuple[Stored, str]] = [
     ({"meta": "[" * 100_000}, "."),
 ]
 REST: list[tuple[Stored, str]] = [
-    ({"meta": {"rest_time": 99.0}}, "rest_time must lie within the samples, from 0 to 0.004 s"),
+    ({"meta": {"rest_time": 99.0}}, "rest_time must lie from 0 to 0.004, got 99"),
     ({"quaternions": 2.0 * STILL.quaternions}, "quaternions must have unit length"),
 ]
 
