@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import asdict
-from math import isfinite
 from numbers import Integral, Real
 from typing import Any
 
@@ -130,15 +129,12 @@ def _table(table: str, told: dict[str, Any] | None, usual: dict[str, Any]) -> st
 
 def _literal(name: str, value: Any) -> str:
     """A value as TOML writes it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
+    if isinstance(value, bool | str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Integral):
         return str(int(value))
     if isinstance(value, Real):
-        number = float(value)
-        return repr(number) if isfinite(number) else str(number)
+        return repr(float(value))
     if isinstance(value, list | tuple):
         return f"[{', '.join(_literal(name, each) for each in value)}]"
     raise ValueError(f"{name} cannot be written to a scenario's file: {value!r}")
