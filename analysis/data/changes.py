@@ -118,11 +118,12 @@ def _body(disk: Body, given: Numbers) -> Numbers:
     geometry = [name for name in RING if name in given]
     if not isinstance(disk, Disk) or not geometry or given.keys() >= {*SIX}:
         return {"body": type(disk)} | held(disk) | given
-    if disk.parts is None or disk.parts.ring is None:
+    ring = None if disk.parts is None else disk.parts.ring
+    if ring is None:
         raise ArgumentError(
             geometry[0],
             "varies a ring alone, of which mass and moments of inertia follow, and the "
             f"scenario's disk is another: give all of {', '.join(RING)}, or all of "
             f"{', '.join(SIX)}",
         )
-    return disk.parts.ring | given
+    return ring | given
