@@ -1,18 +1,21 @@
-"""Friction laws that hang, crash, fail or say anything, for runs that have to survive them."""
+"""Friction laws of one's own; those that hang, crash, fail or say anything have to be survived."""
 
 import os
 from dataclasses import dataclass
+from math import hypot
 from typing import Any
 
 from analysis import FrictionLaw, SmoothCoulomb
 
-FAILS, CRASHES, HANGS, EXITS = 0.4, 0.5, 0.6, 0.7
+FAILS, CRASHES, HANGS, EXITS, EXITS_AT_ONCE = 0.4, 0.5, 0.6, 0.7, 0.8
 """Coefficients that it goes wrong at."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wayward(SmoothCoulomb):
     def per_speed(self, speed: float) -> float:
+        if self.coefficient == EXITS_AT_ONCE:
+            raise SystemExit(3)
         if speed > 0.0:
             if self.coefficient == FAILS:
                 raise LookupError("no such friction")
@@ -34,3 +37,21 @@ class Answering(FrictionLaw):
 
     def per_speed(self, speed: float) -> Any:
         return self.says(speed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Own(FrictionLaw):
+    """A good one, with a parameter of each kind: force = -strength * load * slip / sqrt(...)."""
+
+    strength: float = 0.3
+    kind: str = 'quoted "so" \\ and\tso'
+    order: int = 2
+    smooth: bool = True
+    nothing: float | None = None
+
+    def per_speed(self, speed: float) -> float:
+        return self.strength / hypot(0.1 * self.order, speed)
+
+    @property
+    def finest_speed(self) -> float:
+        return 0.1 * self.order

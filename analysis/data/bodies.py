@@ -1,15 +1,15 @@
 """Bodies other than the round disk, and bodies by name."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from analysis.data.body import PRODUCTS, Body, Triple
+from analysis.data.body import Body, Triple
 from analysis.data.checks import number, within
 from analysis.data.disk import Disk
 from analysis.data.elementary import cos, sin, sqrt
 from analysis.data.names import ArgumentError
 from analysis.data.own import Kinds
-from analysis.data.quantities import QUANTITIES, default
+from analysis.data.quantities import default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,23 +93,8 @@ class EllipticDisk(Body):
         return c * x - s * y, c * y + s * x, -(square * z) / height
 
 
-BODIES = Kinds[Body](
-    "BODIES",
-    "body",
-    "body",
-    Body,
-    dict(zip(QUANTITIES["disk.body"].choices, (Disk, Sphere, EllipticDisk), strict=True)),
-)
+BODIES = Kinds[Body]("BODIES", "body", "disk.body", Body, (Disk, Sphere, EllipticDisk))
 """Bodies by name; others are `module:class`."""
-
-
-def body_values(body: Body) -> dict[str, Any]:
-    """Name and values of a body, to be stored; `BODIES.made` makes it again."""
-    if isinstance(body, Disk) and body.parts is not None:
-        return body.parts.values()
-    values = {each.name: getattr(body, each.name) for each in fields(body)}
-    told = {name: value for name, value in values.items() if value or name not in PRODUCTS}
-    return told if type(body) is Disk else {"body": BODIES.name_of(type(body))} | told
 
 
 _DIRECTIONS = ((0.0, 0.0, 1.0), (0.6, 0.0, -0.8), (0.0, -1.0, 0.0), (-0.48, 0.6, 0.64))

@@ -75,33 +75,20 @@ class Body(Described):
                 f"must lie in [0, radius) = [0, {self.radius:g}), got {self.eccentricity:g}",
             )
         names, moments = ("inertia_x", "inertia_y", "inertia_z"), self.inertia_about_cog
-        for name, moment in zip(names, moments, strict=True):
-            if moment <= 0.0:
-                raise ArgumentError(
-                    name,
-                    "must exceed mass * eccentricity² (the moment about the COG must be "
-                    f"positive), got {getattr(self, name):g}, which leaves {moment:g}",
-                )
         if self.has_products:
-            self._check_principal()
-            return
-        for name, moment, axis in zip(names, moments, "xyz", strict=True):
-            others = sum(moments) - moment
-            # A lamina meets the bound exactly, so rounding must not refuse it.
-            if moment > others * (1.0 + 1e-12):
-                raise ArgumentError(
-                    name,
-                    "must not exceed the sum of the two other moments about the COG, "
-                    f"got {moment:g} > {others:g} about the {axis} axis",
-                )
-
-    def _check_principal(self) -> None:
-        least, middle, largest = self.principal_moments
-        if least <= 0.0 or largest > (least + middle) * (1.0 + 1e-12):
+            product = next(name for name in PRODUCTS if not _is_zero(getattr(self, name)))
+            names, moments = (product,) * 3, self.principal_moments
+        pairs = [*zip(names, moments, strict=True)]
+        whole = sum(moments)
+        wrong = [name for name, moment in pairs if moment <= 0.0]
+        # A lamina meets the bound exactly, so rounding must not refuse it.
+        wrong += [name for name, each in pairs if each > (whole - each) * (1.0 + 1e-12)]
+        if wrong:
             raise ArgumentError(
-                next(name for name in PRODUCTS if not _is_zero(getattr(self, name))),
-                "must leave principal moments about the COG that are positive and of which none "
-                f"exceeds the sum of the two others, got {least:g}, {middle:g} and {largest:g}",
+                wrong[0],
+                "must leave principal moments about the COG (those of y and z are smaller there "
+                "by mass * eccentricity²) that are positive and of which none exceeds the sum of "
+                f"the two others, got {', '.join(f'{each:g}' for each in moments)}",
             )
 
     @property

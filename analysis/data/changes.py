@@ -1,17 +1,17 @@
 """Scenarios with some quantities changed: by a sweep, an ensemble or the command line."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from analysis.data.bodies import BODIES
-from analysis.data.body import PRODUCTS, Body
+from analysis.data.body import Body
 from analysis.data.checks import choice
 from analysis.data.constraint_set import MODELS
 from analysis.data.contact import PenaltyContact
-from analysis.data.disk import DISKS, STEEL_DISK, STEEL_RING, Disk
-from analysis.data.friction import LAWS, FrictionLaw, law_values
+from analysis.data.disk import DISKS, Disk
+from analysis.data.friction import LAWS
 from analysis.data.names import ArgumentError
+from analysis.data.parts import KINDS, held, made_part, maker
 from analysis.data.quantities import RING, SIX
 from analysis.data.scenario import Scenario
 from analysis.data.start import Start
@@ -19,36 +19,28 @@ from analysis.data.start import Start
 Numbers = dict[str, Any]
 
 
-def check_field(scenario: Scenario, key: str, others: Mapping[str, Any]) -> None:
-    """Check that a quantity can be varied in a scenario.
+def check_fields(scenario: Scenario, values: Mapping[str, Any]) -> None:
+    """Check that quantities can be varied together in a scenario.
 
     Parameters
     ----------
     scenario : Scenario
-    key : str
-        Of the quantity.
-    others : mapping
-        All that vary by their keys, each with one of its values.
+    values : mapping
+        One of the values of each, by key.
 
     Raises
     ------
     ArgumentError
         If the scenario has no such quantity.
     """
-    table, _, name = key.rpartition(".")
-    if table == "contact" and scenario.contact is None:
-        raise ArgumentError(key, "needs a penalty contact, and the scenario's is ideal")
-    if table == "start":
-        _check_start(scenario, key)
-    if table == "disk" and not {"disk.name", "disk.body"} & set(others):
-        varied = [each.rpartition(".")[2] for each in others if each.startswith("disk.")]
-        _check_disk(scenario.disk, [name, *varied])
-    if table == "friction" and name != "law":
-        law = others.get("friction.law")
-        kind = type(scenario.friction) if law is None else LAWS.find(law)
-        choice(key, name, [each.name for each in fields(kind)])
-    if key == "constraints" and "model" in others:
-        raise ArgumentError(key, "do not go together with model")
+    for table, given in _by_table(values).items():
+        if table == "contact" and scenario.contact is None:
+            key = f"contact.{next(iter(given))}"
+            raise ArgumentError(key, "needs a penalty contact, and the scenario's is ideal")
+        if table:
+            maker(table, _merged(scenario, table, given))
+        elif len(given) > 1:
+            raise ArgumentError("constraints", "do not go together with model")
 
 
 def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
@@ -65,25 +57,24 @@ def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     ArgumentError
         If a value is out of range or does not fit the rest.
     """
-    numbers: dict[str, Numbers] = {}
-    for key, value in changes.items():
-        table, _, name = key.rpartition(".")
-        numbers.setdefault(table, {})[name] = value
+    numbers = _by_table(changes)
     parts: dict[str, Any] = {}
-    if of_set := numbers.pop("", {}):
-        parts["constraints"] = _constraints(**of_set)
-    if "disk" in numbers:
-        parts["disk"] = _disk(scenario.disk, numbers.pop("disk"))
-    if "friction" in numbers:
-        parts["friction"] = _friction(scenario.friction, numbers.pop("friction"))
-    if "contact" in numbers and scenario.contact is None:
-        disk = parts.get("disk", scenario.disk)
-        parts["contact"] = _contact(disk, numbers["contact"])
-    if "start" in numbers:
-        _check_start(scenario, next(iter(numbers["start"])))
-    for table, values in numbers.items():
-        parts[table] = replace(parts.get(table, getattr(scenario, table)), **values)
+    if "" in numbers:
+        parts["constraints"] = _constraints(**numbers[""])
+    # What a new contact is like follows from the disk, which comes before it.
+    for table in (*KINDS, "start"):
+        if table in numbers:
+            disk = parts.get("disk", scenario.disk)
+            parts[table] = made_part(table, _merged(scenario, table, numbers[table], disk))
     return replace(scenario, **parts)
+
+
+def _by_table(values: Mapping[str, Any]) -> dict[str, Numbers]:
+    found: dict[str, Numbers] = {}
+    for key, value in values.items():
+        table, _, name = key.rpartition(".")
+        found.setdefault(table, {})[name] = value
+    return found
 
 
 def _constraints(model: Any = None, constraints: Any = None) -> Any:
@@ -94,75 +85,45 @@ def _constraints(model: Any = None, constraints: Any = None) -> Any:
     return [name.strip() for name in constraints.replace("+", ",").split(",")]
 
 
-def _disk(disk: Body, values: Numbers) -> Body:
-    """Body with some values changed; with a geometry, from which the others follow."""
-    name = values.pop("name", None)
-    if name is None and set(values) == set(RING):
-        return Disk.ring(**values)
-    if "body" in values:
-        shared = {each.name: getattr(disk, each.name) for each in fields(Body)}
-        return BODIES.made(**(shared | values))
-    if name is not None:
-        disk = DISKS[choice("name", name, DISKS)]
-    _check_disk(disk, values)
-    if not isinstance(disk, Disk) or set(SIX) <= set(values) or not set(values) & set(RING):
-        return replace(disk, **values)
-    return Disk.ring(**(_ring(disk) or {}) | values)
+def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = None) -> Numbers:
+    """Data of a part with some of it changed; a new contact is one for this disk."""
+    part = getattr(scenario, table)
+    if table == "disk":
+        return _body(part, given)
+    if table == "friction":
+        # The same law keeps what is not given anew.
+        same = "law" not in given or LAWS.find(given["law"]) is type(part)
+        return {"law": type(part)} | (held(part) if same else {"load": part.load}) | given
+    if table == "start" and not isinstance(part, Start):
+        fault = "cannot change: the start is told by its coordinates and rates"
+        raise ArgumentError(next(iter(given)), fault)
+    if part is None and disk is not None:
+        if "stiffness" not in given:
+            name, value = next(iter(given.items()))
+            fault = f"needs a penalty contact, told by its stiffness, got {value}"
+            raise ArgumentError(name, fault)
+        part = PenaltyContact.damped(given["stiffness"], disk)
+    return held(part) | given
 
 
-def _ring(disk: Disk) -> dict[str, float] | None:
-    """Arguments of `Disk.ring` for a disk that is one."""
-    if disk == STEEL_DISK:
-        return STEEL_RING
-    return None if disk.parts is None else disk.parts.ring
-
-
-def _check_disk(disk: Body, names: Iterable[str]) -> None:
-    """Raise if a geometry would vary and leave mass and moments of inertia as they are."""
-    given = set(names) - {"name", "body"}
-    geometries = RING[1:] if isinstance(disk, Disk) else ()
-    for name in given:
-        choice(f"disk.{name}", name, [*(each.name for each in fields(disk)), *geometries])
-    if not isinstance(disk, Disk):
-        return
+def _body(disk: Body, given: Numbers) -> Numbers:
+    """Data of a body with some of it changed; with a geometry, from which the others follow."""
+    if given.keys() >= {*RING} or given.keys() == {"name"}:
+        return given
+    if "name" in given:
+        disk = DISKS[choice("name", given["name"], DISKS)]
+        given = {name: value for name, value in given.items() if name != "name"}
+    if "body" in given:
+        return {each.name: getattr(disk, each.name) for each in fields(Body)} | given
     geometry = [name for name in RING if name in given]
-    others = [name for name in (*SIX[1:], *PRODUCTS) if name in given]
-    if not geometry or given >= set(SIX):
-        return
-    if others:
-        raise ArgumentError(
-            others[0],
-            f"does not go together with {geometry[0]}, from which it follows, unless "
-            f"{', '.join(SIX)} are all given and nothing else",
-        )
-    if _ring(disk) is None:
+    if not isinstance(disk, Disk) or not geometry or given.keys() >= {*SIX}:
+        return {"body": type(disk)} | held(disk) | given
+    ring = None if disk.parts is None else disk.parts.ring
+    if ring is None:
         raise ArgumentError(
             geometry[0],
             "varies a ring alone, of which mass and moments of inertia follow, and the "
             f"scenario's disk is another: give all of {', '.join(RING)}, or all of "
             f"{', '.join(SIX)}",
         )
-
-
-def _friction(law: FrictionLaw, values: Numbers) -> FrictionLaw:
-    """Law with some values changed; the same law keeps what is not given anew."""
-    if {each.name for each in fields(law)}.issuperset(values):
-        return replace(law, **values)
-    told = law_values(law)
-    if values.get("law", told["law"]) != told["law"]:
-        told = {"load": law.load}
-    return LAWS.made(**(told | values))
-
-
-def _contact(disk: Body, values: Numbers) -> PenaltyContact:
-    if "stiffness" not in values:
-        name, value = next(iter(values.items()))
-        raise ArgumentError(name, f"needs a penalty contact, told by its stiffness, got {value}")
-    return PenaltyContact.damped(values["stiffness"], disk)
-
-
-def _check_start(scenario: Scenario, key: str) -> None:
-    if not isinstance(scenario.start, Start):
-        raise ArgumentError(
-            key.rpartition(".")[2], "cannot change: the start is told by its coordinates and rates"
-        )
+    return ring | given

@@ -229,12 +229,10 @@ def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
     for key, value in values.items():
         if not isinstance(key, str):
             raise ArgumentError(name, f"must have names as its keys, got {key!r}")
-        if not (value is None or isinstance(value, _PLAIN)):
-            raise ArgumentError(
-                f"{name}[{key!r}]", f"must be text, a number or None, got {value!r}"
-            )
-        if isinstance(value, float) and isnan(value):
-            raise ArgumentError(f"{name}[{key!r}]", "must be text, a number or None, got nan")
+        is_nan = isinstance(value, float) and isnan(value)
+        if is_nan or not (value is None or isinstance(value, _PLAIN)):
+            fault = f"must be text, a number or None, got {value!r}"
+            raise ArgumentError(f"{name}[{key!r}]", fault)
     return dict(values)
 
 

@@ -164,25 +164,10 @@ class Disk(Body):
             lean = min(1.0, e * sqrt(square / (flattening * (flattening - e**2))))
         return sqrt(square + flattening * lean**2) - e * lean, lean
 
-    @property
-    def hole(self) -> tuple[float, float] | None:
-        """Radius and distance in m of the round hole that this mass distribution tells of.
-
-        It lies against the x axis. Eccentricity and `inertia_z` of a flat disk of uniform density
-        follow from it alone and tell it again; None where no hole inside the disk would do.
-        """
-        r, e = self.radius, self.eccentricity
-        linear = r**2 + 2.0 * e**2 - 2.0 * self.inertia_z / self.mass
-        square = 0.5 * (-linear + sqrt(linear**2 + 8.0 * (e * r) ** 2))
-        if square < (1e-6 * r) ** 2:
-            return None
-        radius, distance = sqrt(square), e * (r**2 - square) / square
-        return (radius, distance) if radius + distance < r else None
-
     def outline(self) -> tuple[list[Hole], list[PointMass]]:
-        """Holes and masses in axes of the body; of a disk told by its numbers, that of `hole`."""
+        """Holes and masses in axes of the body; none of a disk that is told by its numbers."""
         if self.parts is None:
-            return [] if self.hole is None else [Hole(-self.hole[1], 0.0, self.hole[0])], []
+            return [], []
         c, s = self._made_of[1]
 
         def turned(part: Any) -> Any:
@@ -330,27 +315,23 @@ def _part(name: str, values: Any) -> Any:
 
 def _mass_properties(parts: Parts) -> tuple[Any, tuple[Any, Any], tuple[Any, Any, Any, Any]]:
     """Mass, centre of gravity, and entries xx, yy, zz, xy of the inertia, in axes of the plate."""
-    (r, thickness, density), axial = parts.plate, parts.plate.thickness**2 / 12
+    (radius, thickness, density), axial = parts.plate, parts.plate.thickness**2 / 12
     unit = density * thickness * pi
-    mass = unit * r**2
-    # Areas over pi, and the moments of inertia about a diameter and about the normal.
-    area, x, y = r**2, 0.0, 0.0
-    across, normal = mass * (r**2 / 4 + axial), mass * r**2 / 2
-    xx, yy, xy = 0.0, 0.0, 0.0
-    for hole in parts.holes:
-        square, taken = hole.radius**2, unit * hole.radius**2
-        area, x, y = area - square, x - square * hole.x, y - square * hole.y
-        mass, across = mass - taken, across - taken * (square / 4 + axial)
-        xx, yy = xx - taken * hole.y**2, yy - taken * hole.x**2
-        xy = xy + taken * hole.x * hole.y
-        normal = normal - taken * (square / 2 + (hole.x**2 + hole.y**2))
-    for added in parts.masses:
-        share, more = added.mass / unit, added.mass
-        area, x, y = area + share, x + share * added.x, y + share * added.y
-        mass, xx, yy = mass + more, xx + more * added.y**2, yy + more * added.x**2
-        xy = xy - more * added.x * added.y
-        normal = normal + more * (added.x**2 + added.y**2)
-    return mass, (x / area, y / area), (across + xx, across + yy, normal, xy)
+    # Areas over pi, which a hole takes away and a mass stands for; places; radius² and
+    # thickness² / 12 of a round piece.
+    pieces = [
+        (radius**2, 0.0, 0.0, radius**2, axial),
+        *((-(each.radius**2), each.x, each.y, each.radius**2, axial) for each in parts.holes),
+        *((each.mass / unit, each.x, each.y, 0.0, 0.0) for each in parts.masses),
+    ]
+    area = mass = x = y = xx = yy = zz = xy = across = 0.0
+    for share, a, b, square, height in pieces:
+        added = unit * share
+        area, x, y, mass = area + share, x + share * a, y + share * b, mass + added
+        xx, yy, xy = xx + added * b**2, yy + added * a**2, xy - added * a * b
+        across = across + added * (square / 4 + height)
+        zz = zz + added * (square / 2 + (a**2 + b**2))
+    return mass, (x / area, y / area), (across + xx, across + yy, zz, xy)
 
 
 def _product(value: Any, scale: Any) -> Any:

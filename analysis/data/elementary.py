@@ -7,7 +7,7 @@ than with `math`.
 
 import cmath
 import math
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from analysis.data.members import Members
 
 T = TypeVar("T")
 
-_MATH: Any = math
 _LIBRARIES: dict[type, Any] = {
     complex: cmath,
     np.complex128: cmath,
@@ -35,47 +34,28 @@ def register(kind: type, library: Any) -> None:
     _LIBRARIES[kind] = library
 
 
-def sin(x: T) -> T:
-    """Sine."""
-    result: T = _MATH.sin(x) if type(x) is float else _library(x).sin(x)
-    return result
+class _Function(Protocol):
+    def __call__(self, x: T, /) -> T: ...
 
 
-def cos(x: T) -> T:
-    """Cosine."""
-    result: T = _MATH.cos(x) if type(x) is float else _library(x).cos(x)
-    return result
+def _elementary(name: str) -> _Function:
+    """Function that the library of its argument has by this name."""
+    of_float = getattr(math, name)
+
+    def function(x: Any, /) -> Any:
+        """As in `math`, of any number."""
+        return of_float(x) if type(x) is float else getattr(_library(x), name)(x)
+
+    return function
 
 
-def exp(x: T) -> T:
-    """Exponential function."""
-    result: T = _MATH.exp(x) if type(x) is float else _library(x).exp(x)
-    return result
-
-
-def tanh(x: T) -> T:
-    """Hyperbolic tangent."""
-    result: T = _MATH.tanh(x) if type(x) is float else _library(x).tanh(x)
-    return result
-
-
-def log(x: T) -> T:
-    """Natural logarithm."""
-    result: T = _MATH.log(x) if type(x) is float else _library(x).log(x)
-    return result
-
-
-def asinh(x: T) -> T:
-    """Inverse hyperbolic sine."""
-    library = _library(x)
-    result: T = (library.arcsinh if library is np else library.asinh)(x)
-    return result
-
-
-def sqrt(x: T) -> T:
-    """Square root."""
-    result: T = _MATH.sqrt(x) if type(x) is float else _library(x).sqrt(x)
-    return result
+sin = _elementary("sin")
+cos = _elementary("cos")
+exp = _elementary("exp")
+log = _elementary("log")
+sqrt = _elementary("sqrt")
+tanh = _elementary("tanh")
+asinh = _elementary("asinh")
 
 
 def hypot(x: T, y: T) -> T:
@@ -86,4 +66,4 @@ def hypot(x: T, y: T) -> T:
 
 
 def _library(x: Any) -> Any:
-    return _LIBRARIES.get(type(x), _MATH)
+    return _LIBRARIES.get(type(x), math)

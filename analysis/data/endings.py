@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from analysis.data.checks import choice, number
 from analysis.data.elementary import sin
 from analysis.data.names import ArgumentError
-from analysis.data.own import is_own, own_object
+from analysis.data.own import is_own, own_object, said
 from analysis.data.state import State
 
 CONTACT_WOULD_PULL = "contact would pull"
@@ -122,14 +122,10 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
 def _try(name: str, condition: Condition, state: State) -> None:
     """Raise if a condition says no number of a state."""
     try:
-        value = condition(state)
+        number("it", condition(state))
     except (Exception, SystemExit) as error:
-        fault = f"must say a number of a State: {type(error).__name__}: {error}"
+        fault = f"must say a number of a State: {said(error, ValueError)}"
         raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
-    try:
-        number("stop_when", value)
-    except ArgumentError as error:
-        raise ArgumentError("stop_when", error.args[1], f"stop_when {name}") from None
 
 
 def check_condition_name(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.changes import changed, check_field
+from analysis.data.changes import changed, check_fields
 from analysis.data.checks import unmasked
 from analysis.data.members import DividedError, Members, Rows
 from analysis.data.names import full_name
@@ -72,9 +72,7 @@ class Ensemble:
                     f"fields must have one shape, got {shape} of {first} and {other} of {name}"
                 )
         object.__setattr__(self, "fields", found)
-        firsts = self._told(0)
-        for name in found:
-            check_field(self.scenario, name, firsts)
+        check_fields(self.scenario, self._told(0))
         for rows, made in self.alike(lambda scenario: scenario):
             if isinstance(made, Exception):
                 raise ValueError(f"member {rows[0]} of fields: {made}") from None

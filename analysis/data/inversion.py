@@ -6,7 +6,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, increasing_times
+from analysis.data.checks import Array
 from analysis.data.dense import Numbers, crossings, extremes
 from analysis.data.endings import REACHED
 
@@ -58,27 +58,6 @@ class Inversion:
     time_error: float | None = None
     lost_error: float | None = None
 
-    @classmethod
-    def of_direction(cls, times: Array, cog_direction: Array, rates: Array) -> "Inversion":
-        """Judge by where the centre of gravity lies, seen from the geometric centre.
-
-        Parameters
-        ----------
-        times : ndarray, shape (n,)
-            Strictly increasing times in s, dense against the oscillations of the disk.
-        cog_direction : ndarray, shape (n,)
-            Vertical part of the unit vector from the geometric centre to the centre of gravity.
-        rates : ndarray, shape (n,)
-            Its rate in 1/s.
-
-        Raises
-        ------
-        ValueError
-            If the times do not increase.
-        """
-        arrays = (increasing_times(times), cog_direction, rates)
-        return inversions(*(np.asarray(each)[None] for each in arrays))[0]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inversions:
@@ -110,25 +89,27 @@ class Inversions:
 
 
 def inversions(
-    times: Array,
-    cog_directions: Array,
-    rates: Array,
-    eccentricities: Array | None = None,
+    times: Array, cog_directions: Array, rates: Array, eccentricities: Array
 ) -> Inversions:
-    """Judge many motions as `Inversion.of_direction` does one.
+    """Judge motions by where the centre of gravity lies, seen from the geometric centre.
 
     Parameters
     ----------
-    times, cog_directions, rates : ndarray, shape (m, n)
-        See `Inversion.of_direction`; behind the end of a motion its last sample is repeated.
-    eccentricities : ndarray, shape (m,), optional
+    times : ndarray, shape (m, n)
+        Strictly increasing times in s, dense against the oscillations of the disk; behind the end
+        of a motion its last sample is repeated.
+    cog_directions : ndarray, shape (m, n)
+        Vertical part of the unit vector from the geometric centre to the centre of gravity.
+    rates : ndarray, shape (m, n)
+        Its rate in 1/s.
+    eccentricities : ndarray, shape (m,)
         Of the disks in m; one without is never inverted.
     """
     size = len(cog_directions)
     outcomes = np.full(size, "not inverted", dtype=object)
     numbers = np.full((4, size), np.nan)
     is_high = (cog_directions >= REACHED - _LAST_DIGITS).any(axis=1)
-    rose = np.flatnonzero(is_high if eccentricities is None else is_high & (eccentricities > 0.0))
+    rose = np.flatnonzero(is_high & (eccentricities > 0.0))
     if rose.size:
         risen = _Risen(times[rose], cog_directions[rose], rates[rose])
         outcomes[rose[risen.is_up_at_end]] = "not decided"

@@ -152,16 +152,15 @@ class InCoordinates(Quantities):
     @property
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
-        _, beta, gamma = self._angles
-        result: Array = np.sin(beta) * np.sin(gamma)
+        result: Array = np.sin(self.coordinates[..., 4]) * np.sin(self.coordinates[..., 5])
         return result
 
     @property
     def cog_direction_rate(self) -> Array:
         """Rate of `cog_direction` in 1/s, shape (n,)."""
-        (_, beta, gamma), rates = self._angles, self.rates
-        found: Array = np.cos(beta) * np.sin(gamma) * rates[..., 4]
-        found += np.sin(beta) * np.cos(gamma) * rates[..., 5]
+        beta, gamma = self.coordinates[..., 4], self.coordinates[..., 5]
+        found: Array = np.cos(beta) * np.sin(gamma) * self.rates[..., 4]
+        found += np.sin(beta) * np.cos(gamma) * self.rates[..., 5]
         return found
 
     @property
@@ -190,11 +189,6 @@ class InCoordinates(Quantities):
         result: Array = positions + np.einsum("...ij,...j->...i", rotations, seen)
         return result
 
-    @property
-    def _angles(self) -> tuple[Array, Array, Array]:
-        alpha, beta, gamma = np.moveaxis(self.coordinates[..., 3:], -1, 0)
-        return alpha, beta, gamma
-
 
 @cache
 def filled(kind: type) -> tuple[str, ...]:
@@ -218,6 +212,5 @@ def lowest(scenario: Scenario, up: Any) -> Any:
     up : ndarray, shape (..., 3)
         The vertical in axes of the body; complex for the derivative along a motion.
     """
-    half_thickness = 0.0 if scenario.contact is None else scenario.contact.half_thickness
-    points = scenario.disk.lowest_point(np.moveaxis(up, -1, 0), half_thickness)
+    points = scenario.disk.lowest_point(np.moveaxis(up, -1, 0), scenario.half_thickness)
     return np.stack(np.broadcast_arrays(*points), axis=-1)

@@ -121,6 +121,3 @@ class Named(dict[K, V]):
     def __missing__(self, key: object) -> V:
         held = ", ".join(map(repr, self))
         raise KeyError(f"{self._name} holds {held}, and no {key!r}{nearest(key, self)}")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._name, dict(self))

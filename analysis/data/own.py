@@ -1,14 +1,14 @@
 """What a user writes in a module of their own, by the name `module:attribute`."""
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import fields
 from importlib import import_module
 from typing import Any, TypeVar
 
 from analysis.data.names import ArgumentError, Named, nearest
+from analysis.data.quantities import QUANTITIES
 
 T = TypeVar("T")
 
@@ -45,7 +45,7 @@ def own_object(what: str, name: str, argument: str = "") -> Any:
     try:
         return getattr(import_module(module), attribute)
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
-        fault = f"cannot be loaded: {_said(error, ImportError, AttributeError)}"
+        fault = f"cannot be loaded: {said(error, ImportError, AttributeError)}"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
 
 
@@ -69,26 +69,27 @@ class Kinds(Named[str, type[T]]):
     what : str
         What to call one in an error, such as "friction law".
     key : str
-        What gives the name of the class: an argument, and a key of stored values.
+        Of the quantity that gives the name of the class, such as "friction.law".
     base : type
         What a class of one's own must derive from.
-    entries : mapping
-        The first one is meant where no name is given.
+    kinds : sequence of type
+        In the order of the quantity's choices; the first is meant where no name is given.
     """
 
     def __init__(
-        self, name: str, what: str, key: str, base: Any, entries: Mapping[str, type[T]]
+        self, name: str, what: str, key: str, base: Any, kinds: Sequence[type[T]]
     ) -> None:
-        super().__init__(name, dict(entries))
-        self._what, self._key, self._base = what, key, base
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._name, self._what, self._key, self._base, dict(self))
+        super().__init__(name, dict(zip(QUANTITIES[key].choices, kinds, strict=True)))
+        self._what, self._key, self._base = what, QUANTITIES[key].name, base
 
     def find(self, name: Any) -> type[T]:
-        """Class of this name; `ArgumentError` if there is none, or it is another."""
+        """Class of this name, of itself, or of None; `ArgumentError` if there is none such."""
+        if name is None:
+            return next(iter(self.values()))
         if isinstance(name, str) and name in self:
             return self[name]
+        if isinstance(name, type) and issubclass(name, self._base):
+            return name
         if not is_own(name):
             fault = f"must be one of {', '.join(self)} or module:class, got {name!r}"
             raise ArgumentError(self._key, fault + nearest(name, self), self._what)
@@ -111,25 +112,17 @@ class Kinds(Named[str, type[T]]):
         Raises
         ------
         ArgumentError
-            If the class is unknown, or a field missing, not one of its own, or out of range.
+            If the class is unknown, or a field missing, unknown or out of range.
         """
-        name = given.pop(self._key, next(iter(self)))
-        kind = self.find(name)
-        known: list[str] = [field.name for field in fields(kind)]  # type: ignore[arg-type]
-        for each in given:
-            if each not in known:
-                raise ArgumentError(
-                    each,
-                    f"is no parameter of the {self._what} {name}, which takes {', '.join(known)}"
-                    f"{nearest(each, known)}",
-                )
+        kind = self.find(given.pop(self._key, None))
         try:
             return kind(**given)
         except ValueError:
             raise
         except (Exception, SystemExit) as error:
-            fault = f"cannot be made: {_said(error, TypeError)}"
-            raise ArgumentError(self._key, fault, f"{self._what} {name!r}") from error
+            fault = f"cannot be made: {said(error, TypeError)}"
+            subject = f"{self._what} {self.name_of(kind)!r}"
+            raise ArgumentError(self._key, fault, subject) from error
 
     @contextmanager
     def answering(self, one: T) -> Iterator[None]:
@@ -138,9 +131,9 @@ class Kinds(Named[str, type[T]]):
             yield
         except (Exception, SystemExit) as error:
             subject = f"{self._what} {self.name_of(type(one))!r}:"
-            raise ArgumentError(self._key, _said(error, ValueError), subject) from error
+            raise ArgumentError(self._key, said(error, ValueError), subject) from error
 
 
-def _said(error: BaseException, *plain: type[Exception]) -> str:
+def said(error: BaseException, *plain: type[Exception]) -> str:
     """What an error says, with its kind unless that is one of these."""
     return str(error) if isinstance(error, plain) else f"{type(error).__name__}: {error}"

@@ -26,7 +26,7 @@ from analysis.data.checks import (
 from analysis.data.constraint_set import multiplier_names
 from analysis.data.endings import Ending
 from analysis.data.files import whole_file
-from analysis.data.inversion import Inversion
+from analysis.data.inversion import Inversion, inversions
 from analysis.data.motion_quantities import Columns, Quantities, filled, quantities
 from analysis.data.scenario import Scenario
 from analysis.data.state import State
@@ -99,9 +99,9 @@ class SampledMotion(Quantities):
     @property
     def inversion(self) -> Inversion:
         """What became of the inversion; a disk without eccentricity is never inverted."""
-        if not self.scenario.disk.eccentricity:
-            return Inversion(outcome="not inverted")
-        return Inversion.of_direction(self.times, self.cog_direction, self.cog_direction_rate)
+        times, directions, rates = self.times, self.cog_direction, self.cog_direction_rate
+        eccentricity = np.array([self._eccentricity])
+        return inversions(times[None], directions[None], rates[None], eccentricity)[0]
 
     @property
     def inversion_time(self) -> float | None:

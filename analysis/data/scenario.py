@@ -1,12 +1,12 @@
 """The whole description of a problem, for both sides and for every analysis."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import MISSING, asdict, dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from analysis.data.bodies import BODIES, body_values, check_surface
-from analysis.data.body import PRODUCTS, Body
+from analysis.data.bodies import check_surface
+from analysis.data.body import Body
 from analysis.data.checks import choice, instance
 from analysis.data.constraint_set import (
     MODELS,
@@ -17,11 +17,12 @@ from analysis.data.constraint_set import (
 )
 from analysis.data.contact import PenaltyContact
 from analysis.data.described import Described
-from analysis.data.disk import DISKS, STEEL_DISK, Disk
+from analysis.data.disk import STEEL_DISK
 from analysis.data.dissipation import Dissipation
-from analysis.data.friction import LAWS, FrictionLaw, SmoothCoulomb, check_answers, law_values
-from analysis.data.names import ArgumentError, nearest
-from analysis.data.quantities import PLATE, RING, SIX, Level, default, of_table
+from analysis.data.friction import FrictionLaw, SmoothCoulomb, check_answers
+from analysis.data.names import ArgumentError
+from analysis.data.parts import KINDS, made_part, told
+from analysis.data.quantities import Level, default
 from analysis.data.start import Start
 from analysis.data.state import State
 from analysis.data.table import Table
@@ -97,14 +98,14 @@ class Scenario(Described):
     def _check_body(self) -> None:
         """Refuse what is known of a round disk alone."""
         check_surface(self.disk)
-        rounded = self.contact is not None and self.contact.is_rounded
-        if not self.friction.IS_ISOTROPIC and (rounded or not self.disk.is_round_disk):
+        is_round = self.disk.is_round_disk
+        if not self.friction.IS_ISOTROPIC and (self.half_thickness > 0.0 or not is_round):
             raise ArgumentError(
                 "friction",
                 "must be isotropic unless the body is a disk with a sharp rim: there may else "
                 f"be no edge that has a direction, got {self.friction!r}",
             )
-        if self.disk.is_round_disk:
+        if is_round:
             return
         kind = type(self.disk).__name__
         if self.model != 1:
@@ -194,20 +195,18 @@ class Scenario(Described):
         """State at the start, consistent with the constraints unless given as a `State`."""
         if isinstance(self.start, State):
             return self.start
-        if self.contact is None:
-            return self.start.state(self.constraints, self.disk)
-        return self.start.state(
-            self.constraints,
-            self.disk,
-            half_thickness=self.contact.half_thickness,
-            height=-self.contact.resting_penetration(self.weight),
-        )
+        sunk = 0.0 if self.contact is None else self.contact.resting_penetration(self.weight)
+        return self.start.state(self.constraints, self.disk, self.half_thickness, -sunk)
+
+    @property
+    def half_thickness(self) -> float:
+        """Half thickness of the rim in m; 0 where it is sharp."""
+        return 0.0 if self.contact is None else self.contact.half_thickness
 
     @property
     def is_smooth(self) -> bool:
         """Whether the lowest point of the body is defined in every attitude."""
-        rounded = self.contact is not None and self.contact.is_rounded
-        return rounded or not self.disk.has_edge
+        return self.half_thickness > 0.0 or not self.disk.has_edge
 
     def require_plain(self, analysis: str) -> None:
         """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.
@@ -230,20 +229,11 @@ class Scenario(Described):
 
     def values(self) -> dict[str, Any]:
         """The scenario as plain data, to be stored; `from_values` makes it again."""
-        values: dict[str, Any] = {
-            "constraints": list(self.constraints),
-            "disk": body_values(self.disk),
-            "friction": law_values(self.friction),
-            "table": asdict(self.table),
-            "dissipation": asdict(self.dissipation),
-            "start": {
-                name: list(value) if isinstance(value, tuple) else value
-                for name, value in asdict(self.start).items()
-                if value is not None
-            },
-        }
-        if self.contact is not None:
-            values["contact"] = asdict(self.contact)
+        values: dict[str, Any] = {"constraints": list(self.constraints)}
+        for name in (*KINDS, "start"):
+            part = getattr(self, name)
+            if part is not None:
+                values[name] = told(part)
         return values
 
     @classmethod
@@ -264,91 +254,3 @@ class Scenario(Described):
             choice("scenario", name, ("constraints", *KINDS, "start"))
         made = {name: made_part(name, each) for name, each in values.items()}
         return cls(**made)
-
-
-def made_part(table: str, values: Any) -> Any:
-    """What a table of a scenario describes.
-
-    Parameters
-    ----------
-    table : str
-        Its name, or "constraints", which are handed on.
-    values : mapping
-        Plain data by the names of the fields; a disk by its name or its geometry, too.
-
-    Raises
-    ------
-    ArgumentError
-        If a key is missing or unknown, or a value out of range.
-    """
-    if table == "constraints":
-        return values
-    if not isinstance(values, Mapping):
-        raise ArgumentError(table, f"must be a table, got {values!r}")
-    make, known, needed = _form(table, values)
-    for name in values:
-        if name not in known:
-            forms = _DISK_FORMS if table == "disk" else _listed(known)
-            close = nearest(name, of_table("disk") if table == "disk" else known)
-            fault = f"is unknown here; [{table}] takes {forms}{close}"
-            raise ArgumentError(f"{table}.{name}", fault, name)
-    if missing := [name for name in needed if name not in values]:
-        raise ArgumentError(table, f"lacks {_listed(missing)}", f"[{table}]")
-    return make(**values)
-
-
-_DISK_FORMS = (
-    f"name; or {', '.join((*SIX, *PRODUCTS))}; or {', '.join(RING)}; or "
-    f"{', '.join(PLATE)}, holes, masses; or body and what it takes"
-)
-
-Names = tuple[str, ...]
-
-
-def _form(table: str, values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Names]:
-    """What makes the object of a table, the names that it takes, and those that it needs."""
-    if table == "disk":
-        return _disk_form(values)
-    if table == "friction":
-        law = LAWS.find(values.get("law", default("friction.law")))
-        return LAWS.made, ("law", *(each.name for each in fields(law))), ()
-    kind: Any = KINDS.get(table, Start)
-    if table == "start" and ("coordinates" in values or "rates" in values):
-        kind = State
-    known = [each.name for each in fields(kind)]
-    needed = [each.name for each in fields(kind) if each.default is MISSING]
-    return kind, tuple(known), tuple(needed)
-
-
-def _disk_form(values: Mapping[str, Any]) -> tuple[Callable[..., Any], Names, Names]:
-    """The same for a body."""
-    if "name" in values:
-        return lambda name: DISKS[choice("name", name, DISKS)], ("name",), ()
-    if values.get("body", "disk") != "disk":
-        of_body = fields(BODIES.find(values["body"]))
-        needed = tuple(each.name for each in of_body if each.default is MISSING)
-        return BODIES.made, ("body", *(each.name for each in of_body)), needed
-    if "holes" in values or "masses" in values:
-        return _composed, (*PLATE, "holes", "masses"), PLATE
-    if any(name in values for name in RING[1:]):
-        return Disk.ring, RING, RING
-    return BODIES.made, ("body", *SIX, *PRODUCTS), SIX
-
-
-def _composed(*, holes: Any = (), masses: Any = (), **plate: Any) -> Disk:
-    return Disk.of_parts([plate[name] for name in PLATE], holes, masses)
-
-
-def _listed(names: Any) -> str:
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else str(last)
-
-
-KINDS: dict[str, type] = {
-    "disk": Body,
-    "friction": FrictionLaw,
-    "table": Table,
-    "contact": PenaltyContact,
-    "dissipation": Dissipation,
-}
-"""Classes of the tables of a scenario that are told by their fields."""

@@ -9,8 +9,9 @@ from typing import Any
 
 from analysis.data.constraint_set import MODELS
 from analysis.data.names import ArgumentError, nearest
+from analysis.data.parts import made_part
 from analysis.data.quantities import QUANTITIES, SECTIONS
-from analysis.data.scenario import Scenario, made_part
+from analysis.data.scenario import Scenario
 from analysis.data.scenario_text import FORMAT
 from analysis.data.written import read_value
 
@@ -19,8 +20,7 @@ LARGEST_FILE = 1_000_000
 
 _TABLES = tuple(name for name in SECTIONS if name)
 _TOP = ("format", "model", "constraints", *_TABLES)
-_HEADER = re.compile(r"\s*\[\[?\s*([^\[\]]+?)\s*\]")
-_ENTRY = re.compile(r"\s*([\w\"'.\- ]+?)\s*=")
+_KEY = re.compile(r"\s*(\[\[?)?\s*([\w\"'.\- ]+?)\s*[\]=]")
 _LINE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
@@ -103,14 +103,14 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
     if type(given) is int and given > FORMAT:
         fault = f"is newer than this version of tippedisk, which reads {FORMAT}"
         raise ArgumentError("format", fault, f"format {given}")
-    if given is None:
-        raise ArgumentError("format", f"is missing; it must be {FORMAT}")
     if type(given) is not int or given != FORMAT:
-        raise ArgumentError("format", f"must be {FORMAT}, got {given!r}")
+        missing = f"is missing; it must be {FORMAT}"
+        fault = missing if given is None else f"must be {FORMAT}, got {given!r}"
+        raise ArgumentError("format", fault)
     parts = {"constraints": _constraints(values)}
     for table in _TABLES:
         if table in values:
-            parts[table] = _part(table, values[table])
+            parts[table] = made_part(table, _read(table, values[table]))
         elif SECTIONS[table].needed:
             fault = f"is missing; {SECTIONS[table].needed}"
             raise ArgumentError("end of file", fault, f"the table [{table}]")
@@ -137,17 +137,15 @@ def _constraints(values: Mapping[str, Any]) -> Any:
     return given if level is None else MODELS[read_value("model", level)]  # type: ignore[index]
 
 
-def _part(table: str, values: Any) -> Any:
-    """What a table describes; its values are read as everywhere."""
+def _read(table: str, values: Any) -> Any:
+    """What a table holds, its values read as everywhere."""
     if not isinstance(values, Mapping):
-        return made_part(table, values)
-    read = {}
-    for name, value in values.items():
-        key = f"{table}.{name}"
-        read[name] = read_value(key, value, name) if key in QUANTITIES else value
-        if name in ("coordinates", "rates") and not isinstance(value, list):
-            raise ArgumentError(name, f"must be a list of 6 numbers, got {value!r}")
-    return made_part(table, read)
+        return values
+    keys = {name: f"{table}.{name}" for name in values}
+    return {
+        name: read_value(keys[name], value, name) if keys[name] in QUANTITIES else value
+        for name, value in values.items()
+    }
 
 
 def _line_of(text: str, argument: str) -> int:
@@ -156,12 +154,12 @@ def _line_of(text: str, argument: str) -> int:
     lines: dict[str, int] = {}
     table = ""
     for line, row in enumerate(rows, 1):
-        if header := _HEADER.match(row):
-            table = _plain(header[1])
-            lines.setdefault(table, line)
-        elif entry := _ENTRY.match(row):
-            name = _plain(entry[1])
-            full = f"{table}.{name}" if table else name
+        if key := _KEY.match(row):
+            name = re.sub(r"[\s\"']", "", key[2])
+            if key[1]:
+                table = full = name
+            else:
+                full = f"{table}.{name}" if table else name
             for part in (full, full.partition(".")[0]):
                 lines.setdefault(part, line)
     # An entry of a list is found by the list.
@@ -171,7 +169,3 @@ def _line_of(text: str, argument: str) -> int:
     places.append(name.partition(".")[0])
     last = 1 if name == "format" else len(rows)
     return next((lines[each] for each in places if each in lines), last)
-
-
-def _plain(dotted: str) -> str:
-    return re.sub(r"[\s\"']", "", dotted)

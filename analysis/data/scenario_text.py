@@ -2,11 +2,9 @@
 
 import json
 from dataclasses import asdict
-from math import isfinite
 from numbers import Integral, Real
 from typing import Any
 
-from analysis.data.angles import spelled_angle
 from analysis.data.body import PRODUCTS
 from analysis.data.checks import instance
 from analysis.data.constraint_set import MODELS
@@ -15,6 +13,7 @@ from analysis.data.disk import STEEL_RING
 from analysis.data.quantities import CONSTRAINTS, QUANTITIES, SIX, of_table
 from analysis.data.scenario import Scenario
 from analysis.data.state import COORDINATES
+from analysis.data.written import spelled_angle
 
 FORMAT = 1
 """Of the files written here."""
@@ -130,15 +129,12 @@ def _table(table: str, told: dict[str, Any] | None, usual: dict[str, Any]) -> st
 
 def _literal(name: str, value: Any) -> str:
     """A value as TOML writes it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
+    if isinstance(value, bool | str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, Integral):
         return str(int(value))
     if isinstance(value, Real):
-        number = float(value)
-        return repr(number) if isfinite(number) else str(number)
+        return repr(float(value))
     if isinstance(value, list | tuple):
         return f"[{', '.join(_literal(name, each) for each in value)}]"
     raise ValueError(f"{name} cannot be written to a scenario's file: {value!r}")

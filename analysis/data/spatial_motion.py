@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.data import frames
-from analysis.data.checks import Array, choice, number
+from analysis.data.checks import Array, choice, within
 from analysis.data.dense import interpolate
 from analysis.data.dissipation import CAUSES
 from analysis.data.frames import Poses
@@ -94,12 +94,7 @@ class SpatialMotion(SampledMotion):
         if excess > 1e-9:
             raise ValueError(f"quaternions must have unit length, got one off by {excess:.1e}")
         if self.rest_time is not None:
-            rest, (first, last) = number("rest_time", self.rest_time), self.times[[0, -1]]
-            if not first <= rest <= last:
-                raise ValueError(
-                    f"rest_time must lie within the samples, from {first:g} to {last:g} s, "
-                    f"got {rest:g}"
-                )
+            rest = within("rest_time", self.rest_time, *self.times[[0, -1]].tolist())
             object.__setattr__(self, "rest_time", rest)
 
     @property
@@ -191,9 +186,9 @@ class SpatialMotion(SampledMotion):
         for name in filled(SpatialMotion):
             if name not in _WITH_RATES:
                 # Impacts make these jump.
-                columns = np.atleast_2d(getattr(self, name).T)
-                values = np.transpose([np.interp(wanted, self.times, each) for each in columns])
-                found[name] = values[:, 0] if len(columns) == 1 else values
+                found[name] = np.apply_along_axis(
+                    lambda values: np.interp(wanted, self.times, values), 0, getattr(self, name)
+                )
         return found
 
     @staticmethod

@@ -100,7 +100,6 @@ class Start(Described):
         self,
         constraints: ConstraintSet,
         disk: Body,
-        *,
         half_thickness: float = 0.0,
         height: float = 0.0,
     ) -> State:
@@ -130,11 +129,8 @@ class Start(Described):
         found = demanded(constraints, disk, (beta, gamma, self.spin), free)
         for field, wanted, value in zip(FOLLOWING, given, found, strict=True):
             if wanted is not None and not abs(wanted - value) <= 1e-12 * max(1.0, abs(value)):
-                reason = _reason(field, constraints)
-                raise ArgumentError(
-                    field,
-                    f"must be {value:g} in {set_name(constraints)} ({reason}), got {wanted:g}",
-                )
+                fault = f"must be {value:g} in {set_name(constraints)}, or left out"
+                raise ArgumentError(field, f"{fault}, got {wanted:g}")
         x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height
         over, per_tilt, per_turn = disk.clearance(beta, gamma, half_thickness)
@@ -143,15 +139,3 @@ class Start(Described):
             coordinates=(x, y, over + lift, self.alpha, self.beta, self.gamma),
             rates=(x_rate, y_rate, rise, self.spin, beta_rate, gamma_rate),
         )
-
-
-def _reason(field: str, constraints: ConstraintSet) -> str:
-    """Why the constraints demand a value of a field."""
-    held = "fixed-cog" in constraints
-    if field == "gamma_rate":
-        return "no tangential slip: -spin * cos(beta)"
-    if field == "beta_rate" or (field == "y_rate" and not held):
-        return "no lateral slip"
-    if field == "x_rate" and not held:
-        return "no tangential slip"
-    return "the centre of gravity held above the origin"

@@ -39,11 +39,9 @@ class State:
     def __post_init__(self) -> None:
         for field in ("coordinates", "rates"):
             given = getattr(self, field)
-            if not isinstance(given, Iterable):
-                raise ArgumentError(field, f"must hold 6 numbers, got {given!r}")
-            values = tuple(given)
+            values = tuple(given) if isinstance(given, Iterable) else ()
             if len(values) != 6:
-                raise ArgumentError(field, f"must hold 6 numbers, got {len(values)}")
+                raise ArgumentError(field, f"must hold 6 numbers, got {given!r}")
             clean = tuple(
                 number(f"{field}[{name}]", value)
                 for name, value in zip(COORDINATES, values, strict=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from analysis import Scenario
-from analysis.data.changes import changed, check_field
+from analysis.data.changes import changed, check_fields
 from analysis.data.limits import MOST_SCENARIOS
 from analysis.data.names import ArgumentError
 from analysis.data.written import is_text, unit
@@ -266,7 +266,7 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
         raise ValueError(
             f"axis {field} must have at most {MOST_SCENARIOS} values here, got {size}"
         )
-    check_field(scenario, field, {field: axis.at(0)})
+    check_fields(scenario, {field: axis.at(0)})
     return axis, [changed(scenario, {field: value}) for value in axis.grid]
 
 

@@ -257,7 +257,7 @@ def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
         if value is None or value is False:
             continue
         flag = QUANTITIES[key].flag if key in QUANTITIES else f"--{name.replace('_', '-')}"
-        if argument in (name, f"{name}s"):
+        if argument in (key, name, f"{name}s"):
             return flag
         # A law takes its parameters along, and a table stands for what is given of it; the contact
         # is refused for the constraints that it cannot take.

@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.compiled.library import require_heyoka
-from analysis.data.changes import changed, check_field
+from analysis.data.changes import changed, check_fields
 from analysis.data.names import ArgumentError
 from analysis.data.own import is_own, own_object
 from analysis.data.trajectory import versions
@@ -46,8 +46,7 @@ class Sweep:
 
     def __post_init__(self) -> None:
         firsts = self.design.values_of(0)
-        for name in firsts:
-            check_field(self.scenario, name, firsts)
+        check_fields(self.scenario, firsts)
         if not {"model", "constraints"} & firsts.keys():
             missing = {*multiplier_names(CONSTRAINTS)} & {*self.plan.keep}
             missing -= {*multiplier_names(self.scenario.constraints)}

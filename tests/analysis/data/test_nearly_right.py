@@ -1,4 +1,7 @@
-"""Calls that are nearly right are taken, or told in one line how they would be right."""
+"""Calls that are nearly right are taken, or told in one line how they would be right.
+
+Numbers that look as if they were meant in another unit are taken, with a warning.
+"""
 
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type, call-arg, index, dict-item"
@@ -14,6 +17,7 @@ import pytest
 
 import mbs_models
 from analysis import (
+    LAWS,
     MODELS,
     Ensemble,
     Scenario,
@@ -23,8 +27,11 @@ from analysis import (
     scenario_text,
     simulate,
 )
+from analysis.data.written import UnitWarning
 from mbs_models import Scene
-from tests.calls import printed, refusal
+from tests.calls import printed
+from tests.validation.cli.test_refusals import RING
+from validation import cli
 from validation.sweeps.axes import axis_from_text
 
 TIMES = [0.0, 0.01]
@@ -55,6 +62,8 @@ def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any
         (lambda: Ensemble(scenario=Scenario(), fields={"spn": [1.0]}), r"did you mean spin\?$"),
         (lambda: simulate(Scenario(), TIMES, method="DOP835"), r"did you mean DOP853\?$"),
         (lambda: Start(gamma=" -22.5 deg"), r"write np.radians\(-22.5\)$"),
+        (lambda: LAWS.find("smooth-columb"), r"did you mean smooth-coulomb\?$"),
+        (lambda: Scenario.from_values({"start": {"spn": 3.0}}), r"^spn .* mean spin\?$"),
         (lambda: axis_from_text("viscous=1:2:3"), r"did you mean viscosity or rolling_viscous\?$"),
     ],
 )  # fmt: skip
@@ -62,35 +71,6 @@ def test_one_line_says_what_is_right(call: Callable[[], Any], message: str) -> N
     with pytest.raises((ValueError, TypeError, KeyError), match=message) as caught:
         call()
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("spin =", "spn =", "spn is unknown here; .*; did you mean spin"),
-        ("[friction]", "[fricton]", "unknown key 'fricton'; .*; did you mean friction"),
-        ('law = "smooth-coulomb"', 'law = "smooth-columb"', ".* did you mean smooth-coulomb"),
-    ],
-)
-def test_file_says_which_key_is_meant(old: str, new: str, message: str, tmp_path: Path) -> None:
-    text = scenario_text(Scenario())
-    assert old in text
-    (tmp_path / "my.toml").write_text(text.replace(old, new, 1))
-    with pytest.raises(ValueError, match=rf"my.toml, line \d+: {message}\?$"):
-        load_scenario(tmp_path / "my.toml")
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        ("scenario --law tanh,coeficient=1", "; did you mean coefficient?"),
-        ("map spin-fricton", "; did you mean spin-friction?"),
-    ],
-)
-def test_command_line_says_which_word_is_meant(
-    call: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert refusal(capsys, call).endswith(f"{message}\n")
 
 
 def test_negative_values_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
@@ -114,3 +94,37 @@ def test_script_without_guard_is_told_so_and_gets_nothing(tmp_path: Path) -> Non
     assert done.stderr.splitlines()[-1].endswith(
         'which must do so below `if __name__ == "__main__":`, or with workers=1'
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--gamma=-90 --alpha 1", "gamma is in rad, and above a turn; degrees are written with"),
+        (RING.replace("0.05", "40", 1), "radius is in m, and above 1 m"),
+        ("--gamma 450deg --alpha 10*pi", ""),
+    ],
+)
+def test_units_that_are_in_doubt_are_warned_of_once(
+    words: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["scenario", *words.split()]) == 0
+    shown = capsys.readouterr()
+    lines = shown.err.splitlines()
+    assert len(lines) == bool(said)
+    assert all(line.startswith(f"tippedisk scenario: {said}") for line in lines)
+    assert "[start]" in shown.out
+
+
+def test_units_of_a_file_and_of_an_axis_are_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
+    assert cli.main(["scenario", str(path)]) == 0
+    assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
+    with pytest.warns(UnitWarning, match="^gamma is in rad, and above a turn"):
+        assert load_scenario(path).start.gamma == 90.0  # type: ignore[union-attr]
+    out = str(tmp_path / "out.db")
+    # Refused before anything runs.
+    assert cli.main(["sweep", "gamma=0,90,180", "--most", "1", "--out", out]) == 2
+    assert capsys.readouterr().err.count("gamma is in rad, and above a turn") == 1

@@ -11,20 +11,10 @@ import mbs_models
 from analysis import Scenario
 from tests.calls import refusal, run
 from tests.sweeps import sweep
-from tests.wayward_law import EXITS, Answering, Wayward
+from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Wayward
 from validation.sweeps.case import run_case
 
-LAW = """
-import sys
-from dataclasses import dataclass
-from analysis import SmoothCoulomb
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Law(SmoothCoulomb):
-    def per_speed(self, speed):
-        {}
-        return SmoothCoulomb.per_speed(self, speed)
-"""
+WAYWARD = "--law tests.wayward_law:Wayward,coefficient={}"
 
 CALLS = (
     "simulate --out new.npz --end 0.1",
@@ -38,8 +28,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Working directory of a call, where its modules lie."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "exits_on_import.py").write_text("import sys\nsys.exit()\n")
-    (tmp_path / "exits_at_once.py").write_text(LAW.format("sys.exit()"))
-    (tmp_path / "exits_later.py").write_text(LAW.format("speed > 0.0 and sys.exit()"))
     return tmp_path
 
 
@@ -49,7 +37,7 @@ def written(folder: Path) -> list[str]:
 
 SAID = {
     "--law exits_on_import:Law": "--law: friction law 'exits_on_import:Law' cannot be loaded",
-    "--law exits_at_once:Law": "--law: friction law 'exits_at_once:Law' cannot be made: SystemE",
+    WAYWARD.format(EXITS_AT_ONCE): "law:Wayward' cannot be made: SystemExit",
     "--stop-when exits_on_import:Law": "--stop-when: stop_when 'exits_on_import:Law' cannot be lo",
     "--stop-when os:getcwd": "--stop-when: stop_when getcwd must say a number of a State: Type",
 }
@@ -69,7 +57,7 @@ def test_what_is_no_law_or_condition_is_refused(
 def test_a_law_that_exits_where_the_disk_slips_is_no_success(
     call: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(call, "--law exits_later:Law") == 70
+    assert run(call, WAYWARD.format(EXITS)) == 70
     assert "SystemExit" in capsys.readouterr().err
     assert written(folder) == []
 
@@ -91,7 +79,5 @@ def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(side: str, sai
         "in-house to rest": lambda: analysis.simulate_to_rest(soft, 0.1),
         "engine to rest": lambda: mbs_models.simulate_to_rest(soft, 0.1),
     }
-    with pytest.raises(
-        ValueError, match=r"^per_speed\(0\.1\) of friction law '.*:Answering' must"
-    ):
+    with pytest.raises(ValueError, match=r"^Answering.force\(0\.0955, 0\.0296, 0\.1\) must"):
         runs[side]()

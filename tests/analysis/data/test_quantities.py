@@ -1,45 +1,36 @@
-"""Every quantity is declared once: types, files, options, axes and refusals know it by that."""
+"""Every quantity is declared once: types, files, options, axes, changes and refusals know it."""
 
 import re
-from dataclasses import fields
+from dataclasses import asdict, fields, replace
 from math import inf
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from analysis import (
     LAWS,
+    MODELS,
     ROUNDED_STEEL_DISK,
+    STEEL_DISK,
     Disk,
+    Ensemble,
     Scenario,
+    SmoothCoulomb,
     Start,
+    Stribeck,
     load_scenario,
     scenario_text,
 )
 from analysis.data.changes import changed
+from analysis.data.disk import STEEL_RING
 from analysis.data.names import ArgumentError, full_name
+from analysis.data.parts import KINDS, told
 from analysis.data.quantities import QUANTITIES, RING, Quantity, default
-from analysis.data.scenario import KINDS
 from tests.calls import printed, run
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text
-
-STEADY = {
-    "disk.radius": 0.05,
-    "disk.thickness": 0.02,
-    "disk.mass": 0.44,
-    "disk.inertia_x": 2.6e-4,
-    "disk.inertia_y": 2.5e-4,
-    "disk.inertia_z": 4.7e-4,
-    "disk.inertia_xy": 1e-6,
-    "disk.inertia_xz": 1e-6,
-    "disk.inertia_yz": 1e-6,
-    "friction.static": 0.5,
-    "friction.exponent": 0.5,
-    "contact.stiffness": 2e6,
-    "dissipation.rolling_smoothing": 0.02,
-}
-"""Values that fit, where 0.01 does not."""
 
 EVERY = pytest.mark.parametrize("quantity", QUANTITIES.values(), ids=list(QUANTITIES))
 
@@ -55,6 +46,14 @@ def home(quantity: Quantity) -> Scenario:
         return Scenario(disk=ROUNDED_STEEL_DISK)
     soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"
     return Scenario.rest() if soft else Scenario()
+
+
+def other(quantity: Quantity, scenario: Scenario) -> float | str:
+    """Another value, near that of a scenario if there is one."""
+    if quantity.choices:
+        return "contact" if quantity.key == "constraints" else quantity.choices[-1]
+    now = told(getattr(scenario, quantity.table)).get(quantity.name)
+    return 1.01 * now if now else 1e-6
 
 
 def beyond(quantity: Quantity) -> list[float | str]:
@@ -117,9 +116,7 @@ def test_an_option_changes_its_quantity_and_nothing_else(
 ) -> None:
     scenario, path = home(quantity), tmp_path / "my.toml"
     path.write_text(scenario_text(scenario))
-    value = quantity.choices[-1] if quantity.choices else STEADY.get(quantity.key, 0.01)
-    if quantity.key == "constraints":
-        value = "contact"
+    value = other(quantity, scenario)
     words = [f"{quantity.flag}={value}"]
     if quantity.is_switch:
         words = [quantity.flag.replace("--", "--no-")]
@@ -150,3 +147,62 @@ def test_what_is_out_of_range_is_refused_by_name(
                 load_scenario(path)
             line = int(str(at.value).partition("line ")[2].partition(":")[0])
             assert path.read_text().split("\n")[line - 1] == f"{quantity.name} = {literal}"
+
+
+# --- Quantities that vary ------------------------------------------------------------------------
+
+PAPER = Scenario(friction=SmoothCoulomb(smoothing=0.05))
+TWICE = asdict(STEEL_DISK)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"start.spin": 12.0}, replace(PAPER, start=Start(spin=12.0))),
+        ({"model": 4}, replace(PAPER, constraints=MODELS[4])),
+        ({"constraints": "contact+fixed-cog"}, replace(PAPER, constraints=MODELS[2])),
+        (
+            {"friction.load": "contact"},
+            replace(PAPER, friction=replace(PAPER.friction, load="contact")),
+        ),
+        (
+            {"friction.static": 0.6, "friction.law": "stribeck"},
+            replace(PAPER, friction=Stribeck(static=0.6)),
+        ),
+        (
+            {"disk.eccentricity": 2e-3, "disk.name": "steel-rounded"},
+            replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, eccentricity=2e-3)),
+        ),
+        (
+            {"disk.hole_radius": 0.01},
+            replace(PAPER, disk=Disk.ring(**(STEEL_RING | {"hole_radius": 0.01}))),
+        ),
+        (
+            {f"disk.{name}": 2.0 * value for name, value in TWICE.items()},
+            replace(PAPER, disk=Disk(**{name: 2.0 * value for name, value in TWICE.items()})),
+        ),
+    ],
+)
+def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Scenario) -> None:
+    assert changed(PAPER, changes) == expected
+
+
+ROUNDED = replace(PAPER, disk=ROUNDED_STEEL_DISK)
+TOLD = replace(PAPER, start=PAPER.initial_state)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "names", "message"),
+    [
+        (PAPER, "contact.stiffness", "needs a penalty contact"),
+        (PAPER, "friction.static", r"static is unknown here; .* takes law, .*coefficient"),
+        (PAPER, "disk.radius disk.mass", "mass is unknown here; .*; or radius, mass"),
+        (ROUNDED, "disk.radius", "radius varies a ring alone"),
+        (TOLD, "start.spin", "the start is told by its coordinates and"),
+    ],
+)
+def test_fields_that_do_not_vary_in_a_scenario_are_refused(
+    scenario: Scenario, names: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        Ensemble(scenario=scenario, fields=dict.fromkeys(names.split(), np.array([0.04, 0.05])))

@@ -2,7 +2,7 @@
 
 import re
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -20,44 +20,28 @@ from analysis import (
     STEEL_DISK,
     Disk,
     Dissipation,
-    FrictionLaw,
     PenaltyContact,
     Scenario,
     Start,
     State,
+    Stribeck,
     Table,
     TanhCoulomb,
     load_scenario,
     scenario_text,
 )
-from analysis.data.angles import angle, spelled_angle
+from analysis.data.quantities import SECTIONS
 from analysis.data.scenario_file import LARGEST_FILE
+from analysis.data.written import angle, spelled_angle
 from tests.helpers import TILTED
 from tests.scenario_texts import with_key
+from tests.wayward_law import Own
 
 QUICK = settings(
     max_examples=100,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Own(FrictionLaw):
-    """A law of one's own, with a parameter of each kind."""
-
-    strength: float = 0.3
-    kind: str = 'quoted "so" \\ and\tso'
-    order: int = 2
-    smooth: bool = True
-    nothing: float | None = None
-
-    def per_speed(self, speed: float) -> float:
-        return 0.3 / (self.order + speed)
-
-    @property
-    def finest_speed(self) -> float:
-        return 1.0
 
 
 def reals(low: float, high: float) -> st.SearchStrategy[float]:
@@ -166,15 +150,18 @@ def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
     assert text is None or angle("beta", text) == value
 
 
+TOP = f"a scenario holds format, model, constraints, {', '.join([*SECTIONS][1:])}"
+
+
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
         ("format = 1\nmodel = \n", 2, "not TOML: Invalid value"),
         ('format = 1\nlaw = """\n\n', 2, "not TOML: "),
         ("a = " + "[" * 5000, 1, "not TOML: nested too deeply"),
-        ("", 1, "format is missing; it must be 1"),
         ("format = 1\nmodel = 1\ndisk = 3\n", 3, "disk must be a table, got 3"),
         ("format = 1\nmodel = 1\n[disk]\n\"name\" = 'gold'\n", 4, "name must be one of steel"),
+        ("format = 1\nspim = 1", 2, f"unknown key 'spim'; {TOP}; did you mean spin?"),
         ("format = 1\nmodel = 1\n[[disk]]\nname = 'steel'\n", 3, "disk must be a table, got ["),
     ],
 )
@@ -202,18 +189,16 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "own_law.py").write_text(
-        "from tests.analysis.data.test_scenario_file import Own\n\nclass Rough(Own):\n    pass\n"
+        "from tests.wayward_law import Own\n\nclass Rough(Own):\n    pass\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
-    text = scenario_text(Scenario(friction=TanhCoulomb()))
-    path = tmp_path / "my.toml"
-    path.write_text(with_key(text, "start", "gamma", '"own_law:Rough"'))
+    path, law = tmp_path / "my.toml", '"own_law:Rough"'
+    short = 'format = 1\nmodel = 1\ndisk.name = "steel"\ntable = {}\n'
+    path.write_text(f"{short}friction = {{}}\nstart.gamma = {law}\n")
     with pytest.raises(ValueError, match="gamma must be an angle"):
         load_scenario(path)
     assert "own_law" not in sys.modules
-    for key in ("coefficient", "smoothing"):
-        text = with_key(text, "friction", key, None)
-    path.write_text(with_key(text, "friction", "law", '"own_law:Rough"'))
+    path.write_text(f"{short}start = {{}}\nfriction.law = {law}\n")
     try:
         assert type(load_scenario(path).friction).__module__ == "own_law"
     finally:
@@ -221,6 +206,108 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
 
 
 def test_law_that_toml_cannot_hold_is_refused() -> None:
-    law = Own(strength={1})  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"strength cannot be written to a scenario's file"):
+    law = Own(kind={1})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"kind cannot be written to a scenario's file"):
         scenario_text(replace(Scenario(), disk=STEEL_DISK, friction=law))
+
+
+# --- Refusals of the data types, each reachable from a file, with key and line -------------------
+
+PAPER = Scenario()
+SOFT = Scenario.rest()
+ROUNDED = Scenario(disk=ROUNDED_STEEL_DISK)
+STATE = Scenario(start=State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6))
+SLIP_FREE = Scenario(constraints=("contact", "no-slip-along", "no-slip-across"))
+HELD = Scenario(constraints=("contact", "fixed-cog", "no-slip-across"))
+
+REFUSED: list[tuple[Scenario, str, str, str]] = [
+    # What the file itself says: keys with their values, the message, and the key to blame.
+    (PAPER, "format = 2", "format 2 is newer than this version", "format"),
+    (PAPER, "format =", "format is missing; it must be 1", ""),
+    (PAPER, "model =", "model or constraints is missing; model = 1", ""),
+    (PAPER, "model = 5", "model must be one of 1, 2, 3, 4, got '5'", "model"),
+    (PAPER, 'constraints = ["contact"]', "constraints do not go together with", "constraints"),
+    (PAPER, "radius = 0.1", "radius must stand in the table [disk]", "radius"),
+    (PAPER, "colour = 3", "unknown key 'colour'; a scenario holds format, model", "colour"),
+    (PAPER, "disk.colour = 3", "colour is unknown here; [disk] takes name; or radius", "colour"),
+    (PAPER, "disk.density =", "[disk] lacks density", "[disk]"),
+    (ROUNDED, 'disk.name = "steel"', "radius is unknown here; [disk] takes name; or", "radius"),
+    (PAPER, "start.coordinates = [1]", "beta is unknown here; [start] takes coord", "beta"),
+    (STATE, "start.rates =", "[start] lacks rates", "[start]"),
+    (SOFT, "contact.stiffness =", "[contact] lacks stiffness", "[contact]"),
+    # Values of the wrong kind, among them wrong units.
+    (PAPER, 'disk.radius = "45mm"', "radius must be a number in m, got '45mm'", "radius"),
+    (PAPER, "disk.radius = 1" + 400 * "0", "radius must be a finite number, got one", "radius"),
+    (PAPER, 'table.inclination = "2 grad"', "inclination must be an angle", "inclination"),
+    (PAPER, "friction.law = []", "law must be text, got []", "law"),
+    (PAPER, 'friction.law = ".x:Law"', "friction law '.x:Law' cannot be loaded", "law"),
+    (STATE, "start.rates = [1]", "rates must hold 6 numb", "rates"),
+    (STATE, 'start.coordinates = [0, 0, 0, 0, 0, "pi"]', "coordinates[gamma] must", "coordinates"),
+    # Values that do not fit each other.
+    (PAPER, "disk.hole_distance = 1", "hole_distance + hole_radius must be", "hole_distance"),
+    (ROUNDED, "disk.eccentricity = 1", "eccentricity must lie in [0, radius)", "eccentricity"),
+    (ROUNDED, "disk.inertia_y = 1e-9", "inertia_y must leave principal", "inertia_y"),
+    (ROUNDED, "disk.inertia_z = 1", "inertia_z must leave principal", "inertia_z"),
+    (PAPER, "friction.smoothing = 1e-12; friction.coefficient = 1e8",
+     "smoothing must be at least coefficient / 1e+12", "smoothing"),
+    (Scenario(friction=Stribeck()), "friction.static = 0.1", "kinetic must not exceed", "kinetic"),
+    (PAPER, "start.beta = 1e-9", "beta must keep 1e-06 rad from 0 and pi", "beta"),
+    (STATE, "start.coordinates = [0, 0, 0, 0, 4, 0]", "beta must lie in the open", "[start]"),
+    (PAPER, "start.height = 0.1", "height must be 0 or left out on an ideal", "height"),
+    (PAPER, "dissipation.pivoting = 1e-4", "dissipation acts on a penalty", "[dissipation]"),
+    (SOFT, "model = 2", "contact must be left out, or constraints be", "[contact]"),
+    (SOFT, "contact.stiffness = 1.0", "stiffness must be at least weight", "stiffness"),
+    (SOFT, "contact.half_thickness = 1e-12", "half_thickness must be 0 or", "half_thickness"),
+    (SOFT, "contact.half_thickness = 0.1", "half_thickness must not ex", "half_thickness"),
+    # Starts that break a constraint.
+    *((PAPER, f"model = 2; start.{name} = 1", f"{name} must be", name)
+      for name in ("x", "y_rate")),
+    (PAPER, "model = 3; start.gamma_rate = 5", "gamma_rate must be -2.44929e-15 in Model 3",
+     "gamma_rate"),
+    (SLIP_FREE, "start.x_rate = 1", "x_rate must be", "x_rate"),
+    (HELD, "start.beta_rate = 1", "beta_rate must be", "beta_rate"),
+    # Sets of constraints that are none.
+    *((HELD, f"constraints = {given}", f"constraints must {fault}", "constraints")
+      for given, fault in (
+        ('["contact", "glue"]', "be one of contact, "),
+        ('["contact", "contact"]', "name each constraint once"),
+        ('["fixed-cog"]', "hold 'contact': without it"),
+        ('"contact"', "be a list of names, got 'contact'"),
+        ('["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]',
+         "leave the disk a freedom"),
+    )),
+]  # fmt: skip
+
+
+def refusal(text: str, folder: Path) -> tuple[str, str]:
+    """Message that refuses a text, and the line it names."""
+    path = folder / "my.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"my\.toml, line \d+: ") as found:
+        load_scenario(path)
+    message = re.fullmatch(r".*my\.toml, line (\d+): (.*)", str(found.value))
+    assert message is not None
+    return message[2], text.split("\n")[int(message[1]) - 1]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "entries", "message", "place"), REFUSED, ids=[each[1][:60] for each in REFUSED]
+)
+def test_refusal_names_key_and_line(
+    scenario: Scenario, entries: str, message: str, place: str, tmp_path: Path
+) -> None:
+    text = scenario_text(scenario)
+    for entry in entries.split("; "):
+        name, _, literal = entry.partition(" =")
+        table, _, key = name.rpartition(".")
+        text = with_key(text, table, key, literal.strip() or None)
+    said, line = refusal(text, tmp_path)
+    assert said.startswith(message)
+    assert line.startswith(place)
+
+
+@pytest.mark.parametrize("table", [name for name, each in SECTIONS.items() if each.needed])
+def test_missing_table_is_named_with_the_shortest_way_to_it(table: str, tmp_path: Path) -> None:
+    text = re.sub(rf"\[{table}\]\n(.*\n)*?(?=\n|\Z)", "", scenario_text(PAPER))
+    said, _ = refusal(text, tmp_path)
+    assert said == f"the table [{table}] is missing; {SECTIONS[table].needed}"

@@ -18,7 +18,7 @@ from analysis import (
 )
 from analysis.data.checks import Array
 from analysis.data.endings import REACHED
-from analysis.data.inversion import STAYING
+from analysis.data.inversion import STAYING, inversions
 from tests.helpers import model, not_none
 
 SPACING = 0.01
@@ -29,6 +29,10 @@ def risen(*stretches: tuple[float, float], low: float = -1.0, high: float = 1.0)
     """Directions that are high from each of these times to the next, and low otherwise."""
     is_up = [(since - 1e-9 <= TIMES) & (until - 1e-9 > TIMES) for since, until in stretches]
     return np.where(np.any(is_up, axis=0), high, low)
+
+
+def judged(times: Array, directions: Array, rates: Array) -> Inversion:
+    return inversions(times[None], directions[None], rates[None], np.ones(1))[0]
 
 
 @pytest.mark.parametrize(
@@ -53,7 +57,7 @@ def test_disk_is_inverted_that_rises_and_stays_up(
     direction: Array, end: float, outcome: str, time: float | None, lost: float | None
 ) -> None:
     shown = end + 1e-9 >= TIMES
-    found = Inversion.of_direction(TIMES[shown], direction[shown], 0.0 * TIMES[shown])
+    found = judged(TIMES[shown], direction[shown], 0.0 * TIMES[shown])
     assert found.outcome == outcome
     for told, expected in ((found.time, time), (found.lost, lost)):
         assert told == (expected and pytest.approx(expected, abs=SPACING))
@@ -62,7 +66,7 @@ def test_disk_is_inverted_that_rises_and_stays_up(
 @pytest.mark.parametrize("last", [-1e-14, 1e-14])
 def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(last: float) -> None:
     times, directions = np.array([0.0, 0.5, 2.0]), np.array([-1.0, 1.0, last])
-    found = Inversion.of_direction(times, directions, np.zeros(3))
+    found = judged(times, directions, np.zeros(3))
     assert (found.outcome, found.lost) == ("lost", 2.0)
 
 
@@ -102,7 +106,7 @@ def test_error_covers_what_no_sample_shows(level: Level, start: Start, spacing: 
 @pytest.mark.parametrize("count", [11, 501])
 def test_inversion_and_its_loss_are_located_between_samples(count: int) -> None:
     times, rate = np.linspace(0.0, 5.0, count), 0.4 * np.pi
-    found = Inversion.of_direction(times, np.sin(rate * times), rate * np.cos(rate * times))
+    found = judged(times, np.sin(rate * times), rate * np.cos(rate * times))
     assert found.outcome == "lost"
     spacing = times[1]
     for time, error, truth in (
@@ -121,7 +125,7 @@ def test_an_impact_between_two_samples_leaves_the_time_open(part: float, after: 
     rates = np.where(times < impact, 1.0, after)
     directions = np.where(times < impact, times, impact + after * (times - impact))
     truth = REACHED if impact > REACHED else impact + (REACHED - impact) / after
-    found = Inversion.of_direction(times, directions, rates)
+    found = judged(times, directions, rates)
     assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-12
     assert not_none(found.time_error) <= 0.05
 

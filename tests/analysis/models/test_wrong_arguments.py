@@ -114,7 +114,7 @@ SEVERAL: list[tuple[str, dict[str, Any], str]] = [
     ("in-house", {"stop_when": "asleep"},
      "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
     ("in-house", {"stop_when": "math:pi"}, "stop_when must hold names or functions of a State"),
-    ("in-house", {"stop_when": lambda _: "low"}, "stop_when <lambda> must be a finite number, "),
+    ("in-house", {"stop_when": lambda _: "low"}, "stop_when <lambda> must say a number of"),
     ("in-house", {"stop_when": "no.such:thing"}, "stop_when 'no.such:thing' cannot be loaded: No"),
     ("in-house", {"stop_when": CONDITIONS}, "stop_when .* different names, got <lambda> twice"),
     ("in-house rest", {"scenario": SHARP}, "half_thickness must be positive for the disk"),

@@ -16,7 +16,8 @@ RING = "--radius 0.05 --hole-radius 0.02 --hole-distance 0.02 --thickness 0.01 -
 
 REFUSED = {
     # Options that do not fit each other, or the scenario.
-    "scenario --law viscous --mu 1": "--mu: coefficient is no parameter of the friction law",
+    "scenario --disk steel-rounded --radius 0.04": "--radius: radius varies a ring",
+    "scenario --law viscous --mu 1": "--mu: coefficient is unknown here; [friction] takes law",
     "scenario --law tanh,coefficient=1 --mu 2": "--law: law tells coefficient, which is told tw",
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     "scenario --model 2 --x 1": "--x: x must be -0.000249584 in Model 2",
