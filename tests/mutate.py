@@ -70,14 +70,22 @@ def changed(node: ast.AST) -> ast.AST | None:  # noqa: PLR0911 # one for each ki
     return None
 
 
-def places(tree: ast.AST) -> list[Any]:
-    """Nodes that may become something else, those of annotations left out."""
-    hints: set[ast.AST] = set()
+def places(source: str) -> tuple[ast.Module, list[Any]]:
+    """Tree of a source, and its nodes that may become something else.
+
+    Left out are annotations, and numbers in a file that draws: where things stand in a picture
+    and how large they are is looked at.
+    """
+    tree = ast.parse(source)
+    left_out: set[ast.AST] = set()
     for node in ast.walk(tree):
         for name in ("annotation", "returns"):
             if isinstance(hint := getattr(node, name, None), ast.AST):
-                hints |= set(ast.walk(hint))
-    return [node for node in ast.walk(tree) if node not in hints and changed(node) is not None]
+                left_out |= set(ast.walk(hint))
+        if isinstance(node, ast.Constant | ast.UnaryOp) and "matplotlib" in source:
+            left_out.add(node)
+    every = ast.walk(tree)
+    return tree, [node for node in every if node not in left_out and changed(node) is not None]
 
 
 class Change(ast.NodeTransformer):
@@ -99,8 +107,8 @@ class Mutation(NamedTuple):
 
     def applied(self, source: str) -> tuple[str, str]:
         """The source with it, and what it is."""
-        tree = ast.parse(source)
-        place = places(tree)[self.number]
+        tree, found = places(source)
+        place = found[self.number]
         line, before = place.lineno, ast.unparse(place).partition("\n")[0]
         tree = ast.fix_missing_locations(Change(place).visit(tree))
         return ast.unparse(tree), f"{self.path}:{line}: {type(place).__name__} {before}"
@@ -161,7 +169,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Mutation(path.relative_to(ROOT), number)
         for room in options.rooms
         for path in _files(ROOT / room)
-        for number in range(len(places(ast.parse(path.read_text("utf-8")))))
+        for number in range(len(places(path.read_text("utf-8"))[1]))
     ]
     # Nothing secret hangs on them.
     chosen = random.Random(options.seed).sample(every, min(options.number, len(every)))  # noqa: S311
