@@ -82,7 +82,7 @@ def places(source: str) -> tuple[ast.Module, list[Any]]:
         for name in ("annotation", "returns"):
             if isinstance(hint := getattr(node, name, None), ast.AST):
                 left_out |= set(ast.walk(hint))
-        if isinstance(node, ast.Constant | ast.UnaryOp) and "matplotlib" in source:
+        if isinstance(node, ast.Constant | ast.UnaryOp) and "from matplotlib" in source:
             left_out.add(node)
     every = ast.walk(tree)
     return tree, [node for node in every if node not in left_out and changed(node) is not None]
