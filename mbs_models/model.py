@@ -57,7 +57,7 @@ class Model(ABC):
     has_euler_angles: ClassVar[bool] = False
     """Whether alpha, beta and gamma are coordinates of the engine, singular at a flat disk.
 
-    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns; and `path`
+    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns; and `moved`
     loses some digits, as rotations do that are composed or told by more than three numbers.
     """
 
@@ -267,9 +267,9 @@ class Model(ABC):
             The same state. Taken back from a rotation, alpha of a nearly flat disk is uncertain.
         """
 
-    def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
-        """From a time in s to the engine's coordinates, shape (n,), at constant velocities."""
-        return lambda time: position + time * velocity
+    def moved(self, position: Array, velocity: Array, time: float) -> Array:
+        """The engine's coordinates after so many s at constant velocities, shape (n,)."""
+        return position + time * velocity
 
     def multipliers(
         self,

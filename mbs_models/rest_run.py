@@ -288,7 +288,7 @@ def readings(scenario: Scenario, states: Array) -> dict[str, Any]:
     place, rotation, velocity, angular = spatial(states)
     values = np.array(
         [
-            (*load.point, load.slip, contour, load.force[2], load.elastic)
+            (*load.point, load.slip, contour, load.normal, load.elastic)
             for load, contour in loads_of(scenario).over(place, rotation, velocity, angular)
         ]
     )

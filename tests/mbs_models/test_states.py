@@ -106,11 +106,14 @@ def test_of_bodies_on_a_yielding_table(body: Body, rounded: bool, seed: int, loa
     contact = PenaltyContact.damped(1e5, body)
     if rounded:
         contact = PenaltyContact.rounded(body, stiffness=1e5)
+    drag = 1.2 * body.is_round_disk
     compare(
         Scenario(
             disk=body,
             contact=contact,
-            dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4),
+            dissipation=Dissipation(
+                rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=drag
+            ),
             table=STEEP,
             friction=SmoothCoulomb(load=load),
             start=any_start(seed),
