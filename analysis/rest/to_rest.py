@@ -21,6 +21,7 @@ from analysis.data.trajectory import versions
 from analysis.data.watch import Progress
 from analysis.mechanics.attitude import EulerTurning, Quaternion
 from analysis.mechanics.free_body import FreeBody
+from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.mechanics.states import paper_of
 from analysis.solve.effort import contact_time, rest_effort
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
@@ -161,8 +162,8 @@ def _motion(
         return found
 
     def still(states: Array) -> tuple[Array, Array]:
-        kinetic = np.array([model.energies(state)[0] for state in states.tolist()])
-        return kinetic, states[:, 2] - low
+        velocity, angular = tuple(states[:, 7:10].T), tuple(states[:, 10:13].T)
+        return kinetic_energy(disk, velocity, angular), states[:, 2] - low
 
     states, told = call.until_rest(problem.start, advance, STRETCH, problem.conditions, still)
     return SpatialMotion(
