@@ -2,11 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
-import sympy
 
 from analysis import (
     LAWS,
@@ -37,12 +35,11 @@ from tests.helpers import (
     cog,
     derivative,
     jacobian,
+    lagrange,
     more_sets,
-    parameter_values,
     random_disk,
     random_scenario,
     random_state,
-    rigid_body,
     turn_z,
 )
 
@@ -61,28 +58,13 @@ def test_residuals_of_the_velocities_are_those_printed(constraints: ConstraintSe
     assert_close(found, paper.constraint_directions(constraints, scenario.disk, z) @ u)
 
 
-@cache
-def lagrange() -> Callable[..., list[Array]]:
-    """Terms of Lagrange's equations, and directions of all constraints, of order `MULTIPLIERS`."""
-    body = rigid_body()
-    held = [
-        body.normal_direction,
-        body.cog.jacobian(body.coordinates)[:2, :].T,
-        body.tangential_directions,
-        sympy.eye(6)[:, 3:5],
-    ]
-    terms = [body.mass_matrix, body.gyroscopic_forces + body.gravity_forces, *held]
-    arguments = [body.parameters, body.coordinates, body.rates]
-    function: Callable[..., list[Array]] = sympy.lambdify(arguments, terms, cse=True)
-    return function
-
-
 def derived(scenario: Scenario, z: Array, u: Array) -> tuple[Array, ...]:
     """Mass matrix, forces, and directions of what is held and of the slips, by Lagrange."""
-    M, others, *held = lagrange()(parameter_values(scenario.disk, scenario.table), z, u)
-    every = dict(zip(MULTIPLIERS, np.hstack(held).T, strict=True))
+    M, gyroscopic, gravity, normal, slips, cog = lagrange()(scenario.disk, scenario.table, z, u)
+    columns = np.column_stack((normal, cog, slips, np.eye(6)[:, 3:5]))
+    every = dict(zip(MULTIPLIERS, columns.T, strict=True))
     W = np.array([every[name] for name in multiplier_names(scenario.constraints)])
-    return M, others[:, 0], W, np.array((every["tangential_force"], every["lateral_force"]))
+    return M, gyroscopic + gravity, W, slips.T
 
 
 def printed(scenario: Scenario, z: Array, u: Array) -> tuple[Array, ...]:
