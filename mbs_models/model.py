@@ -138,10 +138,11 @@ class Model(ABC):
         return self._add(items.ObjectGround(), "the table, which what holds the disk refers to")
 
     def _add_forces(self) -> None:
-        """Add friction, and the contact if it is one of penalty."""
-        if name := table_forces(self.scenario):
-            yields = self.scenario.contact is not None
-            self.act(self._contact_force() if yields else self.friction(self._load()), name)
+        """Add friction, or a penalty contact with all that goes with it."""
+        if self.scenario.contact is not None:
+            self.act(self._contact_force(), "penalty contact with friction and losses")
+        elif self.scenario.rubs:
+            self.act(self.friction(self._load()), "friction")
 
     def friction(self, load: Load) -> Force:
         """User function of friction under a load."""
@@ -344,19 +345,3 @@ class Model(ABC):
         equation = self.contact_equation
         # The engine's constraint forces act with a minus sign on the second body.
         return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
-
-
-def table_forces(scenario: Scenario) -> str:
-    """What the force law covers by which the table acts on the disk; empty if there is none."""
-    loss = scenario.dissipation
-    parts = {
-        "penalty contact": scenario.contact is not None,
-        "friction": scenario.rubs,
-        "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
-        "pivoting friction": loss.pivoting > 0.0,
-        "air drag": loss.air_drag > 0.0,
-    }
-    if scenario.contact is None and not scenario.rubs:
-        return ""
-    *others, last = [name for name, present in parts.items() if present]
-    return f"{', '.join(others)} and {last}" if others else last
