@@ -105,8 +105,6 @@ class EulerAngles:
     def gravity(moving: Moving, gravity: Vector) -> Vector:
         """Gravity in axes of the frame, from that in axes of the table."""
         x, y, z = gravity
-        if isinstance(x, float) and isinstance(y, float) and x == y == 0.0:
-            return gravity
         sa, ca = sin(moving.attitude[0]), cos(moving.attitude[0])
         return ca * x + sa * y, ca * y - sa * x, z
 

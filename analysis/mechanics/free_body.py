@@ -62,8 +62,10 @@ class FreeBody:
 
         self._derivative = _recorded(scenario, 13, derivative)
         forces = _forces(scenario)
-        over = (np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force"))
-        self._table = YieldingTable(scenario, *over, friction=scenario.friction.force)
+        spring, normal_force = (
+            np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force")
+        )
+        self._table = YieldingTable(scenario, spring, normal_force, scenario.friction.force)
 
     def derivative(self, _: float, state: Array) -> tuple[float, ...]:
         """Time derivative of the state, 19 numbers."""

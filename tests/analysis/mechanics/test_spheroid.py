@@ -84,7 +84,8 @@ def test_energy_falls_by_what_is_taken(half: float, cause: str) -> None:
     powers = change[13:]
     assert all(powers[[0, 1, CAUSES.index(cause)]] > 0.0)
 
-    def energy(time: float) -> float:
-        return float(free.readings((state + time * change)[None])["energies"].sum())
+    def energy(time: float) -> Array:
+        total: Array = free.readings((state + time * change)[None])["energies"].sum(axis=1)
+        return total
 
     assert derivative(energy, 1e-4) == pytest.approx(-powers.sum(), rel=1e-9)
