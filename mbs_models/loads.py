@@ -186,7 +186,8 @@ class Loads:
         force = spring - contact.damping * rise
         if contact.bilateral:
             return spring, force
-        return (spring, max(force, 0.0)) if depth > 0.0 else (0.0, 0.0)
+        # What is no number stays none.
+        return (0.0, 0.0) if depth <= 0.0 else (spring, max(force, 0.0))
 
     def _friction(self, matrix: Matrix, sx: float, sy: float, load: float) -> tuple[float, float]:
         if not self._has_direction:
