@@ -1,6 +1,5 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
-from collections.abc import Callable
 from functools import cached_property
 from math import atan2, cos, hypot, pi, sin
 from typing import Any, ClassVar
@@ -140,13 +139,8 @@ class Floating(Model):
             velocity: Any, angular: Any, *_unused: Any,
         ) -> list[float]:  # fmt: skip
             # The connector's own angles are singular somewhere; the rotation matrix is not.
-            matrix = system.GetNodeOutput(node, attitude).tolist()
-            load = loads.at(
-                float(displacement[2]),
-                tuple(matrix),
-                tuple(velocity),
-                tuple(angular),
-            )
+            matrix = tuple(system.GetNodeOutput(node, attitude).tolist())
+            load = loads.at(float(displacement[2]), matrix, tuple(velocity), tuple(angular))
             return [-value for value in (*load.force, *load.torque)]
 
         return force
@@ -247,18 +241,12 @@ class FloatingLie(Floating):
         stretch = 2.0 * atan2(length, scalar) / length if length else 2.0
         return [stretch * each for each in vector]
 
-    def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
+    def moved(self, position: Array, velocity: Array, time: float) -> Array:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
-        straight = super().path(position, velocity)
-        origin = self.origin[3:6]
-        vector, angular = origin + position[3:6], velocity[3:6]
-
-        def turned(time: float) -> Array:
-            place = straight(time)
-            place[3:6] = CompositionRuleForRotationVectors(vector, time * angular) - origin
-            return place
-
-        return turned
+        found, origin = super().moved(position, velocity, time), self.origin[3:6]
+        turned = CompositionRuleForRotationVectors(origin + position[3:6], time * velocity[3:6])
+        found[3:6] = turned - origin
+        return found
 
     def _angular_acceleration(self, second_derivatives: Array) -> Array:
         # The engine offers no such output for this node; its coordinates are the local components.
@@ -295,14 +283,12 @@ class FloatingWithLosses(FloatingLie):
     def powers(self) -> list[float]:
         """What each cause takes in W in the engine's current state, six floats."""
 
-        def output(variable: Any) -> list[float]:
-            return list(self.system.GetNodeOutput(self._node, variable).tolist())
+        def output(variable: Any) -> Any:
+            return tuple(self.system.GetNodeOutput(self._node, variable).tolist())
 
-        matrix: Any = (*output(_OUTPUT.RotationMatrix),)
+        (_, _, height), matrix, v, w = map(output, self._outputs)
         assert self.loads is not None
-        x, y, z = output(_OUTPUT.Velocity)
-        p, q, r = output(_OUTPUT.AngularVelocity)
-        return self.loads.at(output(_OUTPUT.Position)[2], matrix, (x, y, z), (p, q, r)).taken
+        return self.loads.at(height, matrix, v, w).taken
 
     def _readings(self) -> list[tuple[int, Any]]:
         return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]

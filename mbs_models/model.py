@@ -57,7 +57,7 @@ class Model(ABC):
     has_euler_angles: ClassVar[bool] = False
     """Whether alpha, beta and gamma are coordinates of the engine, singular at a flat disk.
 
-    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns; and `path`
+    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns; and `moved`
     loses some digits, as rotations do that are composed or told by more than three numbers.
     """
 
@@ -138,10 +138,11 @@ class Model(ABC):
         return self._add(items.ObjectGround(), "the table, which what holds the disk refers to")
 
     def _add_forces(self) -> None:
-        """Add friction, and the contact if it is one of penalty."""
-        if name := table_forces(self.scenario):
-            yields = self.scenario.contact is not None
-            self.act(self._contact_force() if yields else self.friction(self._load()), name)
+        """Add friction, or a penalty contact with all that goes with it."""
+        if self.scenario.contact is not None:
+            self.act(self._contact_force(), "penalty contact with friction and losses")
+        elif self.scenario.rubs:
+            self.act(self.friction(self._load()), "friction")
 
     def friction(self, load: Load) -> Force:
         """User function of friction under a load."""
@@ -267,9 +268,9 @@ class Model(ABC):
             The same state. Taken back from a rotation, alpha of a nearly flat disk is uncertain.
         """
 
-    def path(self, position: Array, velocity: Array) -> Callable[[float], Array]:
-        """From a time in s to the engine's coordinates, shape (n,), at constant velocities."""
-        return lambda time: position + time * velocity
+    def moved(self, position: Array, velocity: Array, time: float) -> Array:
+        """The engine's coordinates after so many s at constant velocities, shape (n,)."""
+        return position + time * velocity
 
     def multipliers(
         self,
@@ -344,19 +345,3 @@ class Model(ABC):
         equation = self.contact_equation
         # The engine's constraint forces act with a minus sign on the second body.
         return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
-
-
-def table_forces(scenario: Scenario) -> str:
-    """What the force law covers by which the table acts on the disk; empty if there is none."""
-    loss = scenario.dissipation
-    parts = {
-        "penalty contact": scenario.contact is not None,
-        "friction": scenario.rubs,
-        "rolling resistance": loss.rolling_dry > 0.0 or loss.rolling_viscous > 0.0,
-        "pivoting friction": loss.pivoting > 0.0,
-        "air drag": loss.air_drag > 0.0,
-    }
-    if scenario.contact is None and not scenario.rubs:
-        return ""
-    *others, last = [name for name, present in parts.items() if present]
-    return f"{', '.join(others)} and {last}" if others else last

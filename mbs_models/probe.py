@@ -14,11 +14,12 @@ from mbs_models.model import Floats, Model
 from mbs_models.scene import Scene, build
 from mbs_models.solving import SingularError, quiet, solving
 
-STEP = 5e-3
-"""Step in rad of the differences by time, where their truncation and rounding balance,"""
+_FINE = 5e-3, (1, -1, 2, -2, 3, -3), np.array((45, -45, -9, 9, 1, -1)) / 60.0
+"""Step in rad of the differences by time, where their truncation and rounding balance, and their
+nodes and weights;"""
 
-QUICK_STEP = 1e-5
-"""and where those of two values do."""
+_QUICK = 1e-5, (1, -1), np.array((0.5, -0.5))
+"""and those of two values."""
 
 _PART = 1e-6
 """Part of a contact force over which friction is differentiated by it."""
@@ -163,9 +164,10 @@ class Probe:
         """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()
+        if not m:
+            return _solution(matrix, self._forces()), np.zeros(0)
         right = np.zeros(n + m)
-        if m:
-            right[n:] = -self._residual_rate(quick=quick and self._model.has_euler_angles)
+        right[n:] = -self._residual_rate(quick=quick and self._model.has_euler_angles)
         contact = self._load_equation
         if contact is None:
             right[:n] = self._forces()
@@ -299,23 +301,19 @@ class Probe:
         """Rate of the velocity-level residuals along the motion at constant velocities.
 
         Central differences of sixth order over engine coordinates, or of second if quick. A step
-        turns the disk by no more than `STEP`, and tilts it by no more than this part of the way to
-        lying flat, where the direction of the contact is singular.
+        turns the disk by no more than their step in rad, and tilts it by no more than this part of
+        the way to lying flat, where the direction of the contact is singular.
         """
         data = self._system.systemData
-        path = self._model.path(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
-        length, weights = (QUICK_STEP, (30,)) if quick else (STEP, (45, -9, 1))
-        step = length / self._pace
-
-        def residuals(steps: int) -> Array:
-            data.SetODE2Coordinates(path(steps * step))
-            return self._residuals()
-
-        rate = np.zeros(self._equations)
-        for steps, weight in enumerate(weights, start=1):
-            rate += weight * (residuals(steps) - residuals(-steps))
-        data.SetODE2Coordinates(path(0.0))
-        return rate / (60 * step)
+        position, velocity = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        length, nodes, weights = _QUICK if quick else _FINE
+        step, found = length / self._pace, []
+        for node in nodes:
+            data.SetODE2Coordinates(self._model.moved(position, velocity, node * step))
+            found.append(self._residuals())
+        data.SetODE2Coordinates(position)
+        rate: Array = weights.dot(found) / step
+        return rate
 
 
 def _solution(matrix: Array, right: Array) -> Array:

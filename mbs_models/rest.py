@@ -322,7 +322,7 @@ class EngineWay(WayToRest):
         place, rotation, velocity, angular = poses = spatial(states)
         values = np.array(
             [
-                (*load.point, load.slip, contour, load.force[2], load.elastic)
+                (*load.point, load.slip, contour, load.normal, load.elastic)
                 for load, contour in loads.over(*poses)
             ]
         )

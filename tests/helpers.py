@@ -265,29 +265,19 @@ def slip(disk: Body, path: Callable[[float], Array], time: float = 0.0) -> Array
     return in_frame
 
 
-class RigidBody(NamedTuple):
-    """Symbolic equations of motion M u' - h = f + w_N lambda_N + W_T lambda_T of the disk."""
+class Lagrange(NamedTuple):
+    """Terms of M u' - h = f + w_N lambda_N + W_T lambda_T, and directions that move S."""
 
-    parameters: Any
-    coordinates: Any
-    rates: Any
-    mass_matrix: Any
-    gyroscopic_forces: Any
-    gravity_forces: Any
-    normal_direction: Any
-    tangential_directions: Any
-    cog: Any
-    """Position of S in the frame of the coordinates."""
-
-
-def parameter_values(disk: Body, table: Table) -> tuple[float, ...]:
-    """Numbers for `RigidBody.parameters`."""
-    moments = (disk.inertia_x, disk.inertia_y, disk.inertia_z, *disk.products)
-    return (disk.mass, disk.radius, disk.eccentricity, *moments, *table.vector)
+    mass_matrix: Array
+    gyroscopic_forces: Array
+    gravity_forces: Array
+    normal_direction: Array
+    tangential_directions: Array
+    cog_directions: Array
 
 
 @cache
-def rigid_body(*, rotating: bool = True) -> RigidBody:
+def lagrange(*, rotating: bool = True) -> Callable[[Body, Table, Array, Array], Lagrange]:
     """Lagrange's equations from the position of G and the rotation matrix alone.
 
     G is given in the frame R if `rotating`, in the inertial frame otherwise.
@@ -321,17 +311,23 @@ def rigid_body(*, rotating: bool = True) -> RigidBody:
     down = normal[2] * normal - sympy.Matrix([0, 0, 1])
     arm = r * down / sympy.sqrt(1 - normal[2] ** 2)
     contact_speed = frame.T * (speed + (turn * omega).cross(arm))
-    return RigidBody(
-        parameters=(*parameters, *gravity),
-        coordinates=z,
-        rates=u,
-        mass_matrix=momenta.jacobian(u),
-        gyroscopic_forces=sympy.Matrix([kinetic]).jacobian(z).T - momenta.jacobian(z) * u,
-        gravity_forces=-sympy.Matrix([potential]).jacobian(z).T,
-        normal_direction=sympy.Matrix([(centre + arm)[2]]).jacobian(z).T,
-        tangential_directions=contact_speed[:2, :].jacobian(u).T,
-        cog=frame.T * (centre + turn * to_cog),
-    )
+    cog = frame.T * (centre + turn * to_cog)
+    terms = [
+        momenta.jacobian(u),
+        sympy.Matrix([kinetic]).jacobian(z).T - momenta.jacobian(z) * u,
+        -sympy.Matrix([potential]).jacobian(z).T,
+        sympy.Matrix([(centre + arm)[2]]).jacobian(z).T,
+        contact_speed[:2, :].jacobian(u).T,
+        cog.jacobian(z)[:2, :].T,
+    ]
+    function = sympy.lambdify([(*parameters, *gravity), z, u], terms, cse=True)
+
+    def evaluated(disk: Body, table: Table, z: Array, u: Array) -> Lagrange:
+        moments = (disk.inertia_x, disk.inertia_y, disk.inertia_z, *disk.products)
+        numbers = (disk.mass, disk.radius, disk.eccentricity, *moments, *table.vector)
+        return Lagrange(*(each.squeeze() for each in function(numbers, z, u)))
+
+    return evaluated
 
 
 def _symbolic_turn(angle: Any, axis: int) -> Any:

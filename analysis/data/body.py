@@ -152,8 +152,9 @@ class Body(Described):
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:
         """Lowest point of the surface seen from G in m, in axes of the body.
 
-        It is asked with numbers of several kinds, floats, arrays, dual numbers and the recorder's
-        symbols: the four operations, and `sqrt`, `sin` and `cos` of `analysis.data.elementary`.
+        It is asked with numbers of several kinds, floats, arrays, complex and dual numbers and the
+        recorder's symbols: the four operations, and `sqrt`, `sin` and `cos` of
+        `analysis.data.elementary`.
 
         Parameters
         ----------

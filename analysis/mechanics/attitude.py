@@ -9,7 +9,7 @@ diagonal.
 from typing import Any, NamedTuple
 
 from analysis.data.elementary import cos, sin
-from analysis.mechanics.vectors import Numbers, Vector, dot
+from analysis.mechanics.vectors import Numbers, Vector, add, dot, scaled
 
 
 class Frame(NamedTuple):
@@ -25,8 +25,8 @@ class Frame(NamedTuple):
 
     def in_body(self, vector: Vector) -> Vector:
         """Components along the body's axes of a vector in axes of the frame."""
-        x, y, z = zip(*self, strict=True)
-        return dot(x, vector), dot(y, vector), dot(z, vector)
+        x, y, z = vector
+        return add(add(scaled(x, self.ahead), scaled(y, self.across)), scaled(z, self.up))
 
 
 class Moving(NamedTuple):
@@ -105,8 +105,6 @@ class EulerAngles:
     def gravity(moving: Moving, gravity: Vector) -> Vector:
         """Gravity in axes of the frame, from that in axes of the table."""
         x, y, z = gravity
-        if isinstance(x, float) and isinstance(y, float) and x == y == 0.0:
-            return gravity
         sa, ca = sin(moving.attitude[0]), cos(moving.attitude[0])
         return ca * x + sa * y, ca * y - sa * x, z
 

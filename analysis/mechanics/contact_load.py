@@ -55,9 +55,8 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     if load == 0.0 or not any(isinstance(each, Dual) for each in given):
         return load
     # One step of Newton's from the value is exact for its derivative.
-    moving = Dual(load, 0.0)
-    x, y = law.force(along, across, moving)
-    miss = dual(moving - (alone + per_along * x + per_across * y)).change
+    x, y = law.force(along, across, load)
+    change = dual(alone + per_along * x + per_across * y).change
     x, y = law.force(slip_x, slip_y, Dual(load, 1.0))
-    slope = dual(Dual(load, 1.0) - (by_along * x + by_across * y)).change
-    return Dual(load, -miss / slope)
+    feedback = dual(by_along * x + by_across * y).change
+    return Dual(load, change / (1.0 - feedback))

@@ -11,7 +11,7 @@ from analysis.data.checks import Array
 from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import EulerAngles, Quaternion
 from analysis.mechanics.newton_euler import Friction
-from analysis.mechanics.penalty import READINGS, YieldingTable
+from analysis.mechanics.penalty import YieldingTable
 from analysis.mechanics.recorder import Recorder, Symbol, call, pair
 
 Solver = Callable[..., tuple[float, ...]]
@@ -61,25 +61,19 @@ class FreeBody:
             return [*found, *powers]
 
         self._derivative = _recorded(scenario, 13, derivative)
-        self._readings = _recorded(scenario, 13, YieldingTable.readings)
+        forces = _forces(scenario)
+        spring, normal_force = (
+            np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force")
+        )
+        self._table = YieldingTable(scenario, spring, normal_force, scenario.friction.force)
 
     def derivative(self, _: float, state: Array) -> tuple[float, ...]:
         """Time derivative of the state, 19 numbers."""
         return self._derivative(*state[:13].tolist())
 
-    def energies(self, state: list[float]) -> tuple[float, ...]:
-        """Kinetic, gravitational (counted from the table) and elastic energy in J."""
-        return self._readings(*state[:13])[-3:]
-
     def readings(self, states: Array) -> dict[str, Array]:
         """Arrays of a `SpatialMotion` by their names, from states, shape (n, 19)."""
-        rows = np.array([self._readings(*state[:13]) for state in states.tolist()])
-        ends = np.cumsum(list(READINGS.values()))
-        parts = np.split(rows, ends[:-1], axis=1)
-        return {
-            name: part if width > 1 else part[:, 0]
-            for (name, width), part in zip(READINGS.items(), parts, strict=True)
-        }
+        return self._table.readings(states[:, :13])
 
 
 def _recorded(
@@ -95,14 +89,8 @@ def _recorded(
         return force(along, across, call("load", normal_force) if is_simple else normal_force)
 
     recorder = Recorder((), [f"s{number}" for number in range(size)])
-    table = YieldingTable(
-        disk=scenario.disk,
-        rim=scenario.penalty_contact,
-        gravity=scenario.table.vector,
-        dissipation=scenario.dissipation,
-        friction=friction,
-        **{name: partial(call, name) for name in ("spring", "normal_force", "speed")},
-    )
+    spring, normal_force = (partial(call, name) for name in ("spring", "normal_force"))
+    table = YieldingTable(scenario, spring, normal_force, friction)
     code = recorder.code(results(table, recorder.variables))
     solver: Solver = code(speed=hypot, per_speed=scenario.friction.per_speed, **_forces(scenario))
     return solver

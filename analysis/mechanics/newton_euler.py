@@ -14,12 +14,7 @@ from analysis.data.friction import FrictionLaw, SmoothCoulomb
 from analysis.data.quantities import Load
 from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import EulerAngles, Moving
-from analysis.mechanics.constraints import (
-    SLIPS,
-    Direction,
-    contact_directions,
-    directions,
-)
+from analysis.mechanics.constraints import SLIPS, Direction, contact_directions, directions
 from analysis.mechanics.dual import rate
 from analysis.mechanics.elimination import solve
 from analysis.mechanics.vectors import NONE, Numbers, Vector, add, dot, scaled
@@ -187,18 +182,9 @@ def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vecto
 
 def turned_by(body: Any, torque: Vector) -> Vector:
     """Angular acceleration by a torque on a body that does not turn, both in its axes."""
-    (p, q, s), (a, b, c), (d, e, f) = torque, body.inertia_about_cog, body.products
-    if all(isinstance(each, float) and each == 0.0 for each in (d, e, f)):
-        return p / a, q / b, s / c
-    # The cofactors of the inertia.
-    xx, yy, zz = b * c - f * f, a * c - e * e, a * b - d * d
-    xy, xz, yz = e * f - c * d, d * f - b * e, d * e - a * f
-    whole = a * xx + d * xy + e * xz
-    return (
-        xx / whole * p + xy / whole * q + xz / whole * s,
-        xy / whole * p + yy / whole * q + yz / whole * s,
-        xz / whole * p + yz / whole * q + zz / whole * s,
-    )
+    (a, b, c), (d, e, f) = body.inertia_about_cog, body.products
+    ((p, q, s),) = solve(((a, d, e), (d, b, f), (e, f, c)), (torque,))
+    return p, q, s
 
 
 def kinetic_energy(disk: Any, velocity: Vector, angular: Vector) -> Any:

@@ -5,8 +5,8 @@ Nothing is simulated with them. In the co-rotating coordinates, Eqs. (15)-(32),
 M(z) z'' - h(z, z') = f + w_N lambda_N + W_T lambda_T with z = (x, y, z, alpha, beta, gamma),
 
 with the constraints (66), (83), (84), (87), (88) on position, velocity and acceleration level,
-and the systems of index 1, (79), (80), (92). Appendix A has the same in inertial coordinates
-q = (x, y, z, alpha, beta, gamma), the position of G in the inertial frame.
+which together are the systems of index 1, (79), (80), (92). Appendix A has the same in inertial
+coordinates q = (x, y, z, alpha, beta, gamma), the position of G in the inertial frame.
 
 Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
@@ -191,49 +191,6 @@ def constraint_changes(constraints: ConstraintSet, disk: Body, z: Vector, u: Vec
 def _rows(constraints: ConstraintSet) -> list[int]:
     """Numbers of the rows of a set, in the order of `MULTIPLIERS`."""
     return [MULTIPLIERS.index(name) for name in multiplier_names(constraints)]
-
-
-def friction_per_load(scenario: Scenario, z: Vector, u: Vector) -> Array:
-    """Generalised friction force for a load of 1 N, shape (6,); Eq. (3) without its lambda_N.
-
-    The disk slides where it is not held: Models 1 and 2 in both directions of the table, Models 3
-    and 4 along e_y alone. Of a law that is not in proportion to the load, it is the share of a
-    newton in what the weight calls for.
-    """
-    W_T = tangential_directions(scenario.disk, z)
-    slip = W_T.T @ np.asarray(u)
-    slip[0] *= "no-slip-along" not in scenario.constraints
-    slip[1] *= "no-slip-across" not in scenario.constraints
-    along, across = slip.tolist()
-    force = np.array(scenario.friction.force(along, across, scenario.weight)) * (slip != 0.0)
-    result: Array = W_T @ (force / scenario.weight)
-    return result
-
-
-def index_1_system(scenario: Scenario, z: Vector, u: Vector) -> tuple[Array, Array]:
-    """Matrix and right-hand sides for accelerations and multipliers.
-
-    The second and third block row of Eq. (80), of Eq. (79) if the friction law takes the contact
-    and of Eq. (92) for the further constraints. The table is to be level.
-
-    Returns
-    -------
-    matrix : ndarray, shape (6 + n, 6 + n)
-    right : ndarray, shape (6 + n, 1 or 2)
-        The second column holds the friction for each newton of contact force, if that matters.
-    """
-    held, disk = scenario.constraints, scenario.disk
-    W = constraint_directions(held, disk, z)
-    matrix = np.block([[mass_matrix(disk, z), -W.T], [W, np.zeros((len(W), len(W)))]])
-    forces = gyroscopic_forces(disk, z, u) + gravity_forces(scenario, z)
-    friction = scenario.rubs * friction_per_load(scenario, z, u)
-    by_contact = scenario.rubs and scenario.friction.load == "contact"
-    if not by_contact:
-        forces = forces + scenario.weight * friction
-    right = np.concatenate((forces, -constraint_changes(held, disk, z, u)))[:, None]
-    if by_contact:
-        right = np.column_stack((right, np.concatenate((friction, np.zeros(len(W))))))
-    return matrix, right
 
 
 def inertial_mass_matrix(disk: Body, q: Vector) -> Array:

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any, NamedTuple
 
-from analysis.data.contact import PenaltyContact
-from analysis.data.dissipation import Dissipation
-from analysis.data.elementary import sqrt
+import numpy as np
+
+from analysis.data.checks import Array
+from analysis.data.elementary import hypot, sqrt
+from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import Chart, Frame, Moving, Quaternion
 from analysis.mechanics.constraints import Direction, at_point
 from analysis.mechanics.dual import rate
@@ -19,18 +21,6 @@ from analysis.mechanics.newton_euler import (
     together,
 )
 from analysis.mechanics.vectors import NONE, Numbers, Vector, add, cross, dot, scaled
-
-READINGS = {
-    "positions": 3,
-    "velocities": 3,
-    "angular_velocities": 3,
-    "contact_points": 3,
-    "slip_speeds": 1,
-    "contour_speeds": 1,
-    "normal_force": 1,
-    "energies": 3,
-}
-"""Arrays of a `SpatialMotion` that are read off a state, and their numbers for each sample."""
 
 
 class Touch(NamedTuple):
@@ -52,35 +42,26 @@ class Touch(NamedTuple):
     force: Any
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class YieldingTable:
     """Equations of a body on a spring, in numbers of any kind.
 
     Parameters
     ----------
-    disk : Body
-    rim : PenaltyContact
-    gravity : tuple of 3 numbers
-        In m/s², in axes of the table.
-    dissipation : Dissipation
+    scenario : Scenario
+        With a penalty contact.
     spring : callable
         Force of the spring in N from the gap.
     normal_force : callable
         Force of spring and damper in N from the gap and its rate.
     friction : callable
         See `newton_euler.Friction`, with the normal force in place of the load.
-    speed : callable
-        Size of a velocity from its two parts.
     """
 
-    disk: Any
-    rim: PenaltyContact
-    gravity: Vector
-    dissipation: Dissipation
+    scenario: Scenario
     spring: Callable[[Any], Any]
     normal_force: Callable[[Any, Any], Any]
     friction: Friction
-    speed: Callable[[Any, Any], Any]
 
     def derivative(self, chart: Chart, state: Numbers) -> tuple[list[Any], Touch, list[Any]]:
         """Time derivative of a state, the contact, and the power in W taken by each of `CAUSES`.
@@ -93,16 +74,16 @@ class YieldingTable:
         moving = chart.moving(state)
         touch = self.touch(moving)
         loads, powers = self._loads(moving, touch)
-        gravity = chart.gravity(moving, self.gravity)
-        free = free_acceleration(self.disk, gravity, moving)
-        acceleration = together(free, 1.0, response(self.disk, loads))
+        disk, gravity = self.scenario.disk, chart.gravity(moving, self.scenario.table.vector)
+        free = free_acceleration(disk, gravity, moving)
+        acceleration = together(free, 1.0, response(disk, loads))
         return chart.derivative(moving, acceleration), touch, powers
 
     def touch(self, moving: Moving) -> Touch:
         """Contact in this state."""
-        disk, up = self.disk, moving.frame.up
+        up = moving.frame.up
         x, y, z = self._lowest(up)
-        point = (x - disk.eccentricity, y, z)
+        point = (x - self.scenario.disk.eccentricity, y, z)
         ways = at_point(point, moving.frame)
         slip_x, slip_y, gap_rate = (way.along(moving.velocity, moving.angular) for way in ways)
         gap = moving.position[2] + dot(point, up)
@@ -112,8 +93,8 @@ class YieldingTable:
         return Touch(point, ways, gap, gap_rate, (slip_x, slip_y), contour, force)
 
     def _lowest(self, up: Numbers) -> Vector:
-        point: Vector = self.disk.lowest_point(up, self.rim.half_thickness)
-        return point
+        scenario = self.scenario
+        return scenario.disk.lowest_point(up, scenario.penalty_contact.half_thickness)
 
     def _carried(self, up: Vector, change: Vector) -> Vector:
         """Change of the lowest point by one of the vertical; linear, symmetric and horizontal."""
@@ -137,7 +118,7 @@ class YieldingTable:
 
     def _rolling(self, frame: Frame, touch: Touch, powers: list[Any]) -> Vector:
         """Torque of the rolling resistance, that which the force on the contour does work by."""
-        loss = self.dissipation
+        loss = self.scenario.dissipation
         if not (loss.rolling_dry or loss.rolling_viscous):
             return NONE
         square = dot(touch.contour, touch.contour)
@@ -150,49 +131,49 @@ class YieldingTable:
 
     def _pivoting(self, moving: Moving, touch: Touch, powers: list[Any]) -> Vector:
         """Torque against the spin about the vertical."""
-        loss = self.dissipation
+        loss = self.scenario.dissipation
         if not loss.pivoting:
             return NONE
         spin = dot(moving.frame.up, moving.angular)
-        speed = self.speed(0.0, spin)
+        speed = hypot(0.0, spin)
         moment = loss.pivoting * touch.force * spin / (speed + loss.pivoting_smoothing)
         powers[4] = moment * spin
         return scaled(-moment, moving.frame.up)
 
     def _drag(self, moving: Moving, powers: list[Any]) -> tuple[Vector, Vector]:
         """Force and torque of the air, as pressure 1/2 air_drag v |v| on the moving faces."""
-        half = 0.5 * self.dissipation.air_drag
+        half = 0.5 * self.scenario.dissipation.air_drag
         if not half:
             return NONE, NONE
-        radius, e = self.disk.radius, self.disk.eccentricity
+        radius, e = self.scenario.disk.radius, self.scenario.disk.eccentricity
         p, q, _ = moving.angular
         # Velocity of the geometric centre along the axis, and the tumbling rate.
         along = moving.frame.in_body(moving.velocity)[2] + e * q
-        tumbling = self.speed(p, q)
-        push = -(half * pi * radius**2) * self.speed(0.0, along) * along
+        tumbling = hypot(p, q)
+        push = -(half * pi * radius**2) * hypot(0.0, along) * along
         moment = half * 8.0 / 15.0 * radius**5 * tumbling
         powers[5] = moment * (tumbling * tumbling) - push * along
         force = moving.frame.seen((0.0, 0.0, push))
         return force, (-(moment * p), push * e - moment * q, 0.0)
 
-    def readings(self, state: Numbers) -> list[Any]:
-        """The numbers of `READINGS` of a state of `Quaternion`.
-
-        The kinetic, gravitational (counted from the table) and elastic energies are in J.
-        """
-        moving = Quaternion.moving(state)
-        touch, frame, e = self.touch(moving), moving.frame, self.disk.eccentricity
-        _, q, s = moving.angular
-        spring = self.spring(touch.gap)
-        return [
-            *add(moving.position, frame.seen((-e, 0.0, 0.0))),
-            *add(moving.velocity, frame.seen((0.0, -(e * s), e * q))),
-            *frame.seen(moving.angular),
-            *add(moving.position, frame.seen(touch.point)),
-            self.speed(*touch.slip),
-            sqrt(dot(touch.contour, touch.contour)),
-            touch.force,
-            kinetic_energy(self.disk, moving.velocity, moving.angular),
-            -(self.disk.mass * dot(self.gravity, moving.position)),
-            0.5 / self.rim.stiffness * (spring * spring),
-        ]
+    def readings(self, states: Array) -> dict[str, Array]:
+        """Arrays of a `SpatialMotion` by their names, from states of `Quaternion`, (n, 13)."""
+        moving = Quaternion.moving(states.T)
+        touch, frame, angular = self.touch(moving), moving.frame, moving.angular
+        disk, contact = self.scenario.disk, self.scenario.penalty_contact
+        e, (_, q, s), spring = disk.eccentricity, angular, self.spring(touch.gap)
+        energies = (
+            kinetic_energy(disk, moving.velocity, angular),
+            -(disk.mass * dot(self.scenario.table.vector, moving.position)),
+            0.5 / contact.stiffness * (spring * spring),
+        )
+        return {
+            "positions": np.transpose(add(moving.position, frame.seen((-e, 0.0, 0.0)))),
+            "velocities": np.transpose(add(moving.velocity, frame.seen((0.0, -(e * s), e * q)))),
+            "angular_velocities": np.transpose(frame.seen(angular)),
+            "contact_points": np.transpose(add(moving.position, frame.seen(touch.point))),
+            "slip_speeds": hypot(*touch.slip),
+            "contour_speeds": sqrt(dot(touch.contour, touch.contour)),
+            "normal_force": touch.force,
+            "energies": np.transpose(energies),
+        }

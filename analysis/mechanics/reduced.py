@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from analysis.data.admissible import demanded
 from analysis.data.body import Body
 from analysis.data.checks import Array
+from analysis.data.constraint_set import MODELS
 from analysis.data.elementary import cos, sin
 from analysis.data.scenario import Scenario
 from analysis.mechanics.free_body import Solver
@@ -160,18 +162,10 @@ def expanded(
     disk: Body, spin: Any, alpha: Any, x: Sequence[Any] | Array
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The six coordinates and the six rates of `expand`, for numbers of any kind."""
-    r, e = disk.radius, disk.eccentricity
     beta, gamma, beta_rate = x
-    sb, cb = sin(beta), cos(beta)
-    sg, cg = sin(gamma), cos(gamma)
-    coordinates = (-e * cg, -e * cb * sg, r * sb, alpha, beta, gamma)
-    rates = (
-        -e * spin * cb * sg,
-        # Eq. (97) prints sin(gamma) in the second term; the constraint (83) gives cos(gamma).
-        e * sb * sg * beta_rate + e * spin * cb * cb * cg,
-        r * cb * beta_rate,
-        spin,
-        beta_rate,
-        -spin * cb,
-    )
-    return coordinates, rates
+    # Eq. (97) prints sin(gamma) in the second term of y'; the constraint (83) gives cos(gamma).
+    free = 0.0, 0.0, 0.0, 0.0, beta_rate, 0.0
+    *place, x_rate, y_rate, _, gamma_rate = demanded(MODELS[4], disk, (beta, gamma, spin), free)
+    coordinates = *place, disk.radius * sin(beta), alpha, beta, gamma
+    rise = disk.radius * cos(beta) * beta_rate
+    return coordinates, (x_rate, y_rate, rise, spin, beta_rate, gamma_rate)

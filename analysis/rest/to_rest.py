@@ -18,6 +18,7 @@ from analysis.data.state import State
 from analysis.data.watch import Progress
 from analysis.mechanics.attitude import EulerTurning, Quaternion
 from analysis.mechanics.free_body import FreeBody
+from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.mechanics.states import paper_of
 from analysis.solve.effort import contact_time, rest_effort
 from analysis.solve.stepping import InitialValueProblem
@@ -144,9 +145,10 @@ class InHouseWay(WayToRest):
 
     def still(self, states: Array) -> tuple[Array, Array]:
         """Kinetic energies, and how far the centre of gravity is above its height at rest."""
-        kinetic = np.array([self._body.energies(state)[0] for state in states.tolist()])
-        low = self._body.contact.resting_height(self.scenario.disk, self.scenario.weight)
-        return kinetic, states[:, 2] - low
+        disk = self.scenario.disk
+        velocity, angular = tuple(states[:, 7:10].T), tuple(states[:, 10:13].T)
+        low = self._body.contact.resting_height(disk, self.scenario.weight)
+        return kinetic_energy(disk, velocity, angular), states[:, 2] - low
 
     def readings(self, states: Array) -> dict[str, Array]:
         """Arrays of a `SpatialMotion` by their names."""

@@ -8,6 +8,7 @@ import pytest
 
 from analysis import STEEL_DISK, Dissipation, PenaltyContact, Scenario, Start, Table
 from analysis.data.checks import Array
+from analysis.data.dissipation import CAUSES
 from analysis.data.elementary import cos, sin
 from analysis.mechanics.attitude import EulerAngles
 from analysis.mechanics.dual import rate
@@ -15,7 +16,7 @@ from analysis.mechanics.free_body import FreeBody
 from analysis.mechanics.recorded import solver
 from analysis.mechanics.states import state_of
 from analysis.rest.to_rest import start_vector
-from tests.helpers import assert_close
+from tests.helpers import assert_close, derivative
 
 HALF = 2e-3
 
@@ -67,3 +68,24 @@ def test_both_charts_of_the_attitude_give_the_same_motion(half: float, seed: int
     found = np.array(free.derivative(0.0, body))[7:13]
     assert_close(found, rate(velocities, here, changes), relative=1e-12)
     assert free.readings(body[None])["normal_force"][0] == pytest.approx(force, rel=1e-12)
+
+
+@pytest.mark.parametrize("cause", ["rolling_dry", "rolling_viscous", "pivoting", "air_drag"])
+@pytest.mark.parametrize("half", [0.0, HALF])
+def test_energy_falls_by_what_is_taken(half: float, cause: str) -> None:
+    # A contact that may open has a kink where it does.
+    contact = PenaltyContact(stiffness=1e5, damping=50.0, half_thickness=half, bilateral=True)
+    start = Start(beta=1.1, gamma=0.3, spin=9.0, x_rate=0.2, y_rate=0.4, beta_rate=2.0)
+    losses = Dissipation(**{cause: 1e-2})
+    scenario = Scenario(contact=contact, dissipation=losses, start=start)
+    free, state = FreeBody(scenario), start_vector(STEEL_DISK, scenario.initial_state)
+    state[9] -= 0.1
+    change = np.array(free.derivative(0.0, state))
+    powers = change[13:]
+    assert all(powers[[0, 1, CAUSES.index(cause)]] > 0.0)
+
+    def energy(time: float) -> Array:
+        total: Array = free.readings((state + time * change)[None])["energies"].sum(axis=1)
+        return total
+
+    assert derivative(energy, 1e-4) == pytest.approx(-powers.sum(), rel=1e-9)
