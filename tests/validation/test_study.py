@@ -13,6 +13,7 @@ from tests.helpers import failing
 from tests.toy_study import CASES, STUDY
 from validation import report
 from validation import study as kit
+from validation.cli import main
 from validation.study import Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
@@ -160,3 +161,26 @@ def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
     assert failing(make(results=tmp_path).checks) == {"toy: table", "toy-section: section"}
     assert not report.verdict([kit.at_most("a", 0.0, 1.0, "stored")])
     assert not report.verdict([])
+
+
+@pytest.mark.parametrize("verbose", [False, True])
+def test_command_prints_what_fails_and_all_checks_if_asked(
+    verbose: bool,
+    make: Make,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    holding, failed = make(), make(results=tmp_path)
+    call = ["report", "--out", str(tmp_path), *["--verbose"] * verbose]
+    monkeypatch.setattr(report, "make", lambda *_, **__: holding)
+    assert main(call) == 0
+    said = capsys.readouterr().out
+    assert ("holds: toy: largest: 4.0, limit 4.0 (stored)" in said) == verbose
+    assert "It grows. Yes: 4 [above 1]" in said
+    assert "All checks hold" in said
+    monkeypatch.setattr(report, "make", lambda *_, **__: failed)
+    assert main(call) == 1
+    said = capsys.readouterr().out
+    assert "FAILS: toy: table" in said
+    assert "2 of 2 checks FAIL" in said
