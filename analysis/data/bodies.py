@@ -100,6 +100,9 @@ BODIES = Kinds[Body]("BODIES", "body", "disk.body", Body, (Disk, Sphere, Ellipti
 _DIRECTIONS = ((0.0, 0.0, 1.0), (0.6, 0.0, -0.8), (0.0, -1.0, 0.0), (-0.48, 0.6, 0.64))
 """Verticals in which the surface of a body of one's own is tried."""
 
+_LITTLE = 1e-5
+"""Change of these, over which slopes of the surface are looked at."""
+
 
 def check_surface(body: Body) -> None:
     """Raise if what a body says is no lowest point: one of one's own may say anything."""
@@ -111,3 +114,23 @@ def check_surface(body: Body) -> None:
             point = [number(f"lowest_point({up})", each) for each in body.lowest_point(up)]
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
             within(f"depth of lowest_point({up})", depth, 0.0, deepest)
+            for axis in range(3):
+                _check_slope(body, up, axis)
+
+
+def _check_slope(body: Body, up: tuple[float, ...], axis: int) -> None:
+    """Raise if complex numbers, by which slopes are told, find another one than differences."""
+
+    def moved(by: complex) -> list[complex]:
+        vertical = [each + by * (place == axis) for place, each in enumerate(up)]
+        return [complex(each) for each in body.lowest_point(vertical)]
+
+    pairs = zip(moved(_LITTLE), moved(-_LITTLE), moved(1e-20j), strict=True)
+    for ahead, back, exact in pairs:
+        by_difference, slope = (ahead - back).real / (2.0 * _LITTLE), exact.imag / 1e-20
+        if not abs(by_difference - slope) <= 0.01 * (body.radius + abs(slope)):
+            raise ArgumentError(
+                f"lowest_point({up})",
+                "must be told by the four operations and `analysis.data.elementary`: its slope "
+                f"by complex numbers is {slope:.3g} m, and by differences {by_difference:.3g} m",
+            )

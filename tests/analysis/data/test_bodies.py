@@ -25,6 +25,7 @@ from analysis import (
 )
 from analysis.data import bodies
 from analysis.data.checks import Array
+from analysis.data.elementary import sqrt
 from analysis.data.parts import told
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
@@ -159,6 +160,15 @@ class _Flat(Egg):
         return up
 
 
+class _Folded(Egg):
+    """Its slope is lost where a size is taken of a complex number."""
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        square = up[0] * up[0] + 0.5 * (up[1] * up[1] + abs(up[2]) ** 2)
+        height = sqrt(square) / self.radius
+        return -up[0] / height, -0.5 * up[1] / height, -0.5 * up[2] / height
+
+
 composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
 scenario = partial(partial, Scenario)
 DRAG = {"contact": PenaltyContact.rounded(ELLIPSE), "dissipation": Dissipation(air_drag=1.2)}
@@ -181,6 +191,10 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "surface above": (
         scenario(disk=_Flat(**NUMBERS)),
         r"depth of lowest_point\(.*\) must not be negative",
+    ),
+    "slope unknown": (
+        scenario(disk=_Folded(**NUMBERS)),
+        r"lowest_point\(.*\) must be told by the four operations",
     ),
     "rounded sphere": (
         scenario(disk=TIPPE_TOP, contact=ROUNDED),
