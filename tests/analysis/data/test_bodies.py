@@ -2,7 +2,7 @@
 
 import pickle
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import pytest
 import mbs_models
 from analysis import (
     MODELS,
+    STEEL_DISK,
     Body,
     Disk,
     Dissipation,
@@ -149,6 +150,12 @@ def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
     assert height <= heights.min()
     assert height == pytest.approx(heights.min(), abs=0.03 * body.radius)
     assert (lean < 0.1) == body.has_edge
+
+
+def test_ellipse_of_equal_axes_rests_as_the_disk_does() -> None:
+    numbers = {each.name: getattr(STEEL_DISK, each.name) for each in fields(STEEL_DISK)}
+    circle = replace(ELLIPSE, **numbers, other_radius=STEEL_DISK.radius)
+    assert circle.resting_place(2e-3) == pytest.approx(STEEL_DISK.resting_place(2e-3), rel=1e-5)
 
 
 NUMBERS = {name: getattr(EGG, name) for name in ("radius", "mass", "eccentricity")}
