@@ -24,7 +24,12 @@ HELD = Scenario(constraints=("contact", "constant-spin"))
 
 @pytest.mark.parametrize(
     "constraints",
-    [("contact",), ("contact", "constant-spin"), ("contact", "no-slip-along", "no-slip-across")],
+    [
+        ("contact",),
+        ("contact", "constant-spin"),
+        ("contact", "fixed-cog"),
+        ("contact", "no-slip-along", "no-slip-across"),
+    ],
 )
 def test_an_eccentric_disk_spins_upright_or_not_at_all(constraints: ConstraintSet) -> None:
     inverted, noninverted = stationary_motions(Scenario(constraints=constraints), 28.0, starts=12)
