@@ -130,6 +130,27 @@ def test_honest_runs_are_not_refused(fields: dict[str, Any], tolerance: float) -
         engine_effort.simulation_effort(scene, times, tolerance=tolerance).check()
 
 
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [
+        ("in-house", {}),
+        ("DOP853", {"tolerance": 1e-6}),
+        ("DOP853", {"tolerance": 1e-6, "step": 1e-5}),
+        ("RK67", {"tolerance": 1e-6}),
+        ("RK67", {"step": 1e-5}),
+    ],
+)
+def test_effort_does_not_depend_on_when_a_run_begins(name: Any, how: dict[str, Any]) -> None:
+    scene, times = scene_of(1), np.linspace(0.0, 2.0, 21)
+    found = [
+        effort.simulation_effort(scene.scenario, each)
+        if name == "in-house"
+        else engine_effort.simulation_effort(scene, each, Integrator(name=name), **how)
+        for each in (times, 7.0 + times)
+    ]
+    assert found[1].steps == pytest.approx(found[0].steps)
+
+
 def test_stiff_methods_do_not_mind_steep_friction() -> None:
     steep, times = Scenario(friction=SmoothCoulomb(smoothing=1e-8)), np.array([0.0, 0.5])
     stiff = effort.simulation_effort(steep, times, method="Radau")
