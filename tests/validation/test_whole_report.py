@@ -75,7 +75,10 @@ def test_all_results_state_what_the_report_has_found(folder: Path) -> None:
     stated = (ROOT / "docs" / "results.md").read_text("utf-8").split("\n## ")
     assert [part.partition("\n")[0] for part in stated] == [p.partition("\n")[0] for p in fresh]
     for said, found in zip(stated, fresh, strict=True):
-        # Run times and what rounding leaves differ from machine to machine.
+        if said.startswith("Lean scenes"):
+            # Its numbers are run times, which are measured anew.
+            continue
+        # What rounding leaves differs from machine to machine.
         lost = missing(said, values(found))
         assert len(lost) <= 0.02 * len(values(said)), (said.partition("\n")[0], lost)
 
@@ -98,8 +101,8 @@ def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder
     assert all(check.holds for check in module.present(rows).checks)
     for study in whole:
         table = rows[study.name].copy()
-        for column in table.select_dtypes("number"):
-            if column not in study.keys:
+        for column in list(table.select_dtypes("number")) or list(table):
+            if column not in (*study.keys, "case"):
                 table[column] = nan
         assert fails(module, {**rows, study.name: table}), study.name
         assert fails(module, {**rows, study.name: table.iloc[:0]}), study.name

@@ -125,7 +125,8 @@ STUDY = Study(
 
 def present(table: pd.DataFrame) -> Content:
     """Whether steps are stable below the predicted ones and not above them."""
-    found = table[table["below"] & ~table["above"]].groupby("integrator")["case"].nunique()
+    told = table.dropna()
+    found = told[told["below"] & ~told["above"]].groupby("integrator")["case"].nunique()
     places = len(_cases())
     return Content(
         numbers={"places": table.groupby("over")["value"].agg(["min", "max"]).to_dict("index")},

@@ -1,5 +1,6 @@
 """What the report says of the linear stability of spinning upright."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -71,7 +72,7 @@ def present(rows: Rows) -> Content:
             "figure-11": figures.figure_11(_engine(values, "Model 1", "noninverted")),
             "chart": figures.chart(region),
         },
-        checks=[*_checks(values, sides, region)],
+        checks=[*_checks(values, sides, region), _check_of_variants(found, variants)],
         verdicts=[
             _critical_speed(sides["critical speed"]),
             _hopf_speeds(found, variants),
@@ -123,6 +124,13 @@ def _checks(
             holds = bool(rate < 0.0 if inside else rate > 0.0)
             name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
             yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
+
+
+def _check_of_variants(found: pd.DataFrame, variants: pd.DataFrame) -> Check:
+    """Whether the equations as they are, tried as the variants are, cross where they do."""
+    told = variants.set_index("variant").at["equations as they are", "Hopf speeds in rad/s"]
+    speeds = ", ".join(f"{found.at[name, HERE]:.3f}" for name in (LOWER, UPPER))
+    return equal("variants: the equations as they are", re.sub(r" \(.*?\)", "", told), speeds)
 
 
 def _critical_speed(ways: list[float]) -> Verdict:
