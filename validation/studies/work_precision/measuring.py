@@ -34,9 +34,6 @@ GOALS = (1e-3, 1e-6, 1e-9)
 USEFUL = 0.1
 """Error from which on a run says nothing about the motion any more."""
 
-NEAR = 1e3
-"""Estimated error over a tolerance from which the library takes two rungs or so to get there."""
-
 VARIED = ("model-1", "model-3")
 """Problems on which all integrators are tried: one that slides, one that rolls."""
 
@@ -78,18 +75,6 @@ class Curve(NamedTuple):
         fixed = self.integrator is not None and not self.integrator.controls_step
         return "step" if fixed else "local tolerance"
 
-    @property
-    def takes_tolerance(self) -> bool:
-        """Whether the library can be asked for a tolerance of the whole run."""
-        integrator = self.integrator
-        return integrator is not None and (self.kind == "step" or integrator.steps_accelerations)
-
-    @property
-    def is_implicit(self) -> bool:
-        """Whether it has fixed steps of an implicit rule."""
-        integrator = self.integrator
-        return integrator is not None and self.kind == "step" and integrator.implicit
-
     def ladder(self) -> list[float]:
         """Steps in s or local tolerances, from coarse to fine."""
         if self.integrator is None:
@@ -101,21 +86,20 @@ class Curve(NamedTuple):
         damped = self.integrator.name == "GeneralizedAlpha"
         return [SPACING * 0.5**k for k in range(9 - damped + (self.problem == "fast"))]
 
-    def run(self, setting: float, kind: str = "") -> tuple[Trajectory, float]:
+    def run(self, setting: float, kind: str) -> tuple[Trajectory, float]:
         """One run, and processor time in s of its integration, to a tolerance of the whole call.
 
         Parameters
         ----------
         setting : float
         kind : {"step", "local tolerance", "tolerance"}
-            Of the setting, by default that of the ladder.
+            Of the setting.
 
         Raises
         ------
         ArithmeticError
             If it fails.
         """
-        kind = kind or self.kind
         integrator, how = self.integrator, {kind.replace(" ", "_"): setting}
         if integrator is not None and kind == "local tolerance":
             integrator, how = replace(integrator, local_tolerance=setting), {}
@@ -143,11 +127,9 @@ def _schemes(problem: str, formulation: str) -> list[str]:
     if formulation in IN_HOUSE:
         return list(FINEST)
     varied, stiff = problem in VARIED, problem == "stiff"
-    accelerated: Sequence[str] = ACCELERATED[:1]
-    if stiff:
-        # On the Lie group alone they took a third of the time of the whole study.
-        accelerated = () if formulation == "floating-lie" else ACCELERATED
-    stepped = [f"accelerations, {name}" for name in accelerated]
+    # On the Lie group alone the stiff one took a third of the time of the whole study.
+    most = 0 if stiff and formulation == "floating-lie" else len(ACCELERATED) if stiff else 1
+    stepped = [f"accelerations, {name}" for name in ACCELERATED[:most]]
     if formulation == "contact-tree":
         # There, the trapezoidal rule gives what it gives on the Euler tree.
         return ["RK67", "RK44", "DOPRI5", *(["trapezoidal"] if varied else []), *stepped]
@@ -155,20 +137,28 @@ def _schemes(problem: str, formulation: str) -> list[str]:
     return ["trapezoidal", *(f"generalized-α {radius}" for radius in radii), *stepped]
 
 
-def halving(curve: Curve) -> Ladder:
-    """Richardson's extrapolation of runs with halved steps, as runs to a tolerance use it."""
-    integrator = curve.integrator
+def extrapolated(curve: Curve, runs: Sequence[tuple[float, Trajectory]]) -> Trajectory | None:
+    """Runs, each of half the step of the one before, extrapolated as runs to a tolerance are.
+
+    Parameters
+    ----------
+    curve : Curve
+        Of the engine, with fixed steps.
+    runs : sequence of (float, Trajectory)
+        Steps in s and what they give.
+
+    Returns
+    -------
+    Trajectory or None
+        None if nothing tells its error yet.
+    """
+    (*_, (_, last)), integrator = runs, curve.integrator
     assert integrator is not None
     decay = PROBLEMS[curve.problem].slip_decay
-    return Ladder(cast("Any", curve.formulation), integrator.name, decay)
-
-
-def extrapolated(ladder: Ladder, run: Trajectory, step: float) -> Trajectory | None:
-    """A run extrapolated from those before; None as long as nothing tells its error."""
-    ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
-    if not np.isfinite(ladder.estimate):
-        return None
-    return replace(run, coordinates=ladder.best[:, :6])
+    ladder = Ladder(cast("Any", curve.formulation), integrator.name, decay)
+    for step, run in runs:
+        ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
+    return replace(last, coordinates=ladder.best[:, :6]) if ladder.estimate < inf else None
 
 
 def measure(curve: Curve) -> list[Row]:
@@ -182,66 +172,53 @@ def measure(curve: Curve) -> list[Row]:
 
 def _sweep(curve: Curve) -> list[Row]:
     """Run a method along its ladder, extrapolated and to tolerances beside it."""
-    rows, end, known = _ladder(curve)
+    rows, end = _ladder(curve)
     best = min((row["error"] for row in rows if not row["failure"]), default=inf)
-    # Nothing is to run on without end: the library needs an estimate that is small, too.
-    goals = [goal for goal in GOALS if curve.takes_tolerance and max(best, known) <= goal]
+    # The engine's step control, and in-house runs, are asked for the error of a step alone.
+    asked = curve.kind == "step" or curve.scheme.startswith("accelerations")
+    goals = [goal for goal in GOALS if asked and best <= goal]
     rows += [_attempt(curve, goal, "tolerance")[0] for goal in goals]
     return [{**row, "end": end} for row in rows]
 
 
-def _ladder(curve: Curve) -> tuple[list[Row], str, float]:
-    """Rows of the rungs, then of extrapolated ones; why it ends; estimate that can be met."""
+def _ladder(curve: Curve) -> tuple[list[Row], str]:
+    """Rows of the rungs, then of extrapolated ones; why it ends."""
     rungs: list[Row] = []
     better: list[Row] = []
     judged: list[float] = []
-    parts: list[Row] = []
-    chain: Ladder | None = None
-    fixed_step, estimate = curve.kind == "step", inf
+    unbroken: list[tuple[Row, Trajectory]] = []
+    fixed_step = curve.kind == "step"
     for setting in curve.ladder():
         row, run = _attempt(curve, setting, curve.kind)
         rungs.append(row)
         judged.append(inf if run is None else row["error"])
-        if run is None:
-            # The extrapolation needs unbroken halving.
-            chain, parts = None, []
-        elif fixed_step:
-            chain = chain or halving(curve)
-            parts.append(row)
-            if (whole := extrapolated(chain, run, setting)) is not None:
-                estimate = chain.best_estimate
-                costs = {name: sum(part[name] for part in parts) for name in _COSTS}
-                found = errors(whole, reference(curve.problem))
-                better.append({**row, **found, **costs, "kind": "extrapolated"})
-                # Implicit rules are of second order and would take minutes to get there alone.
-                if curve.is_implicit:
-                    judged[-1] = min(judged[-1], found["error"])
-        if (end := ladder_end(judged, fixed_step=fixed_step)) is not None:
+        # The extrapolation needs unbroken halving.
+        unbroken = [] if run is None else [*unbroken, (row, run)]
+        parts = [(part["setting"], each) for part, each in unbroken]
+        if parts and fixed_step and (whole := extrapolated(curve, parts)) is not None:
+            costs = {name: sum(part[name] for part, _ in unbroken) for name in _COSTS}
+            found = errors(whole, reference(curve.problem))
+            better.append({**row, **found, **costs, "kind": "extrapolated"})
+            # Implicit rules are of second order and would take minutes to get there alone.
+            if INTEGRATORS[curve.scheme].implicit:
+                judged[-1] = min(judged[-1], found["error"])
+        if (end := ladder_end(judged)) is not None:
             break
-    known = estimate / NEAR if curve.is_implicit else 0.0
-    return [*rungs, *better], end or ("work" if fixed_step else "finest"), known
+    return [*rungs, *better], end or ("work" if fixed_step else "finest")
 
 
-def ladder_end(judged: Sequence[float], *, fixed_step: bool) -> str | None:
-    """Why a ladder with these errors needs no finer rung, or None if it does.
+def ladder_end(judged: Sequence[float]) -> str | None:
+    """Why a ladder needs no finer rung, or None if it does.
 
     Parameters
     ----------
     judged : sequence of float
         Errors of its rungs, from coarse to fine; infinite for failed ones.
-    fixed_step : bool
-        Whether each rung halves the step. Tolerances may change nothing until they take over
-        from the longest step.
     """
     if judged[-1] <= GOALS[-1]:
         return "goal"
-    best, last = min(judged[:-2], default=inf), judged[-2:]
-    if best < USEFUL and min(last) == inf:
-        return "failure"
-    # Above the coarsest goal, an error may rise and fall again.
-    if fixed_step and best < GOALS[0] and min(last) > 0.5 * best:
-        return "rounding"
-    return None
+    found_useful = min(judged[:-2], default=inf) < USEFUL
+    return "failure" if found_useful and min(judged[-2:]) == inf else None
 
 
 _COSTS = ("seconds", "work", "steps")

@@ -48,7 +48,6 @@ REFERENCES = Study(
         "other": "compared with",
         "setting": "step or tolerance",
         "difference": "largest difference in rad",
-        "floor": "errors count from",
     },
 )
 
@@ -90,15 +89,13 @@ def present(rows: Rows) -> Content:
     references, runs = rows[REFERENCES.name], prepared(rows[CURVES.name])
     least, to_goals, fastest = floors(references), asked(runs), ways(runs)
     numbers, found = _lesson(runs, to_goals), orders(runs, least)
-    compared = references.assign(problem=references["case"], floor=references["case"].map(least))
-    shown = ["problem", *REFERENCES.columns]
     return Content(
         numbers=numbers,
         tables={
             "fastest": fastest[fastest["error at most"] == power(GOALS[1])],
             "ways": fastest,
             "tolerances": tolerances(to_goals),
-            "references": compared[shown].rename(columns=REFERENCES.columns),
+            "references": references,
             "orders": found,
             "runs": rows[CURVES.name],
         },
