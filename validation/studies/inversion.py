@@ -148,18 +148,17 @@ def agreement(runs: Runs) -> pd.DataFrame:
     found = []
     for case in cases():
         one, other = (runs[case, source] for source in SOURCES)
-        inverted = one.inversion_time
-        apart = (
+        times = one.inversion_time, other.inversion_time
+        row = (
+            *(case, one.method["formulation"], times[0]),
             deviation(one, other),
             np.max(np.abs(one.spin - other.spin)),
             np.max(np.abs(one.normal_force - other.normal_force)),
-            abs((inverted or nan) - (other.inversion_time or nan)),
+            abs((times[0] or nan) - (times[1] or nan)),
             *(one.error_estimate, other.error_estimate),
         )
-        row = {"model": case, "formulation": one.method["formulation"]}
-        row |= {"inverted after s": inverted}
-        found.append(row | dict(zip(LIMITS, apart, strict=True)))
-    return pd.DataFrame(found)
+        found.append(row)
+    return pd.DataFrame(found, columns=["model", "formulation", "inverted after s", *LIMITS])
 
 
 # --- Figures ------------------------------------------------------------------------------------

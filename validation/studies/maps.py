@@ -172,7 +172,7 @@ def present(rows: Rows) -> Content:
     table = rows["maps"]
     found = _panels(table)
     basins = [each for name, each in found.items() if name.startswith("basins")]
-    models, again = _agreement(basins), _repeated(table)
+    models, again = agreement(basins), _repeated(table)
     fine = uncertainty([_of(table, _pairs(each))["outcome"] for each in (0.0, *DISTANCES)])
     return Content(
         numbers={
@@ -184,10 +184,7 @@ def present(rows: Rows) -> Content:
             "repeated": len(again),
         },
         tables={
-            "claims": pd.DataFrame(
-                _claims(found, fine),
-                columns=["map", "statement", "criterion", "found", "verdict"],
-            ),
+            "claims": pd.DataFrame(_claims(found, fine)),
             "models": models.rename(columns="% within {:g} rad".format).reset_index(),
             "panels": pd.DataFrame({"map": name, **each.summary} for name, each in found.items()),
             "repeated": again,
@@ -224,22 +221,18 @@ def _of(table: pd.DataFrame, label: str) -> pd.DataFrame:
     return table[table["case"] == label]
 
 
-def agreement(first: Panel, other: Panel, band: float) -> float:
-    """Part of the starts in %, within a tilt from upright, that end as in another panel.
+def agreement(basins: Sequence[Panel]) -> pd.DataFrame:
+    """Parts of the starts in %, by model and tilt from upright, that end as in the first panel.
 
     What counts is whether the disk turns upside down, kept or lost again.
     """
-    inverts = [np.isin(each.outcomes, ("inverted", "lost")) for each in (first, other)]
-    rows = np.abs(first.values[0] - pi / 2) <= band + 1e-9
-    return 100.0 * float(np.mean(inverts[0][rows] == inverts[1][rows]))
-
-
-def _agreement(basins: Sequence[Panel]) -> pd.DataFrame:
-    """Parts of the starts in %, by model and tilt from upright, that end as in the first one."""
-    first, *others = basins
+    first, *others = (np.isin(each.outcomes, ("inverted", "lost")) for each in basins)
+    tilts = np.abs(basins[0].values[0] - pi / 2)
     found = {
-        each.sweep.scenario.name: [agreement(first, each, band) for band in BANDS]
-        for each in others
+        each.sweep.scenario.name: [
+            100.0 * np.mean((other == first)[tilts <= band + 1e-9]) for band in BANDS
+        ]
+        for each, other in zip(basins[1:], others, strict=True)
     }
     return pd.DataFrame.from_dict(found, "index", columns=BANDS).rename_axis("model")
 
@@ -270,31 +263,28 @@ def above_critical(panel: Panel, least: float) -> Array:
     return apart
 
 
-Claim = tuple[str, str, str, str, str]
-"""Map, statement, criterion, what was found, and whether it holds."""
-
-
-def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Claim]:
-    """What the maps say."""
+def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Row]:
+    """What the maps say, by which criterion, and whether it holds."""
     for name, least in SPEED_MAPS.items():
         apart = above_critical(found[name], least)
         low, high = apart.min(), apart.max()
         where = f"from {least:g} on ({label(found[name].sweep.design.axes[0].field)})"
-        yield (
-            name,
-            "the least spin at the start that inverts is the second critical speed",
-            f"0 to {ABOVE:g} rad/s above it, {where}; partly: nowhere below",
-            f"{low:.1f} to {high:.1f} rad/s more",
-            grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
-        )
+        yield {
+            "map": name,
+            "statement": "the least spin at the start that inverts is the second critical speed",
+            "criterion": f"0 to {ABOVE:g} rad/s above it, {where}; partly: nowhere below",
+            "found": f"{low:.1f} to {high:.1f} rad/s more",
+            "verdict": grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
+        }
     is_fractal = fine is not None and fine.exponent + 2.0 * fine.error < 1.0
-    yield (
-        "rest",
-        "the face that is up at rest hangs on the start by a fractal boundary",
-        "the exponent is below 1 by more than 2 standard deviations; otherwise it is not shown",
-        f"{fine.exponent:.2f} ± {fine.error:.2f}" if fine else "no exponent",
-        "yes" if is_fractal else "not shown",
-    )
+    yield {
+        "map": "rest",
+        "statement": "the face that is up at rest hangs on the start by a fractal boundary",
+        "criterion": "the exponent is below 1 by more than 2 standard deviations; otherwise it is "
+        "not shown",
+        "found": f"{fine.exponent:.2f} ± {fine.error:.2f}" if fine else "no exponent",
+        "verdict": "yes" if is_fractal else "not shown",
+    }
 
 
 def _repeated(table: pd.DataFrame) -> pd.DataFrame:

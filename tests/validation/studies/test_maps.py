@@ -64,10 +64,10 @@ def toy(**outcomes: str) -> Panel:
 
 def test_models_agree_where_both_invert_or_neither_does() -> None:
     one, other = toy(_0="flat", _4="lost"), toy(_0="not inverted", _5="flat")
-    assert maps.agreement(one, other, 1.0) == pytest.approx(800 / 9)
-    assert maps.agreement(one, one, 1.0) == 100.0
+    (parts,) = maps.agreement([one, other]).to_numpy()
     # Upright is the row in the middle.
-    assert maps.agreement(one, other, 0.1) == pytest.approx(200 / 3)
+    assert parts == pytest.approx([200 / 3, 200 / 3, 200 / 3, 800 / 9])
+    assert (maps.agreement([one, one]) == 100.0).all(axis=None)
 
 
 def test_least_spin_is_measured_from_the_second_critical_speed(

@@ -67,9 +67,6 @@ SPINS = (25.0, 31.0, 33.0, 36.0, 40.0, 50.0, 60.0, 80.0, 100.0)
 NUMBER, BLOCK = 100, 10
 """Random starts of Models 1 and 4 at each spin, of which so many are a case."""
 
-REPEATED, AGAIN = (31.0, 36.0, 50.0), 3
-"""Spins in rad/s at which the engine repeats starts of Model 1, of any tilt; so many of each."""
-
 NEARLY_ALL = 0.95
 """Part of the starts."""
 
@@ -119,6 +116,11 @@ def cases() -> dict[str, Starts]:
     return {each.label: each for each in found}
 
 
+REPEATED = [Starts(1, "any tilt", spin) for spin in (31.0, 36.0, 50.0)]
+AGAIN = 3
+"""Blocks of which the engine repeats so many starts each."""
+
+
 def measure(starts: Starts) -> list[Row]:
     """Outcomes of some starts."""
     numbers = range(starts.first, starts.first + starts.number)
@@ -132,17 +134,14 @@ RANDOM_STARTS = Study(
     name="random-starts",
     cases=cases,
     measure=measure,
-    sample=[Starts(1, "any tilt", spin).label for spin in REPEATED],
+    sample=[each.label for each in REPEATED],
     confirm={"outcomes": None},
     columns={"outcomes": f"of each start within {END:g} s, in the order of their numbers"},
 )
 
 IN_ENGINE = Study(
     name="random-starts-engine",
-    cases=lambda: {
-        Starts(1, "any tilt", spin).label: Starts(1, "any tilt", spin, 0, AGAIN, "engine")
-        for spin in REPEATED
-    },
+    cases=lambda: {each.label: each._replace(number=AGAIN, source="engine") for each in REPEATED},
     measure=measure,
 )
 
