@@ -123,15 +123,12 @@ def panels(
     witnesses = min(round(witnesses * count**2 / (cells + 1) ** 2), count**2)
     axes = tuple(replace(axis, count=count) for axis in (problem.up, problem.right))
     models = MODELS.values() if problem.basins else [scenario.constraints]
-    scenarios = [replace(scenario, constraints=constraints) for constraints in models]
-    return [
-        Sweep(
-            scenario=each,
-            design=Design(axes=axes),
-            plan=quickest_plan(each, end, witnesses, compiled=compiled),
-        )
-        for each in scenarios
-    ]
+    sweeps = []
+    for constraints in models:
+        each = replace(scenario, constraints=constraints)
+        plan = quickest_plan(each, end, witnesses, compiled=compiled)
+        sweeps.append(Sweep(scenario=each, design=Design(axes=axes), plan=plan))
+    return sweeps
 
 
 def quickest_plan(

@@ -6,14 +6,13 @@ from statistics import median
 import numpy as np
 
 from analysis import MODELS, Level, Scenario, SmoothCoulomb
-from analysis.data.checks import Array
 from mbs_models import Formulation, Scene
-from mbs_models.ballast import BALLAST, six_axes
+from mbs_models.ballast import BALLAST, Ballast, six_axes
 from mbs_models.integrators import find_integrator
-from mbs_models.runs import run
+from mbs_models.runs import Samples, run
 from mbs_models.scene import build
 from validation.kit.limits import largest
-from validation.kit.timing import in_turns, interval
+from validation.kit.timing import interval
 from validation.page.content import Content, Rows
 from validation.study import Row, Study, at_most
 
@@ -56,41 +55,37 @@ def told(scene: Scene) -> str:
     return f"{scene.built_as}, {scene.scenario.name}, {friction} friction"
 
 
+def timed(scene: Scene, *parts: Ballast) -> Samples:
+    """A run of the engine with some parts added."""
+    model = build(scene)
+    for add in parts:
+        add(model)
+    return run(
+        model,
+        find_integrator(scene, None),
+        spacing=SPACING,
+        intervals=round(DURATION / SPACING),
+        substeps=round(SPACING / STEP),
+    )
+
+
 def price(case: Case) -> list[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
-    (part, scene), spent = case, 0.0
-    ends: dict[bool, Array] = {}
-
-    def timed(*, carried: bool) -> None:
-        nonlocal spent
-        model = build(scene)
-        if carried:
-            PARTS[part](model)
-        samples = run(
-            model,
-            find_integrator(scene, None),
-            spacing=SPACING,
-            intervals=round(DURATION / SPACING),
-            substeps=round(SPACING / STEP),
-        )
-        spent += samples.seconds
-        ends[carried] = samples.records[-1]
-
-    carried, left_out = in_turns(
-        lambda: timed(carried=True), lambda: timed(carried=False), pairs=PAIRS, clock=lambda: spent
-    )
-    ratios = interval([a / b for a, b in zip(carried, left_out, strict=True)])
+    part, scene = case
+    # The first pair warms up.
+    _, *pairs = [(timed(scene, PARTS[part]), timed(scene)) for _ in range(1 + PAIRS)]
+    ratios = interval([carried.seconds / left_out.seconds for carried, left_out in pairs])
     price, least, most = (100.0 * (ratio - 1.0) for ratio in ratios)
     return [
         {
             "part carried": part,
             "scene": told(scene),
-            "with in ms": 1e3 * median(carried),
-            "without in ms": 1e3 * median(left_out),
+            "with in ms": 1e3 * median(carried.seconds for carried, _ in pairs),
+            "without in ms": 1e3 * median(left_out.seconds for _, left_out in pairs),
             "price in %": price,
             "from": least,
             "to": most,
-            "change": np.max(np.abs(ends[True] - ends[False])),
+            "change": np.max(np.abs(np.subtract(*(each.records[-1] for each in pairs[-1])))),
         }
     ]
 

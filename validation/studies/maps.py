@@ -252,15 +252,14 @@ def above_critical(panel: Panel, least: float) -> Array:
     ndarray, shape (n,)
         By the values along the vertical axis.
     """
-    points = critical_points(panel.sweep)
-    heights = [each for each in np.unique(points[:, 1]) if each >= least]
-    critical = [float(np.sort(points[points[:, 1] == each, 0])[1]) for each in heights]
+    points = pd.DataFrame(critical_points(panel.sweep), columns=["spin", "height"])
+    known = points[points["height"] >= least].groupby("height")["spin"]
+    second = known.agg(lambda spins: spins.nsmallest(2).iloc[1])
     values, spins = panel.values
-    rows = np.flatnonzero(values >= least)
-    inverted = panel.outcomes[rows] == "inverted"
-    least_spins = spins[np.argmax(inverted, axis=1)]
-    apart: Array = (least_spins - np.interp(values[rows], heights, critical))[inverted.any(axis=1)]
-    return apart
+    inverted = panel.outcomes[values >= least] == "inverted"
+    critical = np.interp(values[values >= least], second.index, second)
+    apart: Array = spins[np.argmax(inverted, axis=1)] - critical
+    return apart[inverted.any(axis=1)]
 
 
 def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Row]:
@@ -321,8 +320,7 @@ def _misplaced(table: pd.DataFrame) -> int:
     """Number of rows whose values are not those of their case today."""
     wrong = 0
     for name, case in cases().items():
-        design, cells = case.sweep.design, _of(table, name)
-        for number, row in zip(cells["number"], cells.to_dict("records"), strict=True):
-            here = design.values_of(number)
-            wrong += not np.allclose([row[name] for name in here], [*here.values()], rtol=1e-9)
+        cells = _of(table, name)
+        here = pd.DataFrame(map(case.sweep.design.values_of, cells["number"]))
+        wrong += (~np.isclose(cells[here.columns], here, rtol=1e-9)).any(axis=1).sum()
     return wrong
