@@ -1,6 +1,7 @@
 """Pictures of maps: time to inversion in perceptually even colours, other outcomes in greys."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from math import ceil
 from textwrap import fill
 from typing import Any
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from scipy.interpolate import griddata
+from scipy.spatial import QhullError
 
 from analysis.data.checks import Array
 from validation.kit.figures import new_figure
@@ -83,8 +85,7 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
         for name, (colour, meaning) in OUTCOMES.items()
         if name in present
     }
-    marks = [line for each in axes for line in each.lines]
-    shown |= {name: line for name in MARKS for line in marks if line.get_label() == name}
+    shown |= {str(line.get_label()): line for each in axes for line in each.lines}
     how: Any = {"loc": "outside upper left", "ncols": 2, "fontsize": 9, "frameon": False}
     figure.legend([*shown.values()], [*shown], **how)
     return figure
@@ -97,7 +98,8 @@ def _times(panel: Panel) -> Array:
     if not timed.empty:
         places, values = panel.places(timed), timed["time"].to_numpy(float)
         whole = tuple(np.indices(panel.shape))
-        if all(np.unique(place).size > 1 for place in places.T):
+        # There is nothing between places on a line.
+        with suppress(QhullError):
             result = griddata(places, values, whole)
         nearest = griddata(places, values, whole, "nearest")
         result = np.where(np.isfinite(result), result, nearest)

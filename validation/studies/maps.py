@@ -258,8 +258,9 @@ def above_critical(panel: Panel, least: float) -> Array:
     values, spins = panel.values
     inverted = panel.outcomes[values >= least] == "inverted"
     critical = np.interp(values[values >= least], second.index, second)
-    apart: Array = spins[np.argmax(inverted, axis=1)] - critical
-    return apart[inverted.any(axis=1)]
+    apart = spins[np.argmax(inverted, axis=1)] - critical
+    found: Array = apart[inverted.any(axis=1)]
+    return found
 
 
 def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Row]:

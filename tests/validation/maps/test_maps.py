@@ -17,8 +17,8 @@ from tests.bodies import ELLIPSE
 from tests.calls import Capture, run
 from tests.helpers import not_none
 from tests.sweeps import direct
+from validation.maps import figures, problems
 from validation.maps import panel as room
-from validation.maps import problems
 from validation.maps.panel import cell, judged, run_panel
 from validation.maps.problems import PROBLEMS, critical_points, panels
 from validation.maps.refinement import refine
@@ -121,6 +121,16 @@ def test_gaps_take_the_outcome_of_the_nearest_run() -> None:
     filled = room.Panel(sweep=sweep, cells=cells).outcomes
     assert filled[1].tolist() == ["a", "a", filled[1][2], "b", "b"]
     assert set(filled[4]) == {"a"}
+
+
+@pytest.mark.parametrize("inverted", [(), (4,), (3, 4), (0, 4, 8), (0, 1, 4)])
+def test_map_is_drawn_wherever_its_inversions_lie(inverted: tuple[int, ...]) -> None:
+    how = {"outcome": "flat", "time": np.nan, "seen": False, "alike": False}
+    cells = pd.DataFrame([{"number": number, **how} for number in range(9)])
+    cells.loc[[*inverted], ["outcome", "time"]] = ["inverted", 0.5]
+    (axes, *_) = figures.draw({"": room.Panel(sweep=grid("attitude"), cells=cells)}).axes
+    _, times = axes.collections
+    assert np.ma.count(not_none(times.get_array())) == len(inverted)
 
 
 def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(

@@ -1,9 +1,8 @@
 """Whether a statement of the paper holds, in part or not."""
 
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 Answer = Literal["yes", "partly", "no"]
-ANSWERS: tuple[Answer, ...] = get_args(Answer)
 
 Judged = dict[str, Any]
 """What was measured for a statement, by names that the text uses, and its `verdict`."""

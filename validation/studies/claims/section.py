@@ -5,7 +5,7 @@ from collections import Counter
 from validation.page.content import Content, Rows, Verdict
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
-from validation.studies.claims.grades import ANSWERS, Judged
+from validation.studies.claims.grades import Judged
 
 TITLE = "What the paper says"
 STUDIES = (
@@ -42,7 +42,7 @@ def present(rows: Rows) -> Content:
             "change": change,
             "longs": longs,
             "long": longs.iloc[0],
-            "counted": {answer: counted[answer] for answer in ANSWERS},
+            "counted": counted,
             "critical": critical,
             "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
