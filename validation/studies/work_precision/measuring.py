@@ -152,13 +152,11 @@ def extrapolated(curve: Curve, runs: Sequence[tuple[float, Trajectory]]) -> Traj
     Trajectory or None
         None if nothing tells its error yet.
     """
-    (*_, (_, last)), integrator = runs, curve.integrator
-    assert integrator is not None
-    decay = PROBLEMS[curve.problem].slip_decay
-    ladder = Ladder(cast("Any", curve.formulation), integrator.name, decay)
+    rule, decay = INTEGRATORS[curve.scheme].name, PROBLEMS[curve.problem].slip_decay
+    ladder = Ladder(cast("Any", curve.formulation), rule, decay)
     for step, run in runs:
         ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
-    return replace(last, coordinates=ladder.best[:, :6]) if ladder.estimate < inf else None
+    return replace(run, coordinates=ladder.best[:, :6]) if ladder.estimate < inf else None
 
 
 def measure(curve: Curve) -> list[Row]:
