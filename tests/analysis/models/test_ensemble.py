@@ -251,9 +251,13 @@ def test_rows_of_a_batch_are_those_of_its_cases(
         assert_alike(row, alone, 1e-9)
 
 
-def test_spin_is_told_a_second_after_the_inversion() -> None:
+def test_spin_is_told_a_second_after_the_inversion_and_with_the_place_at_the_end() -> None:
     motion = simulate(model(1), np.linspace(0.0, 2.0, 101), local_tolerance=1e-8)
     (row,) = outcomes([motion]).rows()
+    assert row["spin_end"] == motion.rates[-1, 3]
+    beta, gamma = motion.coordinates[-1, 4:]
+    assert row["face_end"] == pytest.approx(np.cos(beta), abs=1e-12)
+    assert row["cog_direction_end"] == pytest.approx(np.sin(beta) * np.sin(gamma), abs=1e-12)
     inversion = motion.inversion
     assert row["inverted_at"] == inversion.time
     assert row["inverted_at_error"] == inversion.time_error
