@@ -104,7 +104,7 @@ def test_what_departs_in_a_stored_table_fails(
 ) -> None:
     right = kit.load(part.STUDY)
     for table, holds in ((right, True), (wrong(right, case, column, change), False)):
-        assert bool(failing(part.present({part.STUDY.name: table}).checks)) != holds
+        assert bool(failing(part.present(table).checks)) != holds
 
 
 def test_a_side_that_misses_a_closed_form_fails() -> None:
@@ -116,7 +116,7 @@ def test_a_side_that_misses_a_closed_form_fails() -> None:
         for quantity, exact in case.exact.items()
         for source in SOURCES
     )
-    assert not failing(closed_forms.present({"rest-closed": right}).checks)
+    assert not failing(closed_forms.present(right).checks)
     for place, value in ((0, nan), (0, 1.1 * right.at[0, "value"]), (right.index[-1], 1.0)):
         table = planted(right, place, "value", value)
-        assert len(failing(closed_forms.present({"rest-closed": table}).checks)) == 2
+        assert len(failing(closed_forms.present(table).checks)) == 2

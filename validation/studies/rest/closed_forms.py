@@ -23,7 +23,7 @@ from analysis.rest.stationary_rolling import (
 )
 from mbs_models.rest import largest_step
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows
+from validation.page.content import Content
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most
 
@@ -146,15 +146,13 @@ STUDY = Study(
     keys=("source", "quantity"),
     columns={"exact": "by a closed form"},
 )
-STUDIES = (STUDY,)
 
 
 # --- What is shown ------------------------------------------------------------------------------
 
 
-def present(rows: Rows) -> Content:
+def present(table: pd.DataFrame) -> Content:
     """Closed forms beside what both sides give."""
-    table = rows[STUDY.name]
     keys = ["case", "quantity", "exact"]
     found = table.set_index([*keys, "source"])["value"].unstack(sort=False).reset_index()
     apart = found[list(SOURCES)].sub(found["exact"], axis=0).abs().max(axis=1)
