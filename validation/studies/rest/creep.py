@@ -132,7 +132,6 @@ def present(table: pd.DataFrame) -> Content:
         for case, error in table["error"].items()
     ]
     return Content(
-        numbers={"creep_law": shown.iloc[0].tolist()},
         tables={"creep": shown},
         checks=[*checks, Check(name, str(np.round(parts, 3).tolist()), wanted, "stored", rising)],
     )

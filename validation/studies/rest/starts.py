@@ -69,7 +69,7 @@ def present(table: pd.DataFrame) -> Content:
     resting, name = int(table["rest"].notna().sum()), "rest, other starts"
     lost = largest(table["unexplained"])
     return Content(
-        numbers={"started": table, "starts_resting": resting},
+        numbers={"starts_resting": resting},
         tables={"starts": table},
         checks=[
             equal(f"{name}: missing", len({*table["case"]} ^ {*cases()}), 0, "stored"),

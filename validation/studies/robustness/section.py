@@ -29,12 +29,7 @@ def present(rows: Rows) -> Content:
     table, chosen = (explained(rows[study.name]) for study in (CASES, CHOSEN))
     numbers, left = case_numbers(table), int((~chosen["right"]).sum())
     content = Content(
-        numbers={
-            **numbers,
-            "chosen": chosen,
-            "left": left,
-            "chosen_broken": int(chosen["broken"].sum()),
-        },
+        numbers={**numbers, "left": left, "chosen_broken": int(chosen["broken"].sum())},
         tables={
             "outcomes": _by_axis(table),
             "causes": _causes(table),
