@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis import CAUSES, RestCriterion, SpatialMotion
+from analysis import RestCriterion, SpatialMotion
 from analysis.data.checks import Array
 from analysis.data.motion_quantities import filled
 from validation.kit.animation.player import player
@@ -193,11 +193,7 @@ def budget(table: pd.DataFrame) -> pd.DataFrame:
     """Where each joule went, and whether energy and contact force keep to their signs."""
     names = [each for losses in made.CASES for each in (ENGINE[losses], INHOUSE[losses])]
     used = [name for name in TAKEN if table.loc[names, name].any()]
-    headings = {
-        "energy": "at first",
-        **dict(zip(TAKEN, (figures.CAUSE_NAMES[cause] for cause in CAUSES), strict=True)),
-        "rise": "largest rise",
-        "force": "least contact force in N",
-    }
+    headings = {"energy": "at first", "rise": "largest rise", "force": "least contact force in N"}
+    headings |= {name: name.removeprefix("taken_by_").replace("_", " ") for name in used}
     columns = ["energy", *used, "left", "unexplained", "rise", "force"]
     return table.loc[names, columns].rename(columns=headings).reset_index(names="run")
