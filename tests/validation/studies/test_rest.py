@@ -11,7 +11,7 @@ import pytest
 from analysis.data.sampled import SOURCES
 from tests.helpers import failing, planted
 from validation import study as kit
-from validation.studies.rest import closed_forms, creep, runs, starts, ways
+from validation.studies.rest import closed_forms, creep, runs, section, starts
 from validation.study import Row, frame
 
 
@@ -32,7 +32,7 @@ def rows() -> dict[str, pd.DataFrame]:
 def judged(rows: dict[str, pd.DataFrame], **table: pd.DataFrame) -> set[str]:
     """Names of the checks that fail, with another table."""
     every = pd.concat((rows | table).values()).set_index("case")
-    return failing(ways.checks(every.to_dict("index")))
+    return failing(section.checks(every.to_dict("index")))
 
 
 def wrong(table: pd.DataFrame, case: str, column: str, change: Callable[[Any], Any]) -> Any:
@@ -76,12 +76,12 @@ def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(
 
 def test_a_phase_that_one_side_passes_without_fails_but_not_one_behind_its_end() -> None:
     whole: Row = dict.fromkeys(runs.PHASES, 1.0) | {"end": 5.0}
-    assert ways.shift(whole, whole | {"rest": 1.5}) == pytest.approx(0.5)
-    assert ways.shift(whole, whole | {"rest": None}) == np.inf
-    assert ways.shift(whole | {"rest": None}, whole) == np.inf
-    assert ways.shift(whole | {"rest": 4.0}, whole | {"rest": nan, "end": 3.0}) == 0.0
+    assert section.shift(whole, whole | {"rest": 1.5}) == pytest.approx(0.5)
+    assert section.shift(whole, whole | {"rest": None}) == np.inf
+    assert section.shift(whole | {"rest": None}, whole) == np.inf
+    assert section.shift(whole | {"rest": 4.0}, whole | {"rest": nan, "end": 3.0}) == 0.0
     nothing: Row = dict.fromkeys(runs.PHASES) | {"end": 5.0}
-    assert ways.shift(nothing, nothing) == np.inf
+    assert section.shift(nothing, nothing) == np.inf
 
 
 def test_the_creeps_law_and_its_deviation_are_found() -> None:
