@@ -123,10 +123,8 @@ def present(table: pd.DataFrame) -> Content:
     shown[f"to {FAR:g} rad in h"] = (FAR**-2 - START**-2) / table["rate"] / 3600
     parts = table["part"].tolist()
     rising = bool(np.all(np.diff([0.0, *parts, 1.0]) > 0.0))
-    name, wanted = (
-        "rest, creep: parts of the rate for weak friction",
-        "rise with weaker friction, up to 1",
-    )
+    name = "rest, creep: parts of the rate for weak friction"
+    wanted = "rise with weaker friction, up to 1"
     checks = [
         at_most(f"rest, creep at {case}: deviation from the law", error, DEVIATION, "stored")
         for case, error in table["error"].items()

@@ -157,7 +157,6 @@ def numbers(courses: Mapping[str, Row]) -> Row:
         "change": np.max(large),
         "growth": float(np.max(large) / np.max(small)),
         "shifts": apart_by.loc[[*VARIANTS, ENGINE[SHOWN]], "phases in s"].tolist(),
-        "contact_of": runs.Case(SHOWN).scenario.penalty_contact,
         "ideal": courses[runs.IDEAL],
         "sliding": courses[INHOUSE[SLIDING]],
     }
