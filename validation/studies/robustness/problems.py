@@ -128,6 +128,7 @@ def _scaled(radius: float) -> Mapping[str, Any]:
 
 
 _RADIUS, _ECCENTRICITY = STEEL_DISK.radius, STEEL_DISK.eccentricity
+_FIRST: Any = {}
 _ALL: Any = {"cover": "all"}
 _FASTEST: Any = {"cover": "fastest"}
 _damped = partial(PenaltyContact.damped, disk=STEEL_DISK)
@@ -164,7 +165,7 @@ AXES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
             "start": Start(spin=spin), **more
         }
         for spin, coefficient, more in (
-            (100, 0.3, {}), (200, 0.3, _ALL), (300, 0.3, {}), (40, 2, {}),
+            (100, 0.3, _FIRST), (200, 0.3, _ALL), (300, 0.3, _FIRST), (40, 2, _FIRST),
             (40, 3, _ALL), (300, 3, _ALL),
         )
     },
