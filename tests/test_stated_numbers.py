@@ -12,7 +12,7 @@ from analysis.stability.printed import critical_speed
 from tests.helpers import not_none
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
 from validation.studies.robustness import section as robustness
-from validation.studies.robustness.outcomes import CASES
+from validation.studies.robustness.outcomes import CASES, explained
 from validation.study import load
 
 ROOT = Path(__file__).parent.parent
@@ -70,7 +70,7 @@ def test_numbers_are_told_from_names() -> None:
 
 
 def test_hard_cases_are_those_of_the_stored_study() -> None:
-    found = robustness.case_numbers(load(CASES))
+    found = robustness.case_numbers(explained(load(CASES)))
     assert f"Of {found['total']} stiff and extreme cases" in SAID
     assert f"{found['without']} of the {found['total']} extreme cases" in SAID
     assert not found["broken"]

@@ -6,7 +6,6 @@ one may lie, the run is made again from the sample before, with finer and finer 
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,9 @@ STRAIGHT = 1e-11
 
 Plain = Callable[[Scenario, Array], Trajectory]
 """Runs a scenario over some times, whatever pulls or is met on the way."""
+
+Met = tuple[Ending, dict[str, Array]]
+"""An ending, and what is sampled of a run there."""
 
 _SAMPLED = ("times", "coordinates", "rates", "multipliers")
 
@@ -48,41 +50,31 @@ def up_to_ending(
     inner = times[:-1, None] + np.diff(times)[:, None] * np.arange(parts) / parts
     run = plain(scenario, np.append(inner.ravel(), times[-1]))
     # Where the disk lies flat, the run has its last sample there.
-    asked = np.isin(run.times, (*times, run.times[-1]))
-    found = _first_ending(plain, run, named_conditions(stop_when))
-    if found is None:
-        return _sampled(run, _rows(run, asked), run.ending)
-    kept = _rows(run, asked & (run.times < found.times[-1]))
-    ends = {name: np.append(kept[name], each[-1:], axis=0) for name, each in _rows(found).items()}
-    return _sampled(run, ends, found.ending)
-
-
-def _rows(run: Trajectory, kept: Any = slice(None)) -> dict[str, Array]:
-    """What is sampled of a run, at some of its rows."""
-    return {name: getattr(run, name)[kept] for name in _SAMPLED}
-
-
-def _sampled(run: Trajectory, rows: dict[str, Any], ending: Ending | None) -> Trajectory:
-    """A run with other samples and another ending."""
+    kept = np.isin(run.times, (*times, run.times[-1]))
+    ending, last = _first_ending(plain, run, named_conditions(stop_when)) or (run.ending, {})
+    if last:
+        kept &= run.times < last["times"]
+    rows = {name: getattr(run, name)[kept] for name in _SAMPLED}
+    rows |= {name: np.append(rows[name], [value], axis=0) for name, value in last.items()}
     return replace(run, **rows, pulling=(), ending=ending)
 
 
 def _first_ending(
     plain: Plain, run: Trajectory, conditions: Mapping[str, Condition]
-) -> Trajectory | None:
-    """Two samples of which the second is the first ending of a run; None if it has none."""
+) -> Met | None:
+    """The first ending of a run; None if it has none."""
     values = _values(run, conditions)
     places = {place for found in values.values() for place in _suspects(found)}
     for begin, end in sorted(places):
         if run.times[end] - run.times[begin] <= STRAIGHT:
             endings = [_crossing(run, begin, name, found) for name, found in values.items()]
             if found := [each for each in endings if each is not None]:
-                return min(found, key=lambda each: float(each.times[-1]))
+                return min(found, key=lambda each: each[0].time)
             continue
         again = replace(run.scenario, start=run.state(begin))
         times = np.linspace(run.times[begin], run.times[end], PARTS + 1)
-        if (ending := _first_ending(plain, plain(again, times), conditions)) is not None:
-            return ending
+        if (met := _first_ending(plain, plain(again, times), conditions)) is not None:
+            return met
     return None
 
 
@@ -104,16 +96,12 @@ def _suspects(values: Array) -> Iterator[tuple[int, int]]:
         yield row, row + 2
 
 
-def _crossing(run: Trajectory, begin: int, reason: str, values: Array) -> Trajectory | None:
-    """A row and the ending behind it, on the straight line to the next row."""
+def _crossing(run: Trajectory, begin: int, reason: str, values: Array) -> Met | None:
+    """An ending behind a row, on the straight line to the next one."""
     first, last = values[begin : begin + 2].tolist()
     if not first >= 0.0 > last:
         return None
     part = first / (first - last)
-
-    rows = {
-        name: np.array((before, before + part * (after - before)))
-        for name, (before, after) in _rows(run, slice(begin, begin + 2)).items()
-    }
-    ending = Ending(reason=reason, time=float(rows["times"][-1]), value=0.0)
-    return _sampled(run, rows, ending)
+    pairs = {name: getattr(run, name)[begin : begin + 2] for name in _SAMPLED}
+    row = {name: before + part * (after - before) for name, (before, after) in pairs.items()}
+    return Ending(reason=reason, time=float(row["times"]), value=0.0), row

@@ -11,7 +11,7 @@ import pytest
 from analysis.data.sampled import SOURCES
 from tests.helpers import failing, planted
 from validation import study as kit
-from validation.studies.rest import closed_forms, creep, runs, starts, ways
+from validation.studies.rest import closed_forms, creep, runs, section, starts
 from validation.study import Row, frame
 
 
@@ -32,7 +32,7 @@ def rows() -> dict[str, pd.DataFrame]:
 def judged(rows: dict[str, pd.DataFrame], **table: pd.DataFrame) -> set[str]:
     """Names of the checks that fail, with another table."""
     every = pd.concat((rows | table).values()).set_index("case")
-    return failing(ways.checks(every.to_dict("index")))
+    return failing(section.checks(every.to_dict("index")))
 
 
 def wrong(table: pd.DataFrame, case: str, column: str, change: Callable[[Any], Any]) -> Any:
@@ -76,12 +76,12 @@ def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(
 
 def test_a_phase_that_one_side_passes_without_fails_but_not_one_behind_its_end() -> None:
     whole: Row = dict.fromkeys(runs.PHASES, 1.0) | {"end": 5.0}
-    assert ways.shift(whole, whole | {"rest": 1.5}) == pytest.approx(0.5)
-    assert ways.shift(whole, whole | {"rest": None}) == np.inf
-    assert ways.shift(whole | {"rest": None}, whole) == np.inf
-    assert ways.shift(whole | {"rest": 4.0}, whole | {"rest": nan, "end": 3.0}) == 0.0
+    assert section.shift(whole, whole | {"rest": 1.5}) == pytest.approx(0.5)
+    assert section.shift(whole, whole | {"rest": None}) == np.inf
+    assert section.shift(whole | {"rest": None}, whole) == np.inf
+    assert section.shift(whole | {"rest": 4.0}, whole | {"rest": nan, "end": 3.0}) == 0.0
     nothing: Row = dict.fromkeys(runs.PHASES) | {"end": 5.0}
-    assert ways.shift(nothing, nothing) == np.inf
+    assert section.shift(nothing, nothing) == np.inf
 
 
 def test_the_creeps_law_and_its_deviation_are_found() -> None:
@@ -104,7 +104,7 @@ def test_what_departs_in_a_stored_table_fails(
 ) -> None:
     right = kit.load(part.STUDY)
     for table, holds in ((right, True), (wrong(right, case, column, change), False)):
-        assert bool(failing(part.present({part.STUDY.name: table}).checks)) != holds
+        assert bool(failing(part.present(table).checks)) != holds
 
 
 def test_a_side_that_misses_a_closed_form_fails() -> None:
@@ -116,7 +116,7 @@ def test_a_side_that_misses_a_closed_form_fails() -> None:
         for quantity, exact in case.exact.items()
         for source in SOURCES
     )
-    assert not failing(closed_forms.present({"rest-closed": right}).checks)
+    assert not failing(closed_forms.present(right).checks)
     for place, value in ((0, nan), (0, 1.1 * right.at[0, "value"]), (right.index[-1], 1.0)):
         table = planted(right, place, "value", value)
-        assert len(failing(closed_forms.present({"rest-closed": table}).checks)) == 2
+        assert len(failing(closed_forms.present(table).checks)) == 2

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from fractions import Fraction
 from math import pi
 from typing import Any, NamedTuple
 
@@ -23,7 +22,7 @@ from analysis.rest.stationary_rolling import (
 )
 from mbs_models.rest import largest_step
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows
+from validation.page.content import Content
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most
 
@@ -57,8 +56,8 @@ FIT = (0.08, 0.02)
 """Inclinations in rad between which the laws are fitted: small, and far above the rim's shape."""
 
 STAGES = {
-    "viscous rolling": (Dissipation(rolling_viscous=2e-4), Fraction(1, 2), Fraction(-1, 4)),
-    "dry rolling": (Dissipation(rolling_dry=1e-3), Fraction(2, 3), Fraction(-1, 3)),
+    "viscous rolling": (Dissipation(rolling_viscous=2e-4), 1 / 2, -1 / 4),
+    "dry rolling": (Dissipation(rolling_dry=1e-3), 2 / 3, -1 / 3),
 }
 """Losses, and the exponents of the time to go that theory gives for β and Ω."""
 
@@ -131,8 +130,8 @@ def _last_moments(case: str) -> list[Row]:
     law = fit_power_law(times[part], leaning[part])
     turn = fit_power_law(times[part], precession(motion)[part], law.end)
     told = (
-        ("exponent of β", float(tilting), law.exponent),
-        ("exponent of Ω", float(turning), turn.exponent),
+        ("exponent of β", tilting, law.exponent),
+        ("exponent of Ω", turning, turn.exponent),
         ("flat after s", flat, law.end),
     )
     fit = {"error": law.error, "decades": law.decades}
@@ -146,15 +145,13 @@ STUDY = Study(
     keys=("source", "quantity"),
     columns={"exact": "by a closed form"},
 )
-STUDIES = (STUDY,)
 
 
 # --- What is shown ------------------------------------------------------------------------------
 
 
-def present(rows: Rows) -> Content:
+def present(table: pd.DataFrame) -> Content:
     """Closed forms beside what both sides give."""
-    table = rows[STUDY.name]
     keys = ["case", "quantity", "exact"]
     found = table.set_index([*keys, "source"])["value"].unstack(sort=False).reset_index()
     apart = found[list(SOURCES)].sub(found["exact"], axis=0).abs().max(axis=1)

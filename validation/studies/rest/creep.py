@@ -16,11 +16,12 @@ from dataclasses import replace
 from math import sin, sqrt
 
 import numpy as np
+import pandas as pd
 
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from analysis.data.checks import Array
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows
+from validation.page.content import Content
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most, relative
 
@@ -110,12 +111,11 @@ STUDY = Study(
         "error": "largest relative deviation in β",
     },
 )
-STUDIES = (STUDY,)
 
 
-def present(rows: Rows) -> Content:
+def present(table: pd.DataFrame) -> Content:
     """The law for each smoothing, and how long it takes."""
-    table = rows[STUDY.name].set_index("case").loc[list(SMOOTHINGS)]
+    table = table.set_index("case").loc[list(SMOOTHINGS)]
     shown = table.rename(columns=STUDY.columns)
     gradients = [scenario_of(each).friction.gradient for each in SMOOTHINGS.values()]
     shown.insert(0, "ε/μ in m/s", 1.0 / np.array(gradients))
@@ -123,16 +123,13 @@ def present(rows: Rows) -> Content:
     shown[f"to {FAR:g} rad in h"] = (FAR**-2 - START**-2) / table["rate"] / 3600
     parts = table["part"].tolist()
     rising = bool(np.all(np.diff([0.0, *parts, 1.0]) > 0.0))
-    name, wanted = (
-        "rest, creep: parts of the rate for weak friction",
-        "rise with weaker friction, up to 1",
-    )
+    name = "rest, creep: parts of the rate for weak friction"
+    wanted = "rise with weaker friction, up to 1"
     checks = [
         at_most(f"rest, creep at {case}: deviation from the law", error, DEVIATION, "stored")
         for case, error in table["error"].items()
     ]
     return Content(
-        numbers={"creep_law": shown.iloc[0].tolist()},
         tables={"creep": shown},
         checks=[*checks, Check(name, str(np.round(parts, 3).tolist()), wanted, "stored", rising)],
     )

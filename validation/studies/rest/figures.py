@@ -10,15 +10,6 @@ from matplotlib.figure import Figure
 from analysis import CAUSES, Phases, SpatialMotion
 from validation.kit import figures
 
-CAUSE_NAMES = {
-    "damping": "contact's damper",
-    "sliding": "sliding",
-    "rolling_dry": "dry rolling",
-    "rolling_viscous": "viscous rolling",
-    "pivoting": "pivoting",
-    "air_drag": "air",
-}
-
 _SHADES = (
     "#0072b2", "#56b4e9", "#000000", "#d55e00", "#e69f00", "#f0e442", "#cc79a7", "#009e73"
 )  # fmt: skip
@@ -58,7 +49,7 @@ def draw_story(motion: SpatialMotion) -> Figure:
     potential = motion.energies[:, 1:].sum(axis=1)
     parts = np.column_stack((motion.energies[:, 0], potential, motion.dissipated))
     used = [i for i in range(parts.shape[1]) if i < 2 or parts[-1, i] > 1e-6 * parts[0].sum()]
-    labels = ["kinetic", "potential", *(CAUSE_NAMES[cause] for cause in CAUSES)]
+    labels = ["kinetic", "potential", *(cause.replace("_", " ") for cause in CAUSES)]
     shades = [_SHADES[i] for i in used]
     axes[3].stackplot(times, parts[:, used].T, labels=[labels[i] for i in used], colors=shades)
     axes[3].set(ylabel="energy in J")

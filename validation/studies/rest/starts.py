@@ -3,10 +3,11 @@
 from math import acos, pi
 
 import numpy as np
+import pandas as pd
 
 from analysis import Start
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows
+from validation.page.content import Content
 from validation.studies.rest.runs import COLUMNS, ENGINE_END, SHOWN, Case, course
 from validation.study import Row, Study, at_most, equal
 
@@ -61,16 +62,14 @@ STUDY = Study(
         **{name: COLUMNS[name] for name in KEPT},
     },
 )
-STUDIES = (STUDY,)
 
 
-def present(rows: Rows) -> Content:
+def present(table: pd.DataFrame) -> Content:
     """How many starts come to rest, and when."""
-    table = rows[STUDY.name]
     resting, name = int(table["rest"].notna().sum()), "rest, other starts"
     lost = largest(table["unexplained"])
     return Content(
-        numbers={"started": table, "starts_resting": resting},
+        numbers={"starts_resting": resting},
         tables={"starts": table},
         checks=[
             equal(f"{name}: missing", len({*table["case"]} ^ {*cases()}), 0, "stored"),

@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import replace
-from math import inf, nan
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -31,9 +31,7 @@ IN_HOUSE: tuple[Method, ...] = ("DOP853", "Radau")
 GOOD = ("accurate", "ends: contact would pull", "ends: condition met", "ends: lies flat")
 """Verdicts on what is as it should be."""
 
-BAD = ("inaccurate", "reference in doubt", "diverged", "not finished in the limit")
-VERDICTS = (*GOOD, *BAD, "crashed")
-"""All of them."""
+BAD = ("inaccurate", "reference in doubt", "diverged", "not finished in the limit", "crashed")
 
 STEPS = {"engine": 50_000, "in-house": 20_000}
 """Most steps of a run per second, all its passes together, by source; see `StepLimit`."""
@@ -174,10 +172,11 @@ def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
 
 
 def _verdict(run: Trajectory, found: Row) -> str:
-    if not _is_known(found) and (_has_right_angles(found) or found["doubt"] == inf):
+    known, right, kept = within(found)
+    if right and not known:
         return "reference in doubt"
     pulls = run.scenario.contact is None and not np.all(run.normal_force[:-1] >= 0.0)
-    if pulls or not is_right(found):
+    if pulls or not (known and right and kept):
         return "inaccurate"
     if run.ending is None:
         return "accurate"
@@ -185,26 +184,23 @@ def _verdict(run: Trajectory, found: Row) -> str:
     return kinds.get(run.ending.reason, "ends: condition met")
 
 
-def is_right(row: Row) -> bool:
-    """Whether the numbers of a run are those of an accurate one, up to where it ends."""
-    limit = SLACK * _allowed(row)
-    kept = bool(row["energy"] <= limit) and not row.get("drift", nan) > limit
-    return _is_known(row) and _has_right_angles(row) and kept
+def within(row: Row) -> tuple[bool, bool, bool]:
+    """What the numbers of a run, as they were measured or are stored, are good enough for.
 
-
-def _is_known(row: Row) -> bool:
-    return bool(row["doubt"] <= DOUBT * row["tolerance"])
-
-
-def _has_right_angles(row: Row) -> bool:
-    """Whether the angles are within what was asked for, and where and why it ends."""
-    return bool(row["error"] <= _allowed(row))
-
-
-def _allowed(row: Row) -> float:
-    """Error in rad, or in s, that is asked for, and what the references leave open beside it."""
-    # What they leave open cannot be held against the run.
-    return float(row["tolerance"] + row["doubt"])
+    Returns
+    -------
+    known : bool
+        Whether the reference is good enough.
+    right : bool
+        Whether the angles are within what was asked for, and where and why it ends.
+    kept : bool
+        Whether drift and energy are.
+    """
+    # What the references leave open cannot be held against the run.
+    allowed = row["tolerance"] + row["doubt"]
+    kept = row["energy"] <= SLACK * allowed and not row.get("drift", nan) > SLACK * allowed
+    known = row["doubt"] <= DOUBT * row["tolerance"]
+    return bool(known), bool(row["error"] <= allowed), bool(kept)
 
 
 def is_broken(row: Row) -> bool:
@@ -221,7 +217,7 @@ def is_broken(row: Row) -> bool:
     if row["verdict"] == "crashed" or row.get("repeatable") is False:
         return True
     promises = pd.notna(row.get("estimate")) and pd.notna(row.get("error"))
-    return promises and row["verdict"] != "reference in doubt" and not _has_right_angles(row)
+    return promises and row["verdict"] != "reference in doubt" and not within(row)[1]
 
 
 _NO_CONVERGENCE = "Newton's iteration does not converge"
@@ -229,11 +225,13 @@ UNFINISHED = ("too many steps", _NO_CONVERGENCE)
 """Causes for which another way may do better."""
 
 _CAUSES = {
+    "reference in doubt": "no reference is good enough",
+    "not finished in the limit": UNFINISHED[0],
     "lies nearly flat": "falls flat, where Euler angles end",
     "Newton's iteration did not converge": _NO_CONVERGENCE,
     "was given up": UNFINISHED[0],
 }
-"""Words of a message, and the cause they stand for; other messages stand for themselves."""
+"""Words of a verdict or message, and the cause they stand for; others stand for themselves."""
 
 
 def cause(row: Row) -> str:
@@ -242,16 +240,10 @@ def cause(row: Row) -> str:
     if verdict in GOOD:
         return ""
     if verdict == "inaccurate":
-        right = _has_right_angles(row)
+        _, right, _ = within(row)
         return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
-    if verdict == "diverged":
-        reason = str(row["reason"])
-        return next((told for words, told in _CAUSES.items() if words in reason), reason)
-    told = {
-        "reference in doubt": "no reference is good enough",
-        "not finished in the limit": UNFINISHED[0],
-    }
-    return told.get(verdict, verdict)
+    said = str(row["reason"]) if verdict == "diverged" else verdict
+    return next((told for words, told in _CAUSES.items() if words in said), said)
 
 
 # --- The studies --------------------------------------------------------------------------------
@@ -299,12 +291,13 @@ CASES = Study(
 
 
 def explained(table: pd.DataFrame) -> pd.DataFrame:
-    """A table of cases with what is extreme, the cause of a failure, and whether it is broken."""
+    """A table of cases with what is extreme, causes of failure, and what is broken and right."""
     rows = table.to_dict("records")
     return table.assign(
         axis=table["case"].str.rpartition(": ")[0],
         cause=[cause(row) for row in rows],
         broken=[is_broken(row) for row in rows],
+        right=table["verdict"].isin(GOOD),
     )
 
 

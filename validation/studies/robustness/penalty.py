@@ -82,7 +82,6 @@ def present(table: pd.DataFrame) -> Content:
         name = f"penalty: load {load}, error of integration"
         checks.append(at_most(name, integrated, INTEGRATED))
     return Content(
-        numbers={"penalty": table},
         tables={"penalty": table.drop(columns="case")},
         checks=checks,
     )

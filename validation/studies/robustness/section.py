@@ -9,7 +9,7 @@ from validation.kit import located, references  # noqa: F401 # the text names th
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
 from validation.studies.robustness import conservation, outcomes, penalty, steps
-from validation.studies.robustness.outcomes import CASES, CHOSEN, GOOD, VERDICTS, explained
+from validation.studies.robustness.outcomes import BAD, CASES, CHOSEN, GOOD, explained
 from validation.studies.robustness.problems import ENDED, TOLERANCE, problems  # noqa: F401
 from validation.study import Check, Study, at_most
 
@@ -27,20 +27,14 @@ LEFT = 3
 def present(rows: Rows) -> Content:
     """What there is to show, from the tables of `STUDIES`."""
     table, chosen = (explained(rows[study.name]) for study in (CASES, CHOSEN))
-    numbers, wrong = case_numbers(table), table[~table["verdict"].isin(GOOD)]
-    left = int((~chosen["verdict"].isin(GOOD)).sum())
+    numbers, left = case_numbers(table), int((~chosen["right"]).sum())
     content = Content(
-        numbers={
-            **numbers,
-            "chosen": chosen,
-            "left": left,
-            "chosen_broken": int(chosen["broken"].sum()),
-        },
+        numbers={**numbers, "left": left, "chosen_broken": int(chosen["broken"].sum())},
         tables={
-            "outcomes": by_axis(table).rename_axis("what is extreme").reset_index(),
+            "outcomes": _by_axis(table),
             "causes": _causes(table),
-            "cases": table.drop(columns="axis").rename(columns=CASES.columns),
-            "failures": wrong[["case", "way", "verdict", "cause", "reason"]],
+            "cases": table.drop(columns=["axis", "right"]).rename(columns=CASES.columns),
+            "failures": table[~table["right"]][["case", "way", "verdict", "cause", "reason"]],
             "chosen": _hardest(chosen),
         },
         checks=[
@@ -61,26 +55,25 @@ def _checks(name: str, study: Study, table: pd.DataFrame) -> Iterator[Check]:
         (label, way.name) for label, each in study.cases().items() for way in outcomes.ways(each)
     }
     other = wanted ^ set(zip(table["case"], table["way"], strict=True))
-    rows = table.to_dict("records")
-    wrong = sum(row["verdict"] in GOOD and not outcomes.is_right(row) for row in rows)
+    called_right = table[table["right"]].to_dict("records")
+    wrong = sum(not all(outcomes.within(row)) for row in called_right)
     yield at_most(f"{name}: missing or too many", len(other), 0, "stored")
     yield at_most(f"{name}: crashed or promise broken", int(table["broken"].sum()), 0, "stored")
     yield at_most(f"{name}: called right against their numbers", wrong, 0, "stored")
 
 
-def by_axis(table: pd.DataFrame) -> pd.DataFrame:
+def _by_axis(table: pd.DataFrame) -> pd.DataFrame:
     """Number of cases by what is extreme about them, and by verdict."""
     counts = pd.crosstab(table["axis"], table["verdict"])
     # That none crashed has to be seen as well.
-    shown = [each for each in VERDICTS if each in counts or each == "crashed"]
-    return counts.reindex(index=table["axis"].unique(), columns=shown, fill_value=0)
+    shown = [each for each in (*GOOD, *BAD) if each in counts or each == "crashed"]
+    counts = counts.reindex(index=table["axis"].unique(), columns=shown, fill_value=0)
+    return counts.rename_axis("what is extreme").reset_index()
 
 
 def _hardest(chosen: pd.DataFrame) -> pd.DataFrame:
     """Motions as chosen, those without an accurate result first, then by their error."""
-    order = chosen.assign(right=chosen["verdict"].isin(GOOD)).sort_values(
-        ["right", "error"], ascending=[True, False], ignore_index=True
-    )
+    order = chosen.sort_values(["right", "error"], ascending=[True, False], ignore_index=True)
     shown = order[["case", "verdict", "cause", "error", "doubt", "estimate", "seconds"]]
     return shown.rename(
         columns={"case": "motion", "cause": "why there is no accurate result", **CASES.columns}
@@ -98,20 +91,18 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
-    """Numbers of the hard cases that the text, the verdict and the manual state."""
-    table = explained(table)
-    counts = {verdict: int((table["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    """Numbers of the hard cases, explained, that the text, the verdict and the manual state."""
+    accurate = int((table["verdict"] == "accurate").sum())
     late = table["cause"].isin(outcomes.UNFINISHED)
     finest = table["case"].map(lambda name: problems()[name].scenario.friction.finest_speed)
     told = table.dropna(subset=["error", "estimate"])
     return {
         "problems": table["case"].nunique(),
         "total": len(table),
-        "counts": counts,
-        "ends": sum(counts[each] for each in GOOD[1:]),
-        "without": int((~table["verdict"].isin(GOOD)).sum()),
+        "accurate": accurate,
+        "ends": int(table["right"].sum()) - accurate,
+        "without": int((~table["right"]).sum()),
         "broken": int(table["broken"].sum()),
-        "causes": table["cause"].value_counts().to_dict(),
         "late": int(late.sum()),
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),
         "tolerances": table["tolerance"],
@@ -128,7 +119,7 @@ def _verdict(numbers: dict[str, Any]) -> Verdict:
         statement="No stiff or extreme case crashes or breaks its promise of accuracy.",
         answer="no" if broken else "yes",
         numbers=f"Of {numbers['total']} cases asked for {power(asked.min())} to "
-        f"{power(asked.max())} rad, {numbers['counts']['accurate']} are accurate and "
+        f"{power(asked.max())} rad, {numbers['accurate']} are accurate and "
         f"{numbers['ends']} end early, accurately; {numbers['without']} give no "
         f"accurate result, for reasons that are counted; "
         f"{broken or 'none'} crashed or broke the promise.",

@@ -129,7 +129,6 @@ def present(table: pd.DataFrame) -> Content:
     found = told[told["below"] & ~told["above"]].groupby("integrator")["case"].nunique()
     places = len(_cases())
     return Content(
-        numbers={"places": table.groupby("over")["value"].agg(["min", "max"]).to_dict("index")},
         tables={"steps": table.drop(columns="case").rename(columns=STUDY.columns)},
         checks=[
             equal(f"steps: {each}, places with the predicted limit", found.get(each), places)
