@@ -12,16 +12,11 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario
-from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
-from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, static_gradient
 from validation.kit.figures import ENGINE, SPIN, legend_above, new_figure
 from validation.studies.stability import measured
-
-Engine = tuple[Array, ComplexArray]
-"""Spins in rad/s, shape (n,), and eigenvalues of the engine there in 1/s, shape (n, k)."""
 
 FULL, REDUCED = Scenario(constraints=MODELS[1]), Scenario(constraints=MODELS[4])
 
@@ -39,7 +34,7 @@ _CIRCLE = {**ENGINE, "markersize": 3.5, "markeredgewidth": 0.8, "zorder": 3}
 
 def spectrum(
     branches: spectra.Branches,
-    engine: Engine,
+    engine: Any,
     labels: Mapping[int, str],
     *limits: tuple[str, float, float],
 ) -> tuple[Figure, Any]:
@@ -49,13 +44,13 @@ def spectrum(
     ----------
     branches : Branches
         Over `SPINS`.
-    engine : tuple
+    engine : Series
+        A row of `measured.compare`, here and below.
     labels : mapping
         From the first column of each pair to its label.
     *limits : tuples of str, float, float
         One for each panel: "real" or "imag", and lowest and highest value.
     """
-    spins, found = engine
     figure, axes = new_figure(len(limits), height=3.3 * len(limits), share=False)
     for each, (part, low, high) in zip(axes, limits, strict=True):
         for first, label in labels.items():
@@ -63,8 +58,8 @@ def spectrum(
             values = getattr(branches.values, part)
             each.plot(SPINS, values[:, first], label=label, **look)
             each.plot(SPINS, values[:, first + 1], "--", **look)
-        shown = np.where(found.real > _LOWEST, getattr(found, part), np.nan)
-        each.plot(spins, shown, **_CIRCLE)[0].set_label("engine")
+        shown = np.where(np.array(engine["real"]) > _LOWEST, engine[part], np.nan)
+        each.plot(engine["spins"], shown, **_CIRCLE)[0].set_label("engine")
         each.set(xlim=SPINS[[0, -1]], ylim=(low, high))
         each.set_ylabel("Re λ in 1/s" if part == "real" else "Im λ in 1/s")
         if part == "real":
@@ -106,7 +101,7 @@ def mark(axes: Any, found: pd.DataFrame, places: Mapping[str, str], side: str = 
             )
 
 
-def figure_6(engine: Engine, found: pd.DataFrame) -> Figure:
+def figure_6(engine: Any, found: pd.DataFrame) -> Figure:
     """Inverted spinning of the full system, with its crossings magnified; see `mark`."""
     labels = {0: "$λ_{1,2}$", 2: "$λ_{3,4}$", 4: "$λ_{5,6}$"}
     limits = ("real", -12.0, 17.0), ("imag", -55.0, 55.0), ("real", -0.25, 0.4)
@@ -118,7 +113,7 @@ def figure_6(engine: Engine, found: pd.DataFrame) -> Figure:
     return figure
 
 
-def figure_10(engine: Engine, found: pd.DataFrame) -> Figure:
+def figure_10(engine: Any, found: pd.DataFrame) -> Figure:
     """Inverted spinning of the reduced system, with the closed form dotted; see `mark`."""
     closed = closed_form(REDUCED, SPINS).eigenvalues[:, :2]
     limits = ("real", -5.0, 8.0), ("imag", -3.0, 12.0)
@@ -133,7 +128,7 @@ def figure_10(engine: Engine, found: pd.DataFrame) -> Figure:
     return figure
 
 
-def figure_11(engine: Engine) -> Figure:
+def figure_11(engine: Any) -> Figure:
     """Noninverted spinning of the full system."""
     labels = {0: "real", 4: "pair", 2: "±iΩ"}
     limits = ("real", -20.0, 22.0), ("imag", -55.0, 55.0)

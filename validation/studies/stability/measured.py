@@ -51,6 +51,9 @@ PAPER_GRADIENT = 3.0
 OWN = "worst distance of a right one to its nearest"
 """Column with how far the engine's own eigenvalues are off, relative to max(|λ|, 1)."""
 
+STABLE = "stable spins in rad/s"
+"""Column with where a motion is stable by the in-house eigenvalues, in words."""
+
 # --- Eigenvalues of the engine ------------------------------------------------------------------
 
 
@@ -86,7 +89,7 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
                 OWN: np.max(np.min(gaps(own, found[at]), axis=0)),
                 "is constrained": scene.has_constraints,
                 "but for the spin": Scenario(constraints=free).name,
-                "stable spins in rad/s": critical_speeds(scenario, INTERVAL, motion=motion).where,
+                STABLE: critical_speeds(scenario, INTERVAL, motion=motion).where,
                 "difference": largest(map(distance, found, expected)),
                 "spins": spins,
                 "real": found.real,

@@ -18,6 +18,7 @@ from validation.studies.stability.measured import (
     INSIDE,
     OWN,
     SPEEDS,
+    STABLE,
     rounds_to,
 )
 from validation.studies.stability.variants import PRINTED
@@ -42,7 +43,10 @@ def present(rows: Rows) -> Content:
     )
     found = numbers.set_index("quantity")
     of_models = values[values.constraints.str.startswith("Model")]
-    inverted = of_models[of_models.motion == "inverted"]
+    # In the engine's first formulation of each.
+    first = of_models.drop_duplicates(["constraints", "motion"])
+    first = first.set_index(["constraints", "motion"])
+    full, stable = first.loc["Model 1"], first.at[("Model 1", "inverted"), STABLE]
     sides = _sides(found)
     return Content(
         numbers={
@@ -50,12 +54,12 @@ def present(rows: Rows) -> Content:
             "hopf": found.loc[HOPF, HERE].tolist(),
             "printed": PRINTED,
             "variants": variants,
-            "stable": _stable_at_paper(values),
+            "stable": stable,
             "corners": region[region.kind == "corner"],
             "inside": region[region.place == INSIDE].iloc[0],
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
-            "own": inverted.groupby("is constrained")[OWN],
+            "own": of_models[of_models.motion == "inverted"].groupby("is constrained")[OWN],
         },
         tables={
             "region": region.loc[region.kind != "curve"].drop(
@@ -65,24 +69,18 @@ def present(rows: Rows) -> Content:
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
         figures={
-            "figure-6": figures.figure_6(_engine(values, "Model 1", "inverted"), found),
-            "figure-10": figures.figure_10(_engine(values, "Model 4", "inverted"), found),
-            "figure-11": figures.figure_11(_engine(values, "Model 1", "noninverted")),
+            "figure-6": figures.figure_6(full.loc["inverted"], found),
+            "figure-10": figures.figure_10(first.loc[("Model 4", "inverted")], found),
+            "figure-11": figures.figure_11(full.loc["noninverted"]),
             "chart": figures.chart(region),
         },
         checks=[*_checks(values, sides, region), _check_of_variants(found, variants)],
         verdicts=[
             _critical_speed(found.at[CLOSED, "paper"], sides["critical speed"]),
             _hopf_speeds(found, variants),
-            _stable_region(values, region),
+            _stable_region(stable, region),
         ],
     )
-
-
-def _engine(values: pd.DataFrame, model: str, motion: str) -> figures.Engine:
-    """Spins and eigenvalues of the engine's first formulation of a model."""
-    row = values[(values.constraints == model) & (values.motion == motion)].iloc[0]
-    return np.array(row.spins), np.array(row.real) + 1j * np.array(row.imag)
 
 
 def _sides(found: pd.DataFrame) -> dict[str, list[float]]:
@@ -91,12 +89,6 @@ def _sides(found: pd.DataFrame) -> dict[str, list[float]]:
         "critical speed": [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]],
         **{name: list(found.loc[name, [HERE, ENGINE]]) for name in HOPF},
     }
-
-
-def _stable_at_paper(values: pd.DataFrame) -> str:
-    """Where the full system is stable at the paper's friction, in words."""
-    row = values[(values.constraints == "Model 1") & (values.motion == "inverted")].iloc[0]
-    return str(row["stable spins in rad/s"])
 
 
 def _checks(
@@ -109,7 +101,7 @@ def _checks(
     own = largest(values.loc[~values["is constrained"], OWN])
     yield at_most("eigenvalues: the engine's own, unconstrained", own, EIGENVALUE_LIMIT)
     kinds = values.groupby(["but for the spin", "motion"])
-    other = int((kinds[["eigenvalues", "stable spins in rad/s"]].nunique() > 1).any(axis=1).sum())
+    other = int((kinds[["eigenvalues", STABLE]].nunique() > 1).any(axis=1).sum())
     yield equal("eigenvalues: sets that holding the spin changes", other, 0)
     for name, ways in sides.items():
         yield at_most(f"{name}: ways apart", float(np.ptp(ways)), SPEED_LIMIT)
@@ -159,8 +151,8 @@ def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
     )
 
 
-def _stable_region(values: pd.DataFrame, region: pd.DataFrame) -> Verdict:
-    own, corners = _stable_at_paper(values), region[region.kind == "corner"]
+def _stable_region(own: str, region: pd.DataFrame) -> Verdict:
+    corners = region[region.kind == "corner"]
     rates = region.loc[region.place == INSIDE, ["in-house", ENGINE]].to_numpy(float).ravel()
     stable = bool(rates.size and np.all(rates < 0.0))
     places = "{:.2g} and {:.2g} s/m and from {:.3g} to {:.3g} rad/s".format(
