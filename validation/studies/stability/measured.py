@@ -28,19 +28,18 @@ from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation
 from validation.kit.limits import largest
-from validation.studies.stability.eigenvalue_check import (
-    CHECKED_SPINS,
-    FEW_SPINS,
-    distance,
-    engine_matrices,
-    gaps,
-    spinning,
-)
+from validation.studies.stability.eigenvalue_check import distance, engine_matrices, gaps, spinning
 from validation.studies.stability.variants import PRINTED, reproduces, variants
 from validation.study import Row, Study
 
 SPIN = 30.0
 """Spin in rad/s at which single eigenvalues are looked at."""
+
+CHECKED_SPINS = np.linspace(0.0, 60.0, 25)
+"""Spins of the comparison for the models of the paper in rad/s."""
+
+FEW_SPINS = np.array([0.0, 17.0, 30.0, 60.0])
+"""Those for all other sets of constraints."""
 
 INTERVAL = (0.0, 60.0)
 """Spins in rad/s between which critical and stable ones are looked for."""
