@@ -124,7 +124,8 @@ STUDIES = (measured.NUMBERS, MISPRINTS)
 
 def present(rows: Rows) -> Content:
     """Every printed number with what is computed, and every misprint with what it leaves over."""
-    found, wrong = rows[measured.NUMBERS.name].set_index("quantity"), rows[MISPRINTS.name]
+    found = rows[measured.NUMBERS.name].drop(columns="case").set_index("quantity")
+    wrong = rows[MISPRINTS.name]
     third, critical = found.loc[THIRD, [ENGINE, HERE]], found.at[CLOSED, HERE]
     printed = _beside(found.drop(THIRD))
     agree = int((printed[DIGITS] == "yes").sum())
@@ -163,9 +164,7 @@ def _beside(found: pd.DataFrame) -> pd.DataFrame:
         | {column: getattr(disk, field) for column, disk in disks.items()}
         for name, (field, text) in DISK.items()
     ]
-    results = found.reset_index().rename(columns={"paper": "printed"})
-    results = results[["quantity", "printed", *disks, ENGINE]]
-    table = pd.concat([pd.DataFrame(given), results], ignore_index=True)
+    table = pd.concat([pd.DataFrame(given), found.reset_index()], ignore_index=True)
     right = map(measured.rounds_to, table[HERE], table["printed"])
     table[DIGITS] = ["yes" if each else "no" for each in right]
     return table.assign(**{"why not": table["quantity"].map(WHY).fillna("")})

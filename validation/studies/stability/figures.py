@@ -81,7 +81,7 @@ def mark(axes: Any, found: pd.DataFrame, places: Mapping[str, str], side: str = 
     side : {"left", "right"}
     """
     other = "right" if side == "left" else "left"
-    printed = found["paper"].str.split().str[0].astype(float)
+    printed = found["printed"].str.split().str[0].astype(float)
     for values, marker, label, at, up, digits, colour in (
         (found[measured.HERE], "D", "found here", side, 10, ".2f", "black"),
         (printed, "X", "in the paper", other, -16, "g", "#a0208c"),

@@ -140,7 +140,7 @@ def printed_numbers(_: Any) -> list[Row]:
         ENGINE: numbers(STEEL_DISK, lambda scenario: partial(engine_matrices, scenario)),
     }
     return [
-        {"quantity": name, "paper": IN_PAPER.get(name)}
+        {"quantity": name, "printed": IN_PAPER.get(name)}
         | {side: found.get(name) for side, found in sides.items()}
         for name in (*IN_PAPER, THIRD)
     ]

@@ -76,7 +76,7 @@ def present(rows: Rows) -> Content:
         },
         checks=[*_checks(values, sides, region), _check_of_variants(found, variants)],
         verdicts=[
-            _critical_speed(found.at[CLOSED, "paper"], sides["critical speed"]),
+            _critical_speed(found.at[CLOSED, "printed"], sides["critical speed"]),
             _hopf_speeds(found, variants),
             _stable_region(stable, region),
         ],
@@ -136,7 +136,7 @@ def _critical_speed(printed: str, ways: list[float]) -> Verdict:
 
 def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
     speeds = found.loc[HOPF]
-    confirmed = [rounds_to(*each) for each in zip(speeds[HERE], speeds["paper"], strict=True)]
+    confirmed = [rounds_to(*each) for each in zip(speeds[HERE], speeds["printed"], strict=True)]
     others = int((variants["both as printed"] == "yes").sum())
     low, high = speeds[HERE]
     return Verdict(
