@@ -164,10 +164,12 @@ def rounds_to(value: float, printed: str) -> bool:
 def in_house_numbers(disk: Body) -> dict[str, float]:
     """Those of the in-house systems, in closed form where the paper has one."""
     reduced = Scenario(constraints=MODELS[4], disk=disk)
-    closed = critical_speed(reduced)
+    closed, computed = critical_speed(reduced), critical_speeds(reduced, INTERVAL)
     return numbers(disk, spectra.matrices_over_spin) | {
         CLOSED: closed.spin,
+        COMPUTED: computed.hopf[0].spin,
         FREQUENCY: closed.frequency,
+        BORN: computed.pair_changes[0].spin,
         LIMIT: float(closed_form(reduced, [SPIN]).a),
     }
 
@@ -185,14 +187,13 @@ def numbers(disk: Body, matrices: Callable[[Scenario], spectra.Matrices]) -> dic
     slow = Spectra(matrices(reduced), np.linspace(10.0, 32.0, 23))
     crossing, birth = slow.crossings()[0], slow.pair_changes()[0]
     hopf = Spectra(matrices(full), np.linspace(26.0, 31.0, 11)).crossings()
-    # The error of the limit is of the order of the squared smoothing.
-    coarse, fine = (real(reduced, at, each)[0, 0] * each / 0.1 for each in (1e-2, 1e-3))
     rubbing = [real(full, at, each)[0, 1::-1] for each in (0.1, 0.01)]
     return {
         COMPUTED: crossing.spin,
         FREQUENCY: crossing.frequency,
         BORN: birth.spin,
-        LIMIT: (100.0 * fine - coarse) / 99.0,
+        # The error is of the order of the squared ratio of the smoothing speeds.
+        LIMIT: real(reduced, at, 1e-4)[0, 0] * 1e-4 / 0.1,
         **{name: each.spin for name, each in zip(HOPF, hopf, strict=True)},
         **dict(zip(RUBBING, np.ravel(rubbing), strict=True)),
         THIRD: np.max(real(reduced, np.linspace(0.0, 50.0, 26))[:, 0]),
