@@ -24,12 +24,7 @@ from validation.studies.nonlinear.measured import (
 from validation.study import Check, Row, at_most, equal
 
 TITLE = "Nonlinear dynamics"
-STUDIES = (
-    measured.FAMILIES,
-    measured.ENGINE,
-    measured.CONNECTIONS,
-    measured.PASSAGES,
-)
+STUDIES = (measured.FAMILIES, measured.ENGINE, measured.CONNECTIONS, measured.PASSAGES)
 
 SAME_CYCLE = {"spin": 1e-6, "amplitude": 1e-6, "period": 1e-6, "multiplier": 1e-5}
 """How far cycles of engine and in-house may be apart, in rad/s, rad, s and 1."""

@@ -25,12 +25,7 @@ from validation.studies.stability.variants import PRINTED
 from validation.study import Check, at_most, equal
 
 TITLE = "Linear stability"
-STUDIES = (
-    measured.EIGENVALUES,
-    measured.NUMBERS,
-    measured.VARIANTS,
-    measured.REGION,
-)
+STUDIES = (measured.EIGENVALUES, measured.NUMBERS, measured.VARIANTS, measured.REGION)
 
 SPEED_LIMIT = 1e-6
 """Largest difference in rad/s of critical speeds that are found in several ways."""
