@@ -42,10 +42,9 @@ def present(rows: Rows) -> Content:
     first = of_models.drop_duplicates(["constraints", "motion"])
     first = first.set_index(["constraints", "motion"])
     full, stable = first.loc["Model 1"], first.at[("Model 1", "inverted"), STABLE]
-    sides = _sides(found)
     return Content(
         numbers={
-            "critical": sides["critical speed"],
+            "critical": _critical(found),
             "hopf": found.loc[HOPF, HERE].tolist(),
             "printed": PRINTED,
             "variants": variants,
@@ -69,25 +68,22 @@ def present(rows: Rows) -> Content:
             "figure-11": figures.figure_11(full.loc["noninverted"]),
             "chart": figures.chart(region),
         },
-        checks=[*_checks(values, sides, region), _check_of_variants(found, variants)],
+        checks=list(_checks(values, found, variants, region)),
         verdicts=[
-            _critical_speed(found.at[CLOSED, "printed"], sides["critical speed"]),
+            _critical_speed(found),
             _hopf_speeds(found, variants),
             _stable_region(stable, region),
         ],
     )
 
 
-def _sides(found: pd.DataFrame) -> dict[str, list[float]]:
-    """Each critical speed in all the ways in which it is found, in rad/s."""
-    return {
-        "critical speed": [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]],
-        **{name: list(found.loc[name, [HERE, ENGINE]]) for name in HOPF},
-    }
+def _critical(found: pd.DataFrame) -> list[float]:
+    """Critical speed of the reduced system in rad/s: closed form, root finding, engine."""
+    return [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]]
 
 
 def _checks(
-    values: pd.DataFrame, sides: dict[str, list[float]], region: pd.DataFrame
+    values: pd.DataFrame, found: pd.DataFrame, variants: pd.DataFrame, region: pd.DataFrame
 ) -> Iterator[Check]:
     scenes = 2 * len(measured.scenes())
     yield equal("eigenvalues: scenes in both motions", len(values), scenes)
@@ -98,8 +94,10 @@ def _checks(
     kinds = values.groupby(["but for the spin", "motion"])
     other = int((kinds[["eigenvalues", STABLE]].nunique() > 1).any(axis=1).sum())
     yield equal("eigenvalues: sets that holding the spin changes", other, 0)
-    for name, ways in sides.items():
-        yield at_most(f"{name}: ways apart", float(np.ptp(ways)), SPEED_LIMIT)
+    ways = {"critical speed": _critical(found)}
+    ways |= {name: found.loc[name, [HERE, ENGINE]].tolist() for name in HOPF}
+    for name, speeds in ways.items():
+        yield at_most(f"{name}: ways apart", float(np.ptp(speeds)), SPEED_LIMIT)
     points = region[region.kind == "point"]
     yield equal("stable region: points", len(points), 5)
     for _, point in points.iterrows():
@@ -109,16 +107,14 @@ def _checks(
             holds = bool(rate < 0.0 if inside else rate > 0.0)
             name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
             yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
-
-
-def _check_of_variants(found: pd.DataFrame, variants: pd.DataFrame) -> Check:
-    """Whether the equations as they are, tried as the variants are, cross where they do."""
+    # Tried as the variants are, the equations as they are have to cross where they do.
     told = variants.set_index("variant").at["equations as they are", SPEEDS]
-    speeds = ", ".join(f"{speed:.3f}" for speed in found.loc[HOPF, HERE])
-    return equal("variants: the equations as they are", told, speeds)
+    here = ", ".join(f"{speed:.3f}" for speed in found.loc[HOPF, HERE])
+    yield equal("variants: the equations as they are", told, here)
 
 
-def _critical_speed(printed: str, ways: list[float]) -> Verdict:
+def _critical_speed(found: pd.DataFrame) -> Verdict:
+    printed, ways = found.at[CLOSED, "printed"], _critical(found)
     confirmed = all(rounds_to(each, printed) for each in ways)
     return Verdict(
         statement=f"In the reduced system, inverted spinning is stable from {printed} on.",
