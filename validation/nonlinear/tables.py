@@ -36,6 +36,14 @@ HEADS = {
 }
 """Headings of what is told of a periodic motion."""
 
+SADDLE = {
+    "growing": "growing eigenvalue of the saddle in 1/s",
+    "slow": "slow decaying one in 1/s",
+    "strong": "fast decaying one in 1/s",
+    "saddle_index": "saddle index",
+}
+"""Headings of what is told of a connection beside its spin."""
+
 _TITLES: dict[Kind, str] = {
     "symmetric": "Periodic motions of the reduced system",
     "asymmetric": "Cycles without mirror symmetry of the reduced system",
@@ -126,10 +134,7 @@ def connection_table(found: Connection, slow: SlowOrbit | None) -> Table:
         ("spin in rad/s", found.spin),
         ("spin less lower side of the bracket in rad/s", found.spin - found.below),
         ("upper side of the bracket less spin in rad/s", found.above - found.spin),
-        ("growing eigenvalue of the saddle in 1/s", found.growing),
-        ("slow decaying one in 1/s", found.slow),
-        ("fast decaying one in 1/s", found.strong),
-        ("saddle index", found.saddle_index),
+        *((head, getattr(found, name)) for name, head in SADDLE.items()),
     ]
     if slow is not None:
         rows += [

@@ -337,8 +337,6 @@ def _rest(scene: Scene, end: float) -> Found:
 def eigenvalue_difference(scene: Scene, motion: Motion) -> Found:
     """Largest difference at `SPINS`, relative to the larger of the eigenvalue's size and 1."""
     scenario, way = scene.scenario, scene.built_as
-    if scenario.contact is not None:
-        return None, "no linearisation of a compliant contact"
     try:
         expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
     except ValueError as error:

@@ -6,48 +6,27 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from scipy.optimize import brentq
 
 import mbs_models
-from analysis import (
-    GRAVITY,
-    MODELS,
-    ROUNDED_STEEL_DISK,
-    STEEL_DISK,
-    Level,
-    Scenario,
-    SmoothCoulomb,
-)
+from analysis import GRAVITY, MODELS, ROUNDED_STEEL_DISK, STEEL_DISK, Scenario
 from analysis.mechanics import paper
-from analysis.stability.linearisation import ComplexArray
-from analysis.stability.printed import (
-    critical_speed,
-    first_order,
-    paper_numbers,
-    printed_matrices,
-    reduced_matrices,
-)
+from analysis.stability.printed import first_order, paper_numbers, printed_matrices
 from validation.page.content import Content, Rows, Verdict
 from validation.run import run
 from validation.studies.comparisons import random_state
 from validation.studies.stability import measured
 from validation.studies.stability.eigenvalue_check import spinning
-from validation.studies.stability.measured import rounds_to
+from validation.studies.stability.measured import CLOSED, ENGINE, HERE, HOPF, LIMIT, THIRD
 from validation.studies.stability.variants import MATRIX_CHANGES
 from validation.study import Check, Row, Study, at_most, equal
 
 TITLE = "The numbers the paper prints"
-
-HERE, TABLE_1 = "unrounded disk", "Table 1"
-"""Columns with what is computed from either disk."""
 
 APART = 1e-6
 """Largest relative difference of the engine's numbers, and part of what a misprint leaves over
 that may be left when it is corrected."""
 
 DIGITS = "to the printed digits"
-
-THIRD = "largest Re λ₃ from 0 to 50 rad/s"
 
 DISK = {
     "mass m": ("mass", "0.435 kg"),
@@ -58,59 +37,15 @@ DISK = {
 }
 """Table 1: fields of a disk and what is printed."""
 
-CLOSED, _, FREQUENCY, BORN, LIMIT, LOWER, UPPER, *RUBBING = measured.IN_PAPER
-
 WHY = {
-    FREQUENCY: "misprint: its own formula i √c gives what is found here",
-    RUBBING[3]: "cut after its second digit",
-    **dict.fromkeys((LOWER, UPPER), "not found; see the variants in the section on stability"),
-    **dict.fromkeys(RUBBING[:2], "printed for no smoothing; that of Section 2.2 gives another"),
+    measured.FREQUENCY: "misprint: its own formula i √c gives what is found here",
+    measured.RUBBING[3]: "cut after its second digit",
+    **dict.fromkeys(HOPF, "not found; see the variants in the section on stability"),
+    **dict.fromkeys(
+        measured.RUBBING[:2], "printed for no smoothing; that of Section 2.2 gives another"
+    ),
 }
 """Numbers that do not come out to the printed digits, and why."""
-
-
-# --- The engine's numbers -----------------------------------------------------------------------
-
-
-def critical() -> float:
-    """Critical speed of the reduced system in closed form in rad/s."""
-    return critical_speed(Scenario(constraints=MODELS[4])).spin
-
-
-def _spectrum(level: Level, spin: float, smoothing: float = 0.1) -> ComplexArray:
-    """Eigenvalues of inverted spinning in the engine, by their real parts."""
-    friction = SmoothCoulomb(smoothing=smoothing)
-    scene = spinning(Scenario(constraints=MODELS[level], friction=friction), spin)
-    return np.sort_complex(mbs_models.eigenvalues(scene))
-
-
-def _pair_gap(spin: float) -> float:
-    """Square of the difference of the reduced system's slow eigenvalues: negative for a pair."""
-    _, one, other = _spectrum(4, spin)
-    return float(((one - other) ** 2).real)
-
-
-def engine_numbers(_: Any) -> list[Row]:
-    """Numbers of Sections 3 and 6 from the engine's eigenvalues, and the bound of λ₃."""
-    # The error of the limit is of the order of the squared smoothing.
-    coarse, fine = (
-        _spectrum(4, measured.SPIN, each)[0].real * each / 0.1 for each in (1e-2, 1e-3)
-    )
-    rubbing = [_spectrum(1, measured.SPIN, each).real[1::-1] for each in (0.1, 0.01)]
-    found = {
-        FREQUENCY: np.max(_spectrum(4, critical()).imag),
-        BORN: brentq(_pair_gap, 10.0, 15.0, xtol=1e-9),
-        LIMIT: (100.0 * fine - coarse) / 99.0,
-        **dict(zip(RUBBING, np.ravel(rubbing), strict=True)),
-    }
-    spins = np.linspace(0.0, 50.0, 26)
-    third = np.linalg.eigvals(reduced_matrices(Scenario(constraints=MODELS[4]), spins)).real
-    bound = {
-        "engine": max(_spectrum(4, spin)[0].real for spin in spins.tolist()),
-        HERE: np.max(np.min(third, axis=1)),
-    }
-    rows: list[Row] = [{"quantity": name, "engine": value} for name, value in found.items()]
-    return [*rows, {"quantity": THIRD, **bound}]
 
 
 # --- Misprints: what is left over as printed and as corrected -----------------------------------
@@ -180,11 +115,8 @@ def misprints(_: Any) -> list[Row]:
     return found
 
 
-ENGINE = Study(
-    name="printed-numbers-engine", cases=measured.paper, measure=engine_numbers, keys=("quantity",)
-)
 MISPRINTS = Study(name="misprints", cases=measured.paper, measure=misprints, keys=("place",))
-STUDIES = (measured.NUMBERS, ENGINE, MISPRINTS)
+STUDIES = (measured.NUMBERS, MISPRINTS)
 
 
 # --- What is shown ------------------------------------------------------------------------------
@@ -192,9 +124,10 @@ STUDIES = (measured.NUMBERS, ENGINE, MISPRINTS)
 
 def present(rows: Rows) -> Content:
     """Every printed number with what is computed, and every misprint with what it leaves over."""
-    engine = rows[ENGINE.name].set_index("quantity")
-    third, wrong = engine.loc[THIRD, ["engine", HERE]], rows[MISPRINTS.name]
-    printed = _beside(rows[measured.NUMBERS.name].set_index("quantity"), engine["engine"])
+    found = rows[measured.NUMBERS.name].drop(columns="case").set_index("quantity")
+    wrong = rows[MISPRINTS.name]
+    third, critical = found.loc[THIRD, [ENGINE, HERE]], found.at[CLOSED, HERE]
+    printed = _beside(found.drop(THIRD))
     agree = int((printed[DIGITS] == "yes").sum())
     return Content(
         numbers={
@@ -204,7 +137,7 @@ def present(rows: Rows) -> Content:
             "third": third,
             "left": wrong.set_index("place").to_dict("index"),
             "density": STEEL_DISK.mass / (np.pi * 0.01 * (0.045**2 - 0.015**2)),
-            "gravity": [GRAVITY * (each / critical()) ** 2 for each in (30.915, 30.925)],
+            "gravity": [GRAVITY * (each / critical) ** 2 for each in (30.915, 30.925)],
         },
         tables={"printed": printed},
         checks=_checks(printed, third, wrong),
@@ -223,18 +156,16 @@ def present(rows: Rows) -> Content:
     )
 
 
-def _beside(known: pd.DataFrame, engine: "pd.Series[float]") -> pd.DataFrame:
+def _beside(found: pd.DataFrame) -> pd.DataFrame:
     """Printed numbers of Table 1 and of Sections 3 and 6, with what either side computes."""
-    disks = {HERE: STEEL_DISK, TABLE_1: ROUNDED_STEEL_DISK}
+    disks = {HERE: STEEL_DISK, measured.TABLE_1: ROUNDED_STEEL_DISK}
     given: list[Row] = [
         {"quantity": name, "printed": text}
         | {column: getattr(disk, field) for column, disk in disks.items()}
         for name, (field, text) in DISK.items()
     ]
-    known = known.assign(printed=known["paper"], engine=known["engine"].combine_first(engine))
-    results = known[["printed", *disks, "engine"]].reset_index()
-    table = pd.concat([pd.DataFrame(given), results], ignore_index=True)
-    right = map(rounds_to, table[HERE], table["printed"].str.split().str[0])
+    table = pd.concat([pd.DataFrame(given), found.reset_index()], ignore_index=True)
+    right = map(measured.rounds_to, table[HERE], table["printed"])
     table[DIGITS] = ["yes" if each else "no" for each in right]
     return table.assign(**{"why not": table["quantity"].map(WHY).fillna("")})
 
@@ -249,7 +180,7 @@ def _checks(printed: pd.DataFrame, third: "pd.Series[float]", wrong: pd.DataFram
         name, is_explained = f"numbers: {row['quantity']}", row["why not"] != ""
         found.append(equal(f"{name}, {DIGITS}", row[DIGITS], "no" if is_explained else "yes"))
         if row["quantity"] not in (*DISK, CLOSED):
-            apart = abs(row["engine"] - row[HERE]) / abs(row[HERE])
+            apart = abs(row[ENGINE] - row[HERE]) / abs(row[HERE])
             found.append(at_most(f"{name}, engine", apart, APART))
     found += [at_most(f"numbers: {THIRD}, {side}", third[side], -100.0) for side in third.index]
     found.append(equal("misprints: corrected", len(wrong), len(PLACES)))

@@ -21,10 +21,8 @@ def rows() -> dict[str, pd.DataFrame]:
     }
 
 
-def present(**changed: pd.DataFrame) -> Content:
-    return numbers.present(
-        rows() | {name.replace("_", "-"): each for name, each in changed.items()}
-    )
+def present(study: str = "misprints", table: pd.DataFrame | None = None) -> Content:
+    return numbers.present(rows() if table is None else rows() | {study: table})
 
 
 def test_every_printed_number_comes_out_or_is_explained() -> None:
@@ -45,17 +43,16 @@ def test_every_printed_number_comes_out_or_is_explained() -> None:
 @pytest.mark.parametrize("factor", [1.001, nan])
 @pytest.mark.parametrize("side", ["unrounded disk", "engine"])
 def test_a_number_that_is_wrong_on_one_side_fails(side: str, factor: float) -> None:
-    name = "critical-speeds" if side == "unrounded disk" else "printed-numbers-engine"
-    wrong = rows()[name].set_index("quantity")
-    wrong.loc[numbers.LIMIT, side] *= factor
-    content = numbers.present(rows() | {name: wrong.reset_index()})
+    wrong = rows()["critical-speeds"].set_index("quantity")
+    wrong.loc[measured.LIMIT, side] *= factor
+    content = present("critical-speeds", wrong.reset_index())
     compared = {numbers.DIGITS, "engine"} if side == "unrounded disk" else {"engine"}
-    assert failing(content.checks) == {f"numbers: {numbers.LIMIT}, {each}" for each in compared}
+    assert failing(content.checks) == {f"numbers: {measured.LIMIT}, {each}" for each in compared}
 
 
 def test_a_misprint_that_is_none_or_a_correction_that_is_wrong_fails() -> None:
     table = rows()["misprints"]
-    wrong = present(misprints=table.assign(**{"as printed": 0.0, "corrected": 1e-9}))
-    assert failing(wrong.checks)
-    assert len(failing(present(misprints=table.assign(corrected=nan)).checks)) == len(table)
-    assert failing(present(misprints=table.iloc[1:]).checks) == {"misprints: corrected"}
+    wrong = table.assign(**{"as printed": 0.0, "corrected": 1e-9})
+    assert failing(present(table=wrong).checks)
+    assert len(failing(present(table=table.assign(corrected=nan)).checks)) == len(table)
+    assert failing(present(table=table.iloc[1:]).checks) == {"misprints: corrected"}

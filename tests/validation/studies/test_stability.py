@@ -83,6 +83,7 @@ def test_all_holds_but_for_the_scenes_that_are_missing(rows: dict[str, pd.DataFr
         ("eigenvalues", "inverted", "difference", "eigenvalues: engine against"),
         ("eigenvalues", "inverted", measured.OWN, "eigenvalues: the engine's own"),
         ("critical-speeds", measured.COMPUTED, "engine", "critical speed: ways apart"),
+        ("hopf-variants", "equations as they are", measured.SPEEDS, "variants: the equations"),
         ("stable-region", measured.INSIDE, "in-house", "growth inside, in-house"),
         ("stable-region", measured.INSIDE, "engine", "growth inside, engine"),
         ("stable-region", "beyond edge 3", "in-house", "growth beyond edge 3, in-house"),

@@ -24,12 +24,7 @@ from validation.studies.nonlinear.measured import (
 from validation.study import Check, Row, at_most, equal
 
 TITLE = "Nonlinear dynamics"
-STUDIES = (
-    measured.FAMILIES,
-    measured.ENGINE,
-    measured.CONNECTIONS,
-    measured.PASSAGES,
-)
+STUDIES = (measured.FAMILIES, measured.ENGINE, measured.CONNECTIONS, measured.PASSAGES)
 
 SAME_CYCLE = {"spin": 1e-6, "amplitude": 1e-6, "period": 1e-6, "multiplier": 1e-5}
 """How far cycles of engine and in-house may be apart, in rad/s, rad, s and 1."""
@@ -55,12 +50,14 @@ def present(rows: Rows) -> Content:
     families, engine, connections, passages = (rows[study.name] for study in STUDIES)
     cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
     fits = families[families.kind != "motion"].set_index("kind").T
-    hopf, (connection, *_) = critical_speed(PAPER), _motions(connections, measured.OF_PAPER)
+    hopf, connection = critical_speed(PAPER), connections.set_index("case").loc[measured.OF_PAPER]
     apart = _apart(engine)
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(HELD_NAMES)]
+    told = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
+    words = held.assign(stable=held.stable.map(tables.WORDS))
     return Content(
         numbers={
             "cycles": cycles,
@@ -78,7 +75,7 @@ def present(rows: Rows) -> Content:
             "some-cycles": tables.motion_table(cycles[::5]),
             "rotations": tables.motion_table(rotations, "rotating"),
             "some-rotations": tables.motion_table(rotations[::5], "rotating"),
-            "held": _headed(held, "half_multiplier", "complex_multiplier"),
+            "held": words[["case", *told]].rename(columns=tables.HEADS),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
             "passages": passage.passage_table(_named(passages)),
@@ -107,9 +104,8 @@ def present(rows: Rows) -> Content:
 
 def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     """Rows of a case, fits and folds left out."""
-    found = rows[rows.case == case]
-    motions = found[found.kind == "motion"] if "kind" in found else found
-    records: list[Row] = motions.to_dict("records")
+    found = rows[(rows.case == case) & (rows.kind == "motion")]
+    records: list[Row] = found.to_dict("records")
     return records
 
 
@@ -117,7 +113,9 @@ def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:
     return [(each["case"], each) for each in passages.to_dict("records")]
 
 
-def _family(cycles: list[Row], hopf: CriticalSpeed, connection: Row, *names: str) -> Any:
+def _family(
+    cycles: list[Row], hopf: CriticalSpeed, connection: "pd.Series[Any]", *names: str
+) -> Any:
     """What is told of cycles over their spins, from the Hopf point to the connection."""
     born = {"spin": hopf.spin, "amplitude": 0.0, "period": 2.0 * np.pi / hopf.frequency}
     born |= {"multiplier": 1.0, "log_strong": np.nan, "stable": cycles[0]["stable"]}
@@ -146,34 +144,20 @@ def _bifurcations(
 
 def _apart(engine: pd.DataFrame) -> pd.DataFrame:
     """Cycles of the engine less those found in-house, not a number where one is missing."""
-    values = engine.set_index(["source", "case"])[list(SAME_CYCLE)]
-    here, there = (
-        values.reindex([(source, case) for case in measured.repeated()]).droplevel(0)
-        for source in ("in-house", "engine")
-    )
-    return there - here
-
-
-def _headed(motions: pd.DataFrame, *own: str) -> pd.DataFrame:
-    names = ["case", "amplitude", "spin", "period", *own, "stable"]
-    shown = motions.assign(stable=motions.stable.map(tables.WORDS))
-    return shown[names].rename(columns=tables.HEADS)
+    values = engine.set_index(["source", "case"])[[*SAME_CYCLE]]
+    return values.loc["engine"] - values.loc["in-house"]
 
 
 def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
-    difference = (found.spin - found.predicted) * (found.coefficient / found.smoothing) ** 2
-    return pd.DataFrame(
-        {
-            "friction or disk": found.case,
-            "spin in rad/s": found.spin,
-            "first-order prediction": found.predicted,
-            "difference over (ε/μ)²": difference,
-            "growing eigenvalue in 1/s": found.growing,
-            "slow decaying one": found.slow,
-            "fast decaying one": found.strong,
-            "saddle index": found.saddle_index,
-        }
-    )
+    heads = {
+        "case": "friction or disk",
+        "spin": "spin in rad/s",
+        "predicted": "first-order prediction",
+        "lacking": "difference over (ε/μ)²",
+        **tables.SADDLE,
+    }
+    lacking = (found.spin - found.predicted) * (found.coefficient / found.smoothing) ** 2
+    return found.assign(lacking=lacking)[[*heads]].rename(columns=heads)
 
 
 # --- Checks and verdicts ------------------------------------------------------------------------

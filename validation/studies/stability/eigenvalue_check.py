@@ -15,12 +15,6 @@ from validation.kit.limits import largest
 EIGENVALUE_LIMIT = 1e-5
 """Largest difference that passes, relative to the larger of |lambda| and 1."""
 
-CHECKED_SPINS = np.linspace(0.0, 60.0, 25)
-"""Spins of the comparison for the models of the paper in rad/s."""
-
-FEW_SPINS = np.array([0.0, 17.0, 30.0, 60.0])
-"""Those for all other sets of constraints."""
-
 
 def spinning(
     scenario: Scenario,

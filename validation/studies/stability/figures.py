@@ -12,18 +12,11 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario
-from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
-from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, static_gradient
 from validation.kit.figures import ENGINE, SPIN, legend_above, new_figure
-from validation.studies.stability.measured import IN_PAPER, PAPER_GRADIENT
-from validation.studies.stability.variants import PRINTED
-
-Engine = tuple[Array, ComplexArray]
-"""Spins in rad/s, shape (n,), and eigenvalues of the engine there in 1/s, shape (n, k)."""
+from validation.studies.stability import measured
 
 FULL, REDUCED = Scenario(constraints=MODELS[1]), Scenario(constraints=MODELS[4])
 
@@ -41,7 +34,7 @@ _CIRCLE = {**ENGINE, "markersize": 3.5, "markeredgewidth": 0.8, "zorder": 3}
 
 def spectrum(
     branches: spectra.Branches,
-    engine: Engine,
+    engine: Any,
     labels: Mapping[int, str],
     *limits: tuple[str, float, float],
 ) -> tuple[Figure, Any]:
@@ -51,13 +44,13 @@ def spectrum(
     ----------
     branches : Branches
         Over `SPINS`.
-    engine : tuple
+    engine : Series
+        A row of `measured.compare`, here and below.
     labels : mapping
         From the first column of each pair to its label.
     *limits : tuples of str, float, float
         One for each panel: "real" or "imag", and lowest and highest value.
     """
-    spins, found = engine
     figure, axes = new_figure(len(limits), height=3.3 * len(limits), share=False)
     for each, (part, low, high) in zip(axes, limits, strict=True):
         for first, label in labels.items():
@@ -65,8 +58,8 @@ def spectrum(
             values = getattr(branches.values, part)
             each.plot(SPINS, values[:, first], label=label, **look)
             each.plot(SPINS, values[:, first + 1], "--", **look)
-        shown = np.where(found.real > _LOWEST, getattr(found, part), np.nan)
-        each.plot(spins, shown, **_CIRCLE)[0].set_label("engine")
+        shown = np.where(np.array(engine["real"]) > _LOWEST, engine[part], np.nan)
+        each.plot(engine["spins"], shown, **_CIRCLE)[0].set_label("engine")
         each.set(xlim=SPINS[[0, -1]], ylim=(low, high))
         each.set_ylabel("Re λ in 1/s" if part == "real" else "Im λ in 1/s")
         if part == "real":
@@ -75,24 +68,31 @@ def spectrum(
     return figure, axes
 
 
-def mark(
-    axes: Any, found: Mapping[float, float], printed: Mapping[float, float], side: str = "left"
-) -> None:
+def mark(axes: Any, found: pd.DataFrame, places: Mapping[str, str], side: str = "left") -> None:
     """Mark what is found and what the paper prints; numbers above, on a side, and below.
 
-    Both lead from spins in rad/s to parts of an eigenvalue in 1/s.
+    Parameters
+    ----------
+    axes : Axes
+    found : DataFrame
+        Rows of `measured.printed_numbers`, by their quantities.
+    places : mapping
+        From quantities that are spins to the part of the eigenvalue there, or "" for zero.
+    side : {"left", "right"}
     """
     other = "right" if side == "left" else "left"
-    for places, marker, label, at, up, digits, colour in (
-        (found, "D", "found here", side, 10, ".2f", "black"),
+    printed = found["printed"].str.split().str[0].astype(float)
+    for values, marker, label, at, up, digits, colour in (
+        (found[measured.HERE], "D", "found here", side, 10, ".2f", "black"),
         (printed, "X", "in the paper", other, -16, "g", "#a0208c"),
     ):
+        spins, parts = values[[*places]], [values.get(part, 0.0) for part in places.values()]
         look = {"color": colour, "markersize": 7, "markeredgecolor": "white", "zorder": 4}
-        axes.plot(list(places), list(places.values()), marker, label=label, **look)
-        for spin, value in places.items():
+        axes.plot(spins, parts, marker, label=label, **look)
+        for spin, part in zip(spins, parts, strict=True):
             axes.annotate(
-                format(value or spin, digits),
-                (spin, value),
+                format(part or spin, digits),
+                (spin, part),
                 xytext=(3 if at == "right" else -3, up),
                 textcoords="offset points",
                 ha="left" if at == "right" else "right",
@@ -101,24 +101,20 @@ def mark(
             )
 
 
-def figure_6(engine: Engine) -> Figure:
-    """Inverted spinning of the full system, with its crossings magnified."""
+def figure_6(engine: Any, found: pd.DataFrame) -> Figure:
+    """Inverted spinning of the full system, with its crossings magnified; see `mark`."""
     labels = {0: "$λ_{1,2}$", 2: "$λ_{3,4}$", 4: "$λ_{5,6}$"}
     limits = ("real", -12.0, 17.0), ("imag", -55.0, 55.0), ("real", -0.25, 0.4)
     figure, axes = spectrum(spectra.branches(FULL, SPINS), engine, labels, *limits)
-    found = critical_speeds(FULL, (SPINS[0], SPINS[-1])).hopf
-    mark(axes[2], {each.spin: 0.0 for each in found}, dict.fromkeys(PRINTED, 0.0))
+    mark(axes[2], found, dict.fromkeys(measured.HOPF, ""))
     axes[2].set(xlim=(25.0, 32.0), ylabel="Re λ in 1/s, magnified")
     legend_above(axes[0])
     axes[2].legend(*(each[-2:] for each in axes[2].get_legend_handles_labels()), loc="lower left")
     return figure
 
 
-def figure_10(engine: Engine) -> Figure:
-    """Inverted spinning of the reduced system, with the closed form dotted."""
-    here = critical_speeds(REDUCED, (SPINS[0], SPINS[-1]))
-    crossing, birth = here.hopf[0], here.pair_changes[0]
-    critical, _, frequency, born, *_ = (float(each.split()[0]) for each in IN_PAPER.values())
+def figure_10(engine: Any, found: pd.DataFrame) -> Figure:
+    """Inverted spinning of the reduced system, with the closed form dotted; see `mark`."""
     closed = closed_form(REDUCED, SPINS).eigenvalues[:, :2]
     limits = ("real", -5.0, 8.0), ("imag", -3.0, 12.0)
     branches = spectra.branches(REDUCED, SPINS)
@@ -126,14 +122,13 @@ def figure_10(engine: Engine) -> Figure:
     for each, values in zip(axes, (closed.real, closed.imag), strict=True):
         dotted = each.plot(SPINS, values, ":", color="black", linewidth=0.9)
         dotted[0].set_label("closed form")
-    mark(axes[0], {crossing.spin: 0.0}, {critical: 0.0}, side="right")
-    found = {birth.spin: 0.0, crossing.spin: crossing.frequency}
-    mark(axes[1], found, {born: 0.0, critical: frequency})
+    mark(axes[0], found, {measured.CLOSED: ""}, side="right")
+    mark(axes[1], found, {measured.BORN: "", measured.CLOSED: measured.FREQUENCY})
     legend_above(axes[0], columns=3)
     return figure
 
 
-def figure_11(engine: Engine) -> Figure:
+def figure_11(engine: Any) -> Figure:
     """Noninverted spinning of the full system."""
     labels = {0: "real", 4: "pair", 2: "±iΩ"}
     limits = ("real", -20.0, 22.0), ("imag", -55.0, 55.0)
@@ -173,8 +168,10 @@ def chart(region: pd.DataFrame) -> Figure:
     axes.plot(shown_spins, static, ":", color="black", label="a real eigenvalue is zero")
     axes.plot(corners.spin, corners.gradient, "o", color="black", markersize=5, label="corners")
     axes.plot(points.spin, points.gradient, **{**_CIRCLE, "marker": "s"}, label="engine asked")
-    axes.axhline(PAPER_GRADIENT, color="#777777", linewidth=0.8)
-    axes.annotate(f"the paper: {PAPER_GRADIENT:g} s/m", (1.0, PAPER_GRADIENT), va="bottom")
+    axes.axhline(measured.PAPER_GRADIENT, color="#777777", linewidth=0.8)
+    axes.annotate(
+        f"the paper: {measured.PAPER_GRADIENT:g} s/m", (1.0, measured.PAPER_GRADIENT), va="bottom"
+    )
     axes.set(xlabel=SPIN, ylabel="friction gradient μ/ε in s/m, logarithmic", yscale="log")
     ticks = [0.3, 1.0, 3.0, 10.0, 30.0]
     axes.set_yticks(ticks, [f"{each:g}" for each in ticks])

@@ -1,5 +1,6 @@
 """What is measured: eigenvalues, critical speeds and their variants, and the stable region."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,6 +19,7 @@ from analysis import (
     SmoothCoulomb,
 )
 from analysis.data.body import Body
+from analysis.data.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
@@ -26,19 +28,18 @@ from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation
 from validation.kit.limits import largest
-from validation.studies.stability.eigenvalue_check import (
-    CHECKED_SPINS,
-    FEW_SPINS,
-    distance,
-    engine_matrices,
-    gaps,
-    spinning,
-)
+from validation.studies.stability.eigenvalue_check import distance, engine_matrices, gaps, spinning
 from validation.studies.stability.variants import PRINTED, reproduces, variants
 from validation.study import Row, Study
 
 SPIN = 30.0
 """Spin in rad/s at which single eigenvalues are looked at."""
+
+CHECKED_SPINS = np.linspace(0.0, 60.0, 25)
+"""Spins of the comparison for the models of the paper in rad/s."""
+
+FEW_SPINS = np.array([0.0, 17.0, 30.0, 60.0])
+"""Those for all other sets of constraints."""
 
 INTERVAL = (0.0, 60.0)
 """Spins in rad/s between which critical and stable ones are looked for."""
@@ -48,6 +49,9 @@ PAPER_GRADIENT = 3.0
 
 OWN = "worst distance of a right one to its nearest"
 """Column with how far the engine's own eigenvalues are off, relative to max(|λ|, 1)."""
+
+STABLE = "stable spins in rad/s"
+"""Column with where a motion is stable by the in-house eigenvalues, in words."""
 
 # --- Eigenvalues of the engine ------------------------------------------------------------------
 
@@ -84,7 +88,7 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
                 OWN: np.max(np.min(gaps(own, found[at]), axis=0)),
                 "is constrained": scene.has_constraints,
                 "but for the spin": Scenario(constraints=free).name,
-                "stable spins in rad/s": critical_speeds(scenario, INTERVAL, motion=motion).where,
+                STABLE: critical_speeds(scenario, INTERVAL, motion=motion).where,
                 "difference": largest(map(distance, found, expected)),
                 "spins": spins,
                 "real": found.real,
@@ -113,7 +117,14 @@ IN_PAPER = {
 }
 """What Sections 3 and 6 print, in the digits that they give; λ₇ and λ₈ without a smoothing."""
 
-CLOSED, COMPUTED, FREQUENCY, BORN, _, LOWER, UPPER = tuple(IN_PAPER)[:7]
+CLOSED, COMPUTED, FREQUENCY, BORN, LIMIT, *OTHERS = IN_PAPER
+HOPF, RUBBING = OTHERS[:2], OTHERS[2:]
+
+THIRD = "largest Re λ₃ from 0 to 50 rad/s"
+"""Of which Section 6 prints a bound alone."""
+
+HERE, TABLE_1, ENGINE = "unrounded disk", "Table 1", "engine"
+"""Columns with what is found: in-house for either disk, and in the engine for the first."""
 
 
 def paper() -> dict[str, Scenario]:
@@ -123,58 +134,75 @@ def paper() -> dict[str, Scenario]:
 
 def printed_numbers(_: Any) -> list[Row]:
     """Every printed number of Sections 3 and 6 beside what is found."""
-    disks = {"unrounded disk": STEEL_DISK, "Table 1": ROUNDED_STEEL_DISK}
-    sides = {name: in_house_numbers(disk) for name, disk in disks.items()}
-    sides["engine"] = engine_speeds()
-    rows = []
-    for name, printed in IN_PAPER.items():
-        found = {side: values.get(name) for side, values in sides.items()}
-        rows.append({"quantity": name, "paper": printed, **found})
-    return rows
+    sides = {
+        HERE: in_house_numbers(STEEL_DISK),
+        TABLE_1: in_house_numbers(ROUNDED_STEEL_DISK),
+        ENGINE: numbers(STEEL_DISK, lambda scenario: partial(engine_matrices, scenario)),
+    }
+    return [
+        {"quantity": name, "printed": IN_PAPER.get(name)}
+        | {side: found.get(name) for side, found in sides.items()}
+        for name in (*IN_PAPER, THIRD)
+    ]
 
 
-def rounds_to(value: float | None, printed: str) -> bool:
-    """Whether a number is a printed one in the digits that are printed.
+def rounds_to(value: float, printed: str) -> bool:
+    """Whether a number is a printed one, with or without its unit, in the digits of that.
 
     Examples
     --------
-    >>> rounds_to(30.9168, "30.92"), rounds_to(30.8866, "30.92"), rounds_to(-1584.5, "-1.5e3")
-    (True, False, False)
-    >>> rounds_to(0.43542, "0.435")
-    True
+    >>> rounds_to(30.9168, "30.92 rad/s"), rounds_to(30.8866, "30.92 rad/s")
+    (True, False)
+    >>> rounds_to(-1584.5, "-1.5e3"), rounds_to(0.43542, "0.435")
+    (False, True)
     """
-    digits = sum(each.isdigit() for each in printed.partition("e")[0].lstrip("-0."))
-    return value is not None and float(f"{value:.{digits}g}") == float(printed)
+    number, *_ = printed.split()
+    digits = sum(each.isdigit() for each in number.partition("e")[0].lstrip("-0."))
+    return float(f"{value:.{digits}g}") == float(number)
 
 
 def in_house_numbers(disk: Body) -> dict[str, float]:
-    """What the in-house systems give, by the names of `IN_PAPER`."""
-    model_1, model_4 = (Scenario(constraints=MODELS[level], disk=disk) for level in (1, 4))
-    closed = critical_speed(model_4)
-    reduced = critical_speeds(model_4, INTERVAL, "reduced")
-    found = [closed.spin, reduced.hopf[0].spin, closed.frequency, reduced.pair_changes[0].spin]
-    found.append(float(closed_form(model_4, [SPIN]).a))
-    found += [crossing.spin for crossing in critical_speeds(model_1, INTERVAL, "full").hopf]
-    for smoothing in (0.1, 0.01):
-        rubbing = replace(model_1, friction=SmoothCoulomb(smoothing=smoothing))
-        found += np.sort(spectra.eigenvalues(rubbing, [SPIN], "full")[0].real)[1::-1].tolist()
-    return dict(zip(IN_PAPER, found, strict=True))
+    """Those of the in-house systems, in closed form where the paper has one."""
+    reduced = Scenario(constraints=MODELS[4], disk=disk)
+    closed, computed = critical_speed(reduced), critical_speeds(reduced, INTERVAL)
+    return numbers(disk, spectra.matrices_over_spin) | {
+        CLOSED: closed.spin,
+        COMPUTED: computed.hopf[0].spin,
+        FREQUENCY: closed.frequency,
+        BORN: computed.pair_changes[0].spin,
+        LIMIT: float(closed_form(reduced, [SPIN]).a),
+    }
 
 
-def engine_speeds() -> dict[str, float]:
-    """Critical speeds of the engine, by the names of `IN_PAPER`."""
-    looked = (MODELS[4], np.linspace(30.0, 32.0, 5)), (MODELS[1], np.linspace(26.0, 31.0, 11))
-    found = (
-        each.spin
-        for held, spins in looked
-        for each in Spectra(
-            partial(engine_matrices, Scenario(constraints=held)), spins
-        ).crossings()
-    )
-    return dict(zip((COMPUTED, LOWER, UPPER), found, strict=True))
+def numbers(disk: Body, matrices: Callable[[Scenario], spectra.Matrices]) -> dict[str, float]:
+    """Numbers of Sections 3 and 6 from state matrices alone, by the names of `IN_PAPER`."""
+    reduced, full = (Scenario(constraints=MODELS[level], disk=disk) for level in (4, 1))
+
+    def real(scenario: Scenario, spins: Array, smoothing: float = 0.1) -> Array:
+        """Real parts of eigenvalues in 1/s, rising, shape (n, k)."""
+        rubbing = replace(scenario, friction=SmoothCoulomb(smoothing=smoothing))
+        return np.sort(np.linalg.eigvals(matrices(rubbing)(spins)).real)
+
+    at = np.array([SPIN])
+    slow = Spectra(matrices(reduced), np.linspace(10.0, 32.0, 23))
+    crossing, birth = slow.crossings()[0], slow.pair_changes()[0]
+    hopf = Spectra(matrices(full), np.linspace(26.0, 31.0, 11)).crossings()
+    rubbing = [real(full, at, each)[0, 1::-1] for each in (0.1, 0.01)]
+    return {
+        COMPUTED: crossing.spin,
+        FREQUENCY: crossing.frequency,
+        BORN: birth.spin,
+        # The error is of the order of the squared ratio of the smoothing speeds.
+        LIMIT: real(reduced, at, 1e-4)[0, 0] * 1e-4 / 0.1,
+        **{name: each.spin for name, each in zip(HOPF, hopf, strict=True)},
+        **dict(zip(RUBBING, np.ravel(rubbing), strict=True)),
+        THIRD: np.max(real(reduced, np.linspace(0.0, 50.0, 26))[:, 0]),
+    }
 
 
 NUMBERS = Study(name="critical-speeds", cases=paper, measure=printed_numbers, keys=("quantity",))
+
+SPEEDS = "Hopf speeds in rad/s"
 
 
 def try_variants(_: Any) -> list[Row]:
@@ -182,9 +210,8 @@ def try_variants(_: Any) -> list[Row]:
     return [
         {
             "variant": name,
-            "Hopf speeds in rad/s": ", ".join(
-                f"{each.spin:.3f} (decays {each.stable_side})" for each in crossings
-            ),
+            SPEEDS: ", ".join(f"{each.spin:.3f}" for each in crossings),
+            "decays": ", ".join(each.stable_side for each in crossings),
             "both as printed": "yes" if reproduces(crossings) else "no",
         }
         for name, crossings in variants().items()

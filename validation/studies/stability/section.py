@@ -1,6 +1,5 @@
 """What the report says of the linear stability of spinning upright."""
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,28 +12,23 @@ from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 from validation.studies.stability.measured import (
     CLOSED,
     COMPUTED,
-    IN_PAPER,
+    ENGINE,
+    HERE,
+    HOPF,
     INSIDE,
-    LOWER,
     OWN,
-    UPPER,
+    SPEEDS,
+    STABLE,
     rounds_to,
 )
 from validation.studies.stability.variants import PRINTED
 from validation.study import Check, at_most, equal
 
 TITLE = "Linear stability"
-STUDIES = (
-    measured.EIGENVALUES,
-    measured.NUMBERS,
-    measured.VARIANTS,
-    measured.REGION,
-)
+STUDIES = (measured.EIGENVALUES, measured.NUMBERS, measured.VARIANTS, measured.REGION)
 
 SPEED_LIMIT = 1e-6
 """Largest difference in rad/s of critical speeds that are found in several ways."""
-
-HERE, ENGINE = "unrounded disk", "engine"
 
 
 def present(rows: Rows) -> Content:
@@ -44,20 +38,22 @@ def present(rows: Rows) -> Content:
     )
     found = numbers.set_index("quantity")
     of_models = values[values.constraints.str.startswith("Model")]
-    inverted = of_models[of_models.motion == "inverted"]
-    sides = _sides(found)
+    # In the engine's first formulation of each.
+    first = of_models.drop_duplicates(["constraints", "motion"])
+    first = first.set_index(["constraints", "motion"])
+    full, stable = first.loc["Model 1"], first.at[("Model 1", "inverted"), STABLE]
     return Content(
         numbers={
-            "critical": sides["critical speed"],
-            "hopf": [found.at[name, HERE] for name in (LOWER, UPPER)],
+            "critical": _critical(found),
+            "hopf": found.loc[HOPF, HERE].tolist(),
             "printed": PRINTED,
             "variants": variants,
-            "stable": _stable_at_paper(values),
+            "stable": stable,
             "corners": region[region.kind == "corner"],
             "inside": region[region.place == INSIDE].iloc[0],
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
-            "own": inverted.groupby("is constrained")[OWN],
+            "own": of_models[of_models.motion == "inverted"].groupby("is constrained")[OWN],
         },
         tables={
             "region": region.loc[region.kind != "curve"].drop(
@@ -67,42 +63,27 @@ def present(rows: Rows) -> Content:
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
         figures={
-            "figure-6": figures.figure_6(_engine(values, "Model 1", "inverted")),
-            "figure-10": figures.figure_10(_engine(values, "Model 4", "inverted")),
-            "figure-11": figures.figure_11(_engine(values, "Model 1", "noninverted")),
+            "figure-6": figures.figure_6(full.loc["inverted"], found),
+            "figure-10": figures.figure_10(first.loc[("Model 4", "inverted")], found),
+            "figure-11": figures.figure_11(full.loc["noninverted"]),
             "chart": figures.chart(region),
         },
-        checks=[*_checks(values, sides, region), _check_of_variants(found, variants)],
+        checks=list(_checks(values, found, variants, region)),
         verdicts=[
-            _critical_speed(sides["critical speed"]),
+            _critical_speed(found),
             _hopf_speeds(found, variants),
-            _stable_region(values, region),
+            _stable_region(stable, region),
         ],
     )
 
 
-def _engine(values: pd.DataFrame, model: str, motion: str) -> figures.Engine:
-    """Spins and eigenvalues of the engine's first formulation of a model."""
-    row = values[(values.constraints == model) & (values.motion == motion)].iloc[0]
-    return np.array(row.spins), np.array(row.real) + 1j * np.array(row.imag)
-
-
-def _sides(found: pd.DataFrame) -> dict[str, list[float]]:
-    """Each critical speed in all the ways in which it is found, in rad/s."""
-    return {
-        "critical speed": [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]],
-        **{name: list(found.loc[name, [HERE, ENGINE]]) for name in (LOWER, UPPER)},
-    }
-
-
-def _stable_at_paper(values: pd.DataFrame) -> str:
-    """Where the full system is stable at the paper's friction, in words."""
-    row = values[(values.constraints == "Model 1") & (values.motion == "inverted")].iloc[0]
-    return str(row["stable spins in rad/s"])
+def _critical(found: pd.DataFrame) -> list[float]:
+    """Critical speed of the reduced system in rad/s: closed form, root finding, engine."""
+    return [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]]
 
 
 def _checks(
-    values: pd.DataFrame, sides: dict[str, list[float]], region: pd.DataFrame
+    values: pd.DataFrame, found: pd.DataFrame, variants: pd.DataFrame, region: pd.DataFrame
 ) -> Iterator[Check]:
     scenes = 2 * len(measured.scenes())
     yield equal("eigenvalues: scenes in both motions", len(values), scenes)
@@ -111,10 +92,12 @@ def _checks(
     own = largest(values.loc[~values["is constrained"], OWN])
     yield at_most("eigenvalues: the engine's own, unconstrained", own, EIGENVALUE_LIMIT)
     kinds = values.groupby(["but for the spin", "motion"])
-    other = int((kinds[["eigenvalues", "stable spins in rad/s"]].nunique() > 1).any(axis=1).sum())
+    other = int((kinds[["eigenvalues", STABLE]].nunique() > 1).any(axis=1).sum())
     yield equal("eigenvalues: sets that holding the spin changes", other, 0)
-    for name, ways in sides.items():
-        yield at_most(f"{name}: ways apart", float(np.ptp(ways)), SPEED_LIMIT)
+    ways = {"critical speed": _critical(found)}
+    ways |= {name: found.loc[name, [HERE, ENGINE]].tolist() for name in HOPF}
+    for name, speeds in ways.items():
+        yield at_most(f"{name}: ways apart", float(np.ptp(speeds)), SPEED_LIMIT)
     points = region[region.kind == "point"]
     yield equal("stable region: points", len(points), 5)
     for _, point in points.iterrows():
@@ -124,20 +107,17 @@ def _checks(
             holds = bool(rate < 0.0 if inside else rate > 0.0)
             name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
             yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
+    # Tried as the variants are, the equations as they are have to cross where they do.
+    told = variants.set_index("variant").at["equations as they are", SPEEDS]
+    here = ", ".join(f"{speed:.3f}" for speed in found.loc[HOPF, HERE])
+    yield equal("variants: the equations as they are", told, here)
 
 
-def _check_of_variants(found: pd.DataFrame, variants: pd.DataFrame) -> Check:
-    """Whether the equations as they are, tried as the variants are, cross where they do."""
-    told = variants.set_index("variant").at["equations as they are", "Hopf speeds in rad/s"]
-    speeds = ", ".join(f"{found.at[name, HERE]:.3f}" for name in (LOWER, UPPER))
-    return equal("variants: the equations as they are", re.sub(r" \(.*?\)", "", told), speeds)
-
-
-def _critical_speed(ways: list[float]) -> Verdict:
-    printed = IN_PAPER[CLOSED].split()[0]
+def _critical_speed(found: pd.DataFrame) -> Verdict:
+    printed, ways = found.at[CLOSED, "printed"], _critical(found)
     confirmed = all(rounds_to(each, printed) for each in ways)
     return Verdict(
-        statement=f"In the reduced system, inverted spinning is stable from {printed} rad/s on.",
+        statement=f"In the reduced system, inverted spinning is stable from {printed} on.",
         answer="yes" if confirmed else "no",
         numbers="Closed form {:.4f}, root finding {:.4f}, engine {:.4f} rad/s.".format(*ways),
         criterion="all three round to what is printed.",
@@ -146,8 +126,8 @@ def _critical_speed(ways: list[float]) -> Verdict:
 
 
 def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
-    speeds = found.loc[[LOWER, UPPER]]
-    confirmed = [rounds_to(*each) for each in zip(speeds[HERE], map(str, PRINTED), strict=True)]
+    speeds = found.loc[HOPF]
+    confirmed = [rounds_to(*each) for each in zip(speeds[HERE], speeds["printed"], strict=True)]
     others = int((variants["both as printed"] == "yes").sum())
     low, high = speeds[HERE]
     return Verdict(
@@ -162,8 +142,8 @@ def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
     )
 
 
-def _stable_region(values: pd.DataFrame, region: pd.DataFrame) -> Verdict:
-    own, corners = _stable_at_paper(values), region[region.kind == "corner"]
+def _stable_region(own: str, region: pd.DataFrame) -> Verdict:
+    corners = region[region.kind == "corner"]
     rates = region.loc[region.place == INSIDE, ["in-house", ENGINE]].to_numpy(float).ravel()
     stable = bool(rates.size and np.all(rates < 0.0))
     places = "{:.2g} and {:.2g} s/m and from {:.3g} to {:.3g} rad/s".format(

@@ -6,7 +6,6 @@ otherwise or slipped in by mistake. None of them gives both printed numbers.
 """
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 import numpy as np
 
@@ -104,19 +103,17 @@ def _part(sign: float) -> Change:
     return lambda printed: printed | {"B_C": (printed["B_C"] + sign * printed["B_C"].T) / 2}
 
 
-MATRIX_CHANGES: Mapping[str, Change] = MappingProxyType(
-    {
-        "(53) and (54) with the printed signs": _negative("D_C", "B_C"),
-        "(53) with the printed sign": _negative("D_C"),
-        "(54) with the printed sign": _negative("B_C"),
-        "without B_C": lambda printed: printed | {"B_C": 0.0 * printed["B_C"]},
-        "without the symmetric part of B_C": _part(-1.0),
-        "without the skew part of B_C": _part(1.0),
-        "D = -(A - B - C)": _abbreviated(-1.0, 1.0, 1.0),
-        "D = A - B + C": _abbreviated(1.0, -1.0, 1.0),
-        "D = A + B - C": _abbreviated(1.0, 1.0, -1.0),
-        "D = B - A - C": _abbreviated(-1.0, 1.0, -1.0),
-        "D = -C": _abbreviated(0.0, 0.0, -1.0),
-    }
-)
+MATRIX_CHANGES: Mapping[str, Change] = {
+    "(53) and (54) with the printed signs": _negative("D_C", "B_C"),
+    "(53) with the printed sign": _negative("D_C"),
+    "(54) with the printed sign": _negative("B_C"),
+    "without B_C": lambda printed: printed | {"B_C": 0.0 * printed["B_C"]},
+    "without the symmetric part of B_C": _part(-1.0),
+    "without the skew part of B_C": _part(1.0),
+    "D = -(A - B - C)": _abbreviated(-1.0, 1.0, 1.0),
+    "D = A - B + C": _abbreviated(1.0, -1.0, 1.0),
+    "D = A + B - C": _abbreviated(1.0, 1.0, -1.0),
+    "D = B - A - C": _abbreviated(-1.0, 1.0, -1.0),
+    "D = -C": _abbreviated(0.0, 0.0, -1.0),
+}
 """Changes of the matrices by misprints or slips, by their names."""
