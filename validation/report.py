@@ -16,8 +16,7 @@ import pandas as pd
 from analysis.data.files import write_whole
 from validation import study as kit
 from validation.kit.animation import play
-from validation.kit.progress import say
-from validation.kit.provenance import Provenance
+from validation.kit.provenance import in_a_line, provenance
 from validation.kit.sources import behind
 from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
@@ -183,7 +182,7 @@ def make(
         if some
     ]
     report = Report(page=folder / str(shown[0]["path"]), sections=list(sections.values()))
-    made = f"Made in {time.perf_counter() - begin:.0f} s; {Provenance.here().text()}."
+    made = f"Made in {time.perf_counter() - begin:.0f} s; {in_a_line(provenance())}."
     stored = table_html(stored_table(modules, results))
     _write(report, {"pages": shown, "stored": stored, "made": made}, whole=not only)
     return report
@@ -320,7 +319,7 @@ def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:
                     "stored results": study.name,
                     "cases": len(study.cases()),
                     "of these measured again": len(study.sample),
-                    "made with": Provenance(**about["provenance"]).text(),
+                    "made with": in_a_line(about["provenance"]),
                     "code since": "the same" if same else "changed",
                 }
             )
@@ -359,11 +358,10 @@ def measure(
     OSError
         If a folder cannot be written, or another process works in it.
     """
-    provenance = Provenance.here()  # The commit may move on meanwhile.
+    made_with = provenance()  # The commit may move on meanwhile.
     tasks = study.tasks(whole=True)
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
     table = kit.whole_table(study, found)
     results.mkdir(parents=True, exist_ok=True)
-    kit.write(study, table, provenance, results)
-    say(f"{study.name}: {len(table)} rows of {len(study.cases())} cases, {provenance.text()}")
+    kit.write(study, table, made_with, results)
     return table

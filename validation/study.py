@@ -12,7 +12,7 @@ import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from math import inf, isfinite, isnan
 from pathlib import Path
@@ -27,7 +27,7 @@ from analysis.data.trajectory import versions
 from validation.kit.limits import holds
 from validation.kit.processes import Processes
 from validation.kit.progress import bar
-from validation.kit.provenance import PACKAGES, Provenance, machine
+from validation.kit.provenance import PACKAGES, machine
 from validation.kit.sources import behind
 
 Row = dict[str, Any]
@@ -322,14 +322,12 @@ def _check_keys(study: Study, table: pd.DataFrame) -> None:
         raise ValueError(f"{study.name}: keys {keys} do not tell rows apart")
 
 
-def write(
-    study: Study, table: pd.DataFrame, provenance: Provenance, folder: Path = RESULTS
-) -> None:
+def write(study: Study, table: pd.DataFrame, provenance: Mapping[str, Any], folder: Path) -> None:
     """Keep a table and what made it, as NAME.csv and NAME.json, whole or not at all."""
     _check_keys(study, table)
     kinds = {name: _kind(table[name]) for name in table}
     about = {
-        "provenance": asdict(provenance),
+        "provenance": provenance,
         "code": behind(study.measure.__module__),
         "columns": dict(study.columns),
         "kinds": kinds,
