@@ -14,7 +14,7 @@ from tests.toy_study import CASES, STUDY
 from validation import report
 from validation import study as kit
 from validation.cli import main
-from validation.study import Study
+from validation.study import Row, Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
@@ -85,6 +85,22 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
     assert kit.measured(tasks, tmp_path, workers=0) == latest
     monkeypatch.setattr(kit, "behind", lambda _: "other code")
     assert kit.measured(tasks, tmp_path, workers=0) != latest
+
+
+def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    called: list[float] = []
+
+    def measure(case: float) -> list[Row]:
+        called.append(case)
+        if called == [1.0, 2.0]:
+            raise KeyboardInterrupt
+        return [{"value": case}]
+
+    tasks = replace(STUDY, measure=measure).tasks(whole=True)
+    with pytest.raises(KeyboardInterrupt):
+        kit.measured(tasks, tmp_path, workers=0)
+    assert len(kit.measured(tasks, tmp_path, workers=0)) == 2
+    assert called == [1.0, 2.0, 2.0]
 
 
 def test_a_table_is_not_made_of_crashes_of_rows_alike_or_of_what_no_file_can_hold(
