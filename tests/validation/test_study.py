@@ -155,6 +155,16 @@ def test_a_second_call_measures_and_draws_nothing(
     assert make().sections == first.sections
 
 
+def test_part_of_a_report_has_the_sections_that_are_asked_for(
+    results: Path, tmp_path: Path
+) -> None:
+    how: Any = {"results": results, "workers": 0, "only": ("tests.toy_section",)}
+    made = report.make(tmp_path, pages=(("other.html", "Other", ("modelled",)), *PAGES), **how)
+    assert [section.name for section in made.sections] == ["toy-section"]
+    assert made.page == tmp_path / "report.html"
+    assert not (tmp_path / "other.html").exists()
+
+
 def test_files_of_an_earlier_report_go_and_foreign_ones_stay(make: Make, tmp_path: Path) -> None:
     for name, text in (("mine.csv", "1\n"), ("old.csv", "1\n"), (".contents", "old.csv\n")):
         (tmp_path / name).write_text(text)
