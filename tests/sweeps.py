@@ -1,12 +1,11 @@
 """Sweeps that several tests run, and a pool that runs them at once."""
 
 from collections.abc import Callable, Iterable
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from analysis import MODELS, Scenario
-from validation.kit.processes import Here
 from validation.sweeps.axes import Design, axis_from_text
 from validation.sweeps.case import CaseRow
 from validation.sweeps.plan import Plan
@@ -19,7 +18,7 @@ from validation.sweeps.sweep import Sweep
 
 def direct(workers: int = 1, executor: Executor | None = None) -> Pool:
     """A pool of this process."""
-    return Pool(executor or Here(), workers)
+    return Pool(executor or ThreadPoolExecutor(1), workers)
 
 
 def sweep(

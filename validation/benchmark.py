@@ -125,14 +125,11 @@ def _truth(scenario: Scenario) -> Trajectory:
 
 
 def single_runs(repeats: int) -> Iterator[Check]:
-    """Error and time of runs, and what of it is the solver's."""
+    """Error and time of runs."""
     for label, scenario, how, error, limit in RUNS:
         call = partial(run, scenario, TIMES, **how)
         yield measured(f"{label}: error", deviation(call(), _truth(scenario)), "rad", error)
         yield measured(label, milliseconds(call, repeats=repeats)[0], "ms", limit)
-        if "step" in how:
-            taken = 1e3 * median(call().solver_seconds or inf for _ in range(repeats))
-            yield measured(f"{label}: of it the solver's", taken, "ms")
 
 
 def stability(repeats: int) -> Iterator[Check]:
@@ -185,7 +182,7 @@ def compiled_runs(repeats: int) -> Iterator[Check]:
 
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
     """
-    for scenario, form, _ in COMPILED if is_installed() else ():
+    for scenario, form, _ in COMPILED:
         label, how = f"{scenario.name}, {form}", {**COMPILED_RUN, "form": form}
         ours = partial(analysis.simulate, scenario, TIMES, **how)
         error = deviation(ours(), _truth(scenario))
@@ -211,7 +208,7 @@ def ensembles(repeats: int) -> Iterator[Check]:
     list: a Scenario and a Trajectory for each. To 1e-6 rad: with the second run that checks it.
     One run each: local tolerance 1e-9. By hand, nothing is made of the sampled states.
     """
-    for scenario, form, size in COMPILED if is_installed() else ():
+    for scenario, form, size in COMPILED:
         base, spins = replace(scenario, start=Start(beta=1.5)), np.linspace(34.0, 50.0, size)
 
         def made(base: Scenario = base, spins: Array = spins) -> Ensemble:
@@ -222,19 +219,16 @@ def ensembles(repeats: int) -> Iterator[Check]:
             return found
 
         members = list(made())
-        few = partial(many, members[:4], method="DOP853", tolerance=1e-6)
         calls: tuple[tuple[str, Timed, int], ...] = (
-            ("pure to 1e-6 rad", few, 4),
+            ("pure to 1e-6 rad", partial(many, members[:4], method="DOP853", tolerance=1e-6), 4),
             ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
             ("one run each, from a list", partial(many, members, **COMPILED_RUN), size),
+            ("one run each", partial(many, **COMPILED_RUN), size),
+            ("one run each, by hand", by_hand.batches(members, form, LOCAL, TIMES), size),
         )
-        for label, call, count in calls:
-            (taken,) = milliseconds(call, repeats=repeats)
+        times = milliseconds(*(call for _, call, _ in calls), repeats=repeats)
+        for (label, _, count), taken in zip(calls, times, strict=True):
             yield measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
-        hand = by_hand.batches(members, form, LOCAL, TIMES)
-        both = milliseconds(partial(many, **COMPILED_RUN), hand, repeats=repeats)
-        for label, taken in zip(("one run each", "one run each, by hand"), both, strict=True):
-            yield measured(f"{scenario.name}: {label}", 1e3 * size / taken, "1/s")
 
 
 def basin(repeats: int) -> Iterator[Check]:
@@ -242,7 +236,7 @@ def basin(repeats: int) -> Iterator[Check]:
     gamma, beta = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 100), np.linspace(0.87, 2.27, 100)
     )
-    scenario = Scenario(constraints=MODELS[4], start=Start(spin=30.0))
+    scenario = replace(MODEL_4, start=Start(spin=30.0))
     fields = {"gamma": gamma.ravel(), "beta": beta.ravel()}
     times = np.linspace(0.0, 4.0, 801)
 
@@ -251,16 +245,16 @@ def basin(repeats: int) -> Iterator[Check]:
         how: Any = {"form": "reduced", "tolerance": 1e-6, "workers": 1}
         _ = simulate_many(starts, times, **how).inversions.outcomes
 
-    if is_installed():
-        (taken,) = milliseconds(judge, repeats=min(repeats, 3))
-        yield measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)
+    (taken,) = milliseconds(judge, repeats=min(repeats, 3))
+    yield measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)
 
 
 # --- All of it -----------------------------------------------------------------------------------
 
 PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
-    single_runs, stability, sweeps, to_rest, compiled_runs, ensembles, basin,
-)  # fmt: skip
+    *(single_runs, stability, sweeps, to_rest),
+    *((compiled_runs, ensembles, basin) if is_installed() else ()),
+)
 
 
 def main() -> int:

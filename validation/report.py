@@ -3,21 +3,20 @@
 import re
 import time
 from base64 import b64decode
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from analysis.data.files import write_whole
 from validation import study as kit
 from validation.kit.animation import play
-from validation.kit.progress import say
-from validation.kit.provenance import Provenance
+from validation.kit.provenance import in_a_line, provenance
 from validation.kit.sources import behind
 from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
@@ -94,12 +93,8 @@ class Report:
     @property
     def holds(self) -> bool:
         """Whether everything holds, and something was measured on the spot."""
-        return verdict(self.checks)
-
-
-def verdict(checks: Sequence[Check]) -> bool:
-    """Whether all checks hold, at least one of them measured on the spot."""
-    return any(check.where == "fresh" for check in checks) and all(c.holds for c in checks)
+        checks = self.checks
+        return any(check.where == "fresh" for check in checks) and all(c.holds for c in checks)
 
 
 def as_text(report: Report) -> str:
@@ -169,19 +164,28 @@ def make(
         If there is no section of a name.
     """
     begin = time.perf_counter()
-    wanted = {find(name).__name__ for name in only}
-    modules = [find(name) for _, _, names in pages for name in names]
-    modules = [module for module in modules if not wanted or module.__name__ in wanted]
+    wanted = {find(name) for name in only or (name for *_, names in pages for name in names)}
+    on_pages = [
+        (path, title, [module for module in map(find, names) if module in wanted])
+        for path, title, names in pages
+    ]
+    modules = [module for *_, some in on_pages for module in some]
     studies = {study.name: study for module in modules for study in module.STUDIES}
     # What measures times runs last, beside its like.
     ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
     tasks = [task for study in ordered for task in study.tasks(whole=False)]
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
-    sections = _sections(modules, found, folder, results, workers)
-    made = f"Made in {time.perf_counter() - begin:.0f} s; {Provenance.here().text()}."
-    stored = stored_table(modules, results)
-    page = _write(folder, pages, sections, stored, made, whole=not only)
-    return Report(page=page, sections=sections)
+    sections = dict(zip(modules, _sections(modules, found, folder, results, workers), strict=True))
+    shown = [
+        {"path": path, "title": title, "sections": [sections[module] for module in some]}
+        for path, title, some in on_pages
+        if some
+    ]
+    report = Report(page=folder / str(shown[0]["path"]), sections=list(sections.values()))
+    made = f"Made in {time.perf_counter() - begin:.0f} s; {in_a_line(provenance())}."
+    stored = table_html(stored_table(modules, results))
+    _write(report, {"pages": shown, "stored": stored, "made": made}, whole=not only)
+    return report
 
 
 # --- Sections ----------------------------------------------------------------------------------
@@ -218,15 +222,12 @@ def _drawing(module: ModuleType, found: Found, results: Path) -> Study:
 
 
 def draw(case: tuple[str, Found, Path]) -> list[Row]:
-    """The row of a section: the fields of a `MadeSection` as plain data."""
-    return [make_section(*case)._asdict()]
+    """The row of a section: the fields of a `MadeSection` as plain data.
 
-
-def make_section(name: str, found: Found, results: Path) -> MadeSection:
-    """Section of a study from what was measured on the spot and what is stored.
-
-    Whatever goes wrong is a check that fails.
+    It is made of what was measured on the spot and what is stored. Whatever goes wrong is a check
+    that fails.
     """
+    name, found, results = case
     module = find(name)
     checks, rows, about = [], {}, {}
     for study in module.STUDIES:
@@ -243,14 +244,16 @@ def make_section(name: str, found: Found, results: Path) -> MadeSection:
             checks.append(Check(f"{study.name}: table", str(error), "is there", "fresh", False))
     try:
         content = module.present(rows)
-        section = Section(short(module), content, vars(module))
-        html, text = section.filled(about, _text(module))
+        section = Section(short(module), content, _text(module))
+        html, text = section.filled(vars(module) | {"about": about})
+        checks += content.checks
+        made = MadeSection(
+            short(module), module.TITLE, html, text, checks, [*content.verdicts], section.files
+        )
     except Exception as error:  # noqa: BLE001
         # A section that cannot be made says so, and the report fails.
-        return _broken(module, f"{type(error).__name__}: {error}", checks)
-    checks += content.checks
-    verdicts = list(content.verdicts)
-    return MadeSection(short(module), module.TITLE, html, text, checks, verdicts, section.files)
+        made = _broken(module, f"{type(error).__name__}: {error}", checks)
+    return [made._asdict()]
 
 
 def _broken(module: ModuleType, reason: str, checks: Sequence[Check] = ()) -> MadeSection:
@@ -268,30 +271,17 @@ def _text(module: ModuleType) -> Path:
 # --- Pages -------------------------------------------------------------------------------------
 
 
-def _write(
-    folder: Path,
-    pages: Sequence[Page],
-    sections: Sequence[MadeSection],
-    stored: pd.DataFrame,
-    made: str,
-    *,
-    whole: bool,
-) -> Path:
+def _write(report: Report, names: Mapping[str, Any], *, whole: bool) -> None:
     """Write the pages and the files beside them, the first page last; remove those of before."""
-    checks = [check for section in sections for check in section.checks]
-    files = {name: text for section in sections for name, text in section.files.items()}
+    folder, checks = report.page.parent, report.checks
+    files = {name: text for section in report.sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
     files["checks.csv"] = table.to_csv(index=False, lineterminator="\n")
     files["play.html"] = play.page()
     template = environment(Path(__file__).parent / "page").get_template("page.html")
-    common = {"checks": checks, "good": verdict(checks), "whole": whole, "made": made}
-    shown = []
-    for path, title, names in pages:
-        on_it = [s for s in sections if s.name in {short(find(name)) for name in names}]
-        shown += [{"path": path, "title": title, "sections": on_it}] if on_it else []
-    for each in reversed(shown):
-        page = template.render(common, page=each, pages=shown, stored=table_html(stored))
-        files[str(each["path"])] = page
+    known = {**names, "checks": checks, "good": report.holds, "whole": whole}
+    for page in reversed(names["pages"]):
+        files[page["path"]] = template.render(known, page=page)
     earlier = _earlier(folder)
     for name in (earlier - files.keys()) if whole else ():
         (folder / name).unlink(missing_ok=True)
@@ -299,7 +289,6 @@ def _write(
     write_whole(folder / _CONTENTS, "\n".join(sorted(contents)))
     for name, content in files.items():
         write_whole(folder / name, b64decode(content) if name.endswith(".png") else content)
-    return folder / str(shown[0]["path"])
 
 
 def _earlier(folder: Path) -> set[str]:
@@ -330,7 +319,7 @@ def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:
                     "stored results": study.name,
                     "cases": len(study.cases()),
                     "of these measured again": len(study.sample),
-                    "made with": Provenance(**about["provenance"]).text(),
+                    "made with": in_a_line(about["provenance"]),
                     "code since": "the same" if same else "changed",
                 }
             )
@@ -369,11 +358,10 @@ def measure(
     OSError
         If a folder cannot be written, or another process works in it.
     """
-    provenance = Provenance.here()  # The commit may move on meanwhile.
+    made_with = provenance()  # The commit may move on meanwhile.
     tasks = study.tasks(whole=True)
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
     table = kit.whole_table(study, found)
     results.mkdir(parents=True, exist_ok=True)
-    kit.write(study, table, provenance, results)
-    say(f"{study.name}: {len(table)} rows of {len(study.cases())} cases, {provenance.text()}")
+    kit.write(study, table, made_with, results)
     return table

@@ -10,9 +10,10 @@ import json
 import os
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, as_completed
+from concurrent.futures import as_completed
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from functools import partial
 from math import inf, isfinite, isnan
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -24,9 +25,9 @@ from pebble import ProcessExpired
 from analysis.data.files import write_whole
 from analysis.data.trajectory import versions
 from validation.kit.limits import holds
-from validation.kit.processes import open_processes
+from validation.kit.processes import Processes
 from validation.kit.progress import bar
-from validation.kit.provenance import PACKAGES, Provenance, machine
+from validation.kit.provenance import PACKAGES, machine
 from validation.kit.sources import behind
 
 Row = dict[str, Any]
@@ -226,36 +227,40 @@ def _run(
     """Rows of each task as they come, or what it crashed with."""
     if not tasks:
         return
-    pool = open_processes(min(workers, len(tasks)))
+    with bar(title, total=len(tasks), unit="cases") as shown:
+        for task, call in _called(tasks, min(workers, len(tasks))):
+            yield task, _outcome(task, call)
+            shown.update()
+
+
+def _called(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Callable[[], list[Row]]]]:
+    """Each task with a call for its rows: as it is finished by a process, or to be made here."""
+    if not workers:
+        yield from ((task, partial(rows_of, task.study.measure, task.case)) for task in tasks)
+        return
+    pool = Processes(workers)
     try:
         futures = {
-            pool.submit(
-                rows_of,
-                task.study.measure,
-                task.case,
-                limit=task.study.limit,
-            ): task
+            pool.submit(rows_of, task.study.measure, task.case, limit=task.study.limit): task
             for task in tasks
         }
-        with bar(title, total=len(tasks), unit="cases") as shown:
-            for future in as_completed(futures):
-                yield futures[future], _outcome(futures[future], future)
-                shown.update()
+        yield from ((futures[each], each.result) for each in as_completed(futures))
     except BaseException:
         pool.shutdown(cancel_futures=True)
         raise
     pool.shutdown()
 
 
-def _outcome(task: Task, future: "Future[list[Row]]") -> list[Row] | Exception:
-    error = future.exception()
-    if error is None:
-        return future.result()
-    if isinstance(error, ProcessExpired):
+def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception:
+    try:
+        return call()
+    except ProcessExpired as error:
         return RuntimeError(f"the interpreter ended with code {error.exitcode}")
-    if isinstance(error, TimeoutError):
-        return RuntimeError(f"not finished within {task.study.limit:g} s")
-    return RuntimeError(repr(error))
+    except TimeoutError as error:
+        limit = task.study.limit
+        return RuntimeError(repr(error) if limit is None else f"not finished within {limit:g} s")
+    except (Exception, SystemExit) as error:  # noqa: BLE001 # whatever it is, it is a crash
+        return RuntimeError(repr(error))
 
 
 def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
@@ -317,14 +322,12 @@ def _check_keys(study: Study, table: pd.DataFrame) -> None:
         raise ValueError(f"{study.name}: keys {keys} do not tell rows apart")
 
 
-def write(
-    study: Study, table: pd.DataFrame, provenance: Provenance, folder: Path = RESULTS
-) -> None:
+def write(study: Study, table: pd.DataFrame, provenance: Mapping[str, Any], folder: Path) -> None:
     """Keep a table and what made it, as NAME.csv and NAME.json, whole or not at all."""
     _check_keys(study, table)
     kinds = {name: _kind(table[name]) for name in table}
     about = {
-        "provenance": asdict(provenance),
+        "provenance": provenance,
         "code": behind(study.measure.__module__),
         "columns": dict(study.columns),
         "kinds": kinds,

@@ -14,7 +14,7 @@ from tests.toy_study import CASES, STUDY
 from validation import report
 from validation import study as kit
 from validation.cli import main
-from validation.study import Study
+from validation.study import Row, Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
@@ -87,6 +87,22 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
     assert kit.measured(tasks, tmp_path, workers=0) != latest
 
 
+def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    called: list[float] = []
+
+    def measure(case: float) -> list[Row]:
+        called.append(case)
+        if called == [1.0, 2.0]:
+            raise KeyboardInterrupt
+        return [{"value": case}]
+
+    tasks = replace(STUDY, measure=measure).tasks(whole=True)
+    with pytest.raises(KeyboardInterrupt):
+        kit.measured(tasks, tmp_path, workers=0)
+    assert len(kit.measured(tasks, tmp_path, workers=0)) == 2
+    assert called == [1.0, 2.0, 2.0]
+
+
 def test_a_table_is_not_made_of_crashes_of_rows_alike_or_of_what_no_file_can_hold(
     tmp_path: Path,
 ) -> None:
@@ -139,6 +155,16 @@ def test_a_second_call_measures_and_draws_nothing(
     assert make().sections == first.sections
 
 
+def test_part_of_a_report_has_the_sections_that_are_asked_for(
+    results: Path, tmp_path: Path
+) -> None:
+    how: Any = {"results": results, "workers": 0, "only": ("tests.toy_section",)}
+    made = report.make(tmp_path, pages=(("other.html", "Other", ("modelled",)), *PAGES), **how)
+    assert [section.name for section in made.sections] == ["toy-section"]
+    assert made.page == tmp_path / "report.html"
+    assert not (tmp_path / "other.html").exists()
+
+
 def test_files_of_an_earlier_report_go_and_foreign_ones_stay(make: Make, tmp_path: Path) -> None:
     for name, text in (("mine.csv", "1\n"), ("old.csv", "1\n"), (".contents", "old.csv\n")):
         (tmp_path / name).write_text(text)
@@ -159,8 +185,10 @@ def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
     make: Make, tmp_path: Path
 ) -> None:
     assert failing(make(results=tmp_path).checks) == {"toy: table", "toy-section: section"}
-    assert not report.verdict([kit.at_most("a", 0.0, 1.0, "stored")])
-    assert not report.verdict([])
+    made = make()
+    (section,) = made.sections
+    for checks in ([check for check in made.checks if check.where == "stored"], []):
+        assert not replace(made, sections=[section._replace(checks=checks)]).holds
 
 
 @pytest.mark.parametrize("verbose", [False, True])

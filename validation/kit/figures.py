@@ -49,8 +49,6 @@ _RC: Any = {
     "figure.constrained_layout.use": True,
     "font.size": 10,
     "grid.alpha": 0.3,
-    "legend.frameon": False,
-    "svg.hashsalt": "tippedisk",
 }
 
 
@@ -112,11 +110,7 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Figur
         axes = new_figure(4, height=8.5)[1]
     spatial = any(isinstance(run, SpatialMotion) for _, run in runs)
     for index, (label, run) in enumerate(runs):
-        look = {
-            "color": COLOURS[index % len(COLOURS)],
-            "linestyle": STYLES[index % len(STYLES)],
-            "linewidth": 2.2 - 0.4 * min(index, 3),
-        }
+        look = LOOKS[index % len(LOOKS)] | {"linewidth": 2.2 - 0.4 * min(index, 3)}
         for ax, values in zip(axes, _compared(run, spatial=spatial), strict=True):
             # Between two dollars there would be a formula.
             ax.plot(run.times, values, label=label.replace("$", r"\$"), **look)

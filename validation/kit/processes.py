@@ -53,24 +53,3 @@ class Processes(Executor):
             self._pool.close()
         if wait:
             self._pool.join()
-
-
-class Here(Executor):
-    """The running process in place of others: no time limit, and a debugger sees everything."""
-
-    def submit(
-        self, function: Callable[..., Any], /, *arguments: Any, limit: Any = None, **named: Any
-    ) -> "Future[Any]":
-        """Call a function now."""
-        del limit
-        future: Future[Any] = Future()
-        try:
-            future.set_result(function(*arguments, **named))
-        except Exception as error:  # noqa: BLE001 # it is the future's, as in a process
-            future.set_exception(error)
-        return future
-
-
-def open_processes(workers: int) -> Processes | Here:
-    """So many worker processes, or this one for 0."""
-    return Processes(workers) if workers else Here()

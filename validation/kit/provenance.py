@@ -6,8 +6,9 @@ import re
 import shutil
 import subprocess
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from analysis.data.trajectory import versions
 
@@ -15,42 +16,28 @@ PACKAGES = ("exudyn", "numpy", "scipy", "matplotlib")
 """Packages that results depend on."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Provenance:
-    """What a set of results was made with.
+def provenance() -> dict[str, Any]:
+    """What results are made with by the running program.
 
-    Parameters
-    ----------
-    machine : str
-        Processor, cores and system.
-    packages : dict
-        Versions of Python and of each of `PACKAGES`.
-    date : str
-        Day in UTC, as 2026-01-31.
-    commit : str
-        Short hash of the sources, with "+changes" if they differ from it; empty without one.
+    Returns
+    -------
+    dict
+        `machine`, as `machine` tells it; `packages`, the versions of Python and of each of
+        `PACKAGES`; `date`, the day in UTC, as 2026-01-31; `commit`, as `commit` tells it.
     """
+    return {
+        "machine": machine(),
+        "packages": versions(*PACKAGES),
+        "date": time.strftime("%Y-%m-%d", time.gmtime()),
+        "commit": commit(),
+    }
 
-    machine: str
-    packages: dict[str, str]
-    date: str
-    commit: str
 
-    @classmethod
-    def here(cls) -> "Provenance":
-        """That of the running program."""
-        return cls(
-            machine=machine(),
-            packages=versions(*PACKAGES),
-            date=time.strftime("%Y-%m-%d", time.gmtime()),
-            commit=commit(),
-        )
-
-    def text(self) -> str:
-        """All of it in a line."""
-        packages = ", ".join(f"{name} {version}" for name, version in self.packages.items())
-        source = f", commit {self.commit}" if self.commit else ""
-        return f"{self.date}, {self.machine}, {packages}{source}"
+def in_a_line(made_with: Mapping[str, Any]) -> str:
+    """A provenance as text."""
+    packages = ", ".join(f"{name} {version}" for name, version in made_with["packages"].items())
+    source = f", commit {made_with['commit']}" if made_with["commit"] else ""
+    return f"{made_with['date']}, {made_with['machine']}, {packages}{source}"
 
 
 def machine() -> str:
@@ -65,8 +52,8 @@ def machine() -> str:
 def commit(folder: Path | None = None) -> str:
     """Short hash of the commit checked out in a folder, by default that of the sources.
 
-    Empty if there is no Git, or the folder is not the top of a working copy: installed packages
-    may lie inside that of something else.
+    With "+changes" if they differ from it. Empty if there is no Git, or the folder is not the top
+    of a working copy: installed packages may lie inside that of something else.
     """
     folder = Path(__file__).parents[2] if folder is None else folder
     git = shutil.which("git")

@@ -49,7 +49,7 @@ def behind(module: str) -> str:
     module : str
     """
     files = [file for name in sorted(modules(module)) if (file := _file(name)) is not None]
-    return digest([*map(_folder, MECHANICS), *files])
+    return digest([*(Path(__file__).parents[2] / name for name in MECHANICS), *files])
 
 
 @cache
@@ -87,12 +87,6 @@ def _file(module: str) -> Path | None:
         # The parent is a module and no package: what follows it is a name.
         return None
     return None if spec is None or spec.origin is None else Path(spec.origin)
-
-
-def _folder(package: str) -> Path:
-    file = _file(package)
-    assert file is not None
-    return file.parent
 
 
 @cache

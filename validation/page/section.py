@@ -42,8 +42,8 @@ class Section:
     name : str
         Of the study's module, and in front of the names of its files.
     content : Content
-    known : mapping
-        What its text may name beside the content's numbers: what the module knows.
+    text : Path
+        Drawings lie beside it.
 
     Attributes
     ----------
@@ -51,25 +51,19 @@ class Section:
         From names to contents of all that lies beside the page: text, and pictures in base 64.
     """
 
-    def __init__(
-        self, name: str, content: Content, known: Mapping[str, Any] | None = None
-    ) -> None:
-        self.name = name
-        self._known = known or {}
+    def __init__(self, name: str, content: Content, text: Path) -> None:
+        self.name, self._content, self._text = name, content, text
         self.files: dict[str, str] = {}
-        self._content = content
         self._left = {*content.tables, *content.figures, *content.animations}
         self._pieces: list[tuple[str, str]] = []
-        self._folder = Path()
 
-    def filled(self, about: Mapping[str, Any], text: Path) -> tuple[str, str]:
+    def filled(self, known: Mapping[str, Any]) -> tuple[str, str]:
         """The text with everything filled in, as HTML and as Markdown.
 
         Parameters
         ----------
-        about : mapping
-            What is known of the stored tables, by study.
-        text : Path
+        known : mapping
+            What the text may name beside the content's tables and numbers, which come first.
 
         Raises
         ------
@@ -78,18 +72,16 @@ class Section:
         jinja2.UndefinedError
             If it names what there is not.
         """
-        self._folder = text.parent
         kinds = ("table", "file", "figure", "drawing", "animation")
         names = {
-            **self._known,
+            **known,
             **self._content.numbers,
-            "about": about,
             "tables": self._content.tables,
             **{kind: getattr(self, kind) for kind in kinds},
         }
-        filled = environment(text.parent).get_template(text.name).render(names)
+        filled = environment(self._text.parent).get_template(self._text.name).render(names)
         if self._left:
-            raise ValueError(f"{text.name} leaves out {', '.join(sorted(self._left))}")
+            raise ValueError(f"{self._text.name} leaves out {', '.join(sorted(self._left))}")
         page = MarkdownIt("commonmark", {"html": True}).enable("table").render(filled)
         return self._put(page, 0), self._put(filled, 1)
 
@@ -128,9 +120,11 @@ class Section:
         """
         shown = _as_frame(self._content.tables[name])
         if (total := len(shown)) > max(LONG, rows):
-            chosen = _sizes(shown[worst]).nlargest(rows).index if worst else shown.index[:rows]
-            shown = shown.loc[chosen].sort_index()
+            if worst:
+                sizes = pd.to_numeric(shown[worst], errors="coerce").abs()
+                shown = shown.loc[sizes.nlargest(rows).index].sort_index()
             which = f"with the largest: {worst}" if worst else "the first"
+            shown = shown[:rows]
             title = f"{title} ({rows} of {total} rows, {which})"
         lines = [list(map(str, shown.columns)), ["---"] * shown.shape[1]]
         lines += [[show(cell, digits) for cell in row] for row in _cells(shown)]
@@ -161,7 +155,7 @@ class Section:
 
     def drawing(self, name: str, title: str, caption: str = "") -> str:
         """A drawing that lies beside the text as NAME.svg, in the colours of the page."""
-        svg = (self._folder / f"{name}.svg").read_text("utf-8")
+        svg = self._text.with_name(f"{name}.svg").read_text("utf-8")
         self.files[f"{self.name}-{name}.svg"] = svg
         return self._figure(' class="drawing"', svg, title, caption)
 
@@ -228,10 +222,6 @@ def _as_frame(table: pd.DataFrame | Table) -> pd.DataFrame:
     if isinstance(table, Table):
         return pd.DataFrame(list(map(list, table.rows)), columns=list(table.columns), dtype=object)
     return table
-
-
-def _sizes(column: "pd.Series[Any]") -> "pd.Series[float]":
-    return pd.to_numeric(column, errors="coerce").abs().fillna(-1.0)
 
 
 def _inline(text: str) -> str:

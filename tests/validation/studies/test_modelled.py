@@ -1,12 +1,12 @@
 """What is modelled: the text is filled in with what is run."""
 
-from validation.report import make_section
+from validation.report import draw
 from validation.studies import modelled
 from validation.study import RESULTS
 
 
 def test_parameters_are_those_of_the_default_scenario() -> None:
-    text = make_section("modelled", {}, RESULTS).text
+    text = draw(("modelled", {}, RESULTS))[0]["text"]
     for row in ("coefficient | μ | 0.3", "mass | m | 0.435425", "C | 468.082", "x̄ | -0.249584"):
         assert f"{row} |" in text
 

@@ -73,7 +73,7 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
     content = present(rows)
     assert not failing(content.checks)
     text = Path(section.__file__).parent / "nonlinear.md"
-    page = " ".join(Section("nonlinear", content).filled({}, text)[0].split())
+    page = " ".join(Section("nonlinear", content, text).filled({})[0].split())
     assert "Model 1 at held spin: stable at 0.1 rad, unstable at 0.2 rad" in page
     assert "Of 3 cycles" in page
     assert [verdict.answer for verdict in content.verdicts] == ["yes", "no"]

@@ -3,7 +3,7 @@
 import re
 import sqlite3
 from collections.abc import Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing, nullcontext
 from functools import partial
 from multiprocessing import get_context
@@ -19,7 +19,6 @@ from analysis.data.outcomes import DONE
 from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
-from validation.kit.processes import Here
 from validation.kit.sources import digest
 from validation.run import run
 from validation.sweeps import runner
@@ -263,12 +262,12 @@ def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
 def test_quick_cases_go_out_in_larger_and_larger_chunks(tmp_path: Path) -> None:
     sizes: list[int] = []
 
-    class Counting(Here):
+    class Counting(ThreadPoolExecutor):
         def submit(self, function: Any, /, *given: Any, **named: Any) -> "Future[Any]":
             sizes.append(len(given[1]))
             return super().submit(function, *given, **named)
 
-    swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(executor=Counting()))
+    swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(executor=Counting(1)))
     assert sum(sizes) == 40
     assert max(sizes) > 8 * sizes[0]
 
