@@ -73,9 +73,9 @@ def changed(node: ast.AST) -> ast.AST | None:  # noqa: PLR0911 # one for each ki
 def places(source: str) -> tuple[ast.Module, list[Any]]:
     """Tree of a source, and its nodes that may become something else.
 
-    Left out are annotations, whether a zip is strict, which matters where lengths differ, and
-    numbers in a file that draws: where things stand in a picture and how large they are is looked
-    at.
+    Left out are annotations, options of decorators, which say how Python keeps an object, whether
+    a zip is strict, which matters where lengths differ, and numbers in a file that draws: where
+    things stand in a picture and how large they are is looked at.
     """
     tree = ast.parse(source)
     left_out: set[ast.AST] = set()
@@ -83,6 +83,8 @@ def places(source: str) -> tuple[ast.Module, list[Any]]:
         for name in ("annotation", "returns"):
             if isinstance(hint := getattr(node, name, None), ast.AST):
                 left_out |= set(ast.walk(hint))
+        for decorator in getattr(node, "decorator_list", []):
+            left_out |= set(ast.walk(decorator))
         if isinstance(node, ast.keyword) and node.arg == "strict":
             left_out.add(node.value)
         if isinstance(node, ast.Constant | ast.UnaryOp) and "from matplotlib" in source:
