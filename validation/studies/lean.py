@@ -98,7 +98,10 @@ def present(rows: Rows) -> Content:
     """Prices of parts."""
     table, change = rows["lean"], largest(rows["lean"]["change"])
     dear = table["from"] > 0.0
-    shown = table.drop(columns=["case", "change"])
+    percents = ["price in %", "from", "to"]
+    # No -0.
+    rounded = table[percents].round(1) + 0.0
+    shown = table.drop(columns=["case", "change"]).assign(**rounded)
     return Content(
         numbers={
             "dear": int(dear.sum()),
@@ -107,6 +110,6 @@ def present(rows: Rows) -> Content:
             "dearest": table.loc[table["price in %"].idxmax()],
             "change": change,
         },
-        tables={"prices": shown.round(dict.fromkeys(("price in %", "from", "to"), 1))},
+        tables={"prices": shown},
         checks=[at_most("lean: what parts that are not needed change of a motion", change, SAME)],
     )
