@@ -42,7 +42,7 @@ from validation.kit.limits import holds
 from validation.kit.provenance import machine
 from validation.kit.references import deviation
 from validation.kit.tables import show
-from validation.kit.timing import in_turns
+from validation.kit.timing import clocked, in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
 from validation.study import Check
@@ -70,7 +70,8 @@ def milliseconds(
     *calls: Timed, repeats: int, clock: Callable[[], float] = time.process_time
 ) -> list[float]:
     """Median times of calls in turns in ms."""
-    return [1e3 * median(times) for times in in_turns(*calls, pairs=repeats, clock=clock)]
+    timed = (clocked(call, clock) for call in calls)
+    return [1e3 * median(times) for times in in_turns(*timed, pairs=repeats)]
 
 
 TREE: How = {"formulation": "contact-tree"}

@@ -1,40 +1,43 @@
-"""One way to time one thing against another: pairs of calls in turns, after a warm-up each."""
+"""One way to time one thing against another: calls in turns, after a warm-up each."""
 
 import time
 from collections.abc import Callable, Sequence
 from statistics import median
-from typing import Any
+from typing import Any, TypeVar
 
+T = TypeVar("T")
 Clock = Callable[[], float]
 
 
-def in_turns(
-    *calls: Callable[[], Any], pairs: int, clock: Clock = time.process_time
-) -> list[list[float]]:
-    """Times in s of some calls, made one after the other so many times.
+def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
+    """Results of some calls, such as their times, made one after the other so many times.
 
     Parameters
     ----------
     *calls : callable
         Each is called once more before, to warm up.
     pairs : int
-    clock : callable
-        Processor time by default.
 
     Returns
     -------
-    list of list of float
-        For each call its times, in the order of the turns.
+    list of list
+        For each call its results, in the order of the turns.
     """
     for call in calls:
         call()
-    times: list[list[float]] = [[] for _ in calls]
-    for _ in range(pairs):
-        for call, taken in zip(calls, times, strict=True):
-            begin = clock()
-            call()
-            taken.append(clock() - begin)
-    return times
+    rounds = [[call() for call in calls] for _ in range(pairs)]
+    return [list(results) for results in zip(*rounds, strict=True)]
+
+
+def clocked(call: Callable[[], Any], clock: Clock = time.process_time) -> Callable[[], float]:
+    """A call in place of another one that returns the time in s which that takes."""
+
+    def taken() -> float:
+        begin = clock()
+        call()
+        return clock() - begin
+
+    return taken
 
 
 def interval(ratios: Sequence[float]) -> tuple[float, float, float]:

@@ -1,6 +1,7 @@
 """The price of carrying what a scene does not need."""
 
 from dataclasses import replace
+from functools import partial
 from statistics import median
 
 import numpy as np
@@ -12,7 +13,7 @@ from mbs_models.integrators import find_integrator
 from mbs_models.runs import Samples, run
 from mbs_models.scene import build
 from validation.kit.limits import largest
-from validation.kit.timing import interval
+from validation.kit.timing import in_turns, interval
 from validation.page.content import Content, Rows
 from validation.study import Row, Study, at_most
 
@@ -72,20 +73,20 @@ def timed(scene: Scene, *parts: Ballast) -> Samples:
 def price(case: Case) -> list[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
     part, scene = case
-    # The first pair warms up.
-    _, *pairs = [(timed(scene, PARTS[part]), timed(scene)) for _ in range(1 + PAIRS)]
-    ratios = interval([carried.seconds / left_out.seconds for carried, left_out in pairs])
+    runs = in_turns(partial(timed, scene, PARTS[part]), partial(timed, scene), pairs=PAIRS)
+    carried, left_out = ([each.seconds for each in same] for same in runs)
+    ratios = interval([a / b for a, b in zip(carried, left_out, strict=True)])
     price, least, most = (100.0 * (ratio - 1.0) for ratio in ratios)
     return [
         {
             "part carried": part,
             "scene": told(scene),
-            "with in ms": 1e3 * median(carried.seconds for carried, _ in pairs),
-            "without in ms": 1e3 * median(left_out.seconds for _, left_out in pairs),
+            "with in ms": 1e3 * median(carried),
+            "without in ms": 1e3 * median(left_out),
             "price in %": price,
             "from": least,
             "to": most,
-            "change": np.max(np.abs(np.subtract(*(each.records[-1] for each in pairs[-1])))),
+            "change": np.max(np.abs(np.subtract(*(same[-1].records[-1] for same in runs)))),
         }
     ]
 
