@@ -1,54 +1,5 @@
 """The public names of `analysis`."""
 
-from analysis.data.bodies import BODIES, EllipticDisk, Sphere
-from analysis.data.body import Body
-from analysis.data.checks import TimeLimitError, ToleranceError
-from analysis.data.constraint_set import (
-    MODELS,
-    MULTIPLIERS,
-    POSSIBLE_SETS,
-    ConstraintSet,
-    multiplier_names,
-)
-from analysis.data.contact import PenaltyContact
-from analysis.data.disk import (
-    CENTRED_DISK,
-    DISKS,
-    ROUNDED_STEEL_DISK,
-    STEEL_DISK,
-    Disk,
-    Hole,
-    Plate,
-    PointMass,
-)
-from analysis.data.dissipation import CAUSES, Dissipation, RestCriterion
-from analysis.data.endings import CONDITIONS, Condition, Ending, StopWhen
-from analysis.data.ensemble import Ensemble
-from analysis.data.friction import (
-    LAWS,
-    AnisotropicCoulomb,
-    FrictionLaw,
-    LubricatedCoulomb,
-    PowerLawCoulomb,
-    SmoothCoulomb,
-    Stribeck,
-    TanhCoulomb,
-    ViscousFriction,
-)
-from analysis.data.inversion import Inversion, Inversions
-from analysis.data.outcomes import OutcomeTable
-from analysis.data.phases import Phases
-from analysis.data.quantities import CONSTRAINTS, LEVELS, LOADS, Constraint, Level, Load
-from analysis.data.scenario import Scenario
-from analysis.data.scenario_file import load_scenario
-from analysis.data.scenario_text import scenario_text
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.start import MOTIONS, Motion, Start
-from analysis.data.state import COORDINATES, FlatError, State
-from analysis.data.stored_runs import StoredRun, load_run
-from analysis.data.table import GRAVITY, Table
-from analysis.data.trajectory import Trajectory
-from analysis.data.watch import Progress
 from analysis.models.balance import (
     constraint_drift,
     contact_forces,
@@ -61,8 +12,59 @@ from analysis.models.forms import FORMS, Form
 from analysis.models.outcomes import outcomes
 from analysis.models.simulation import simulate
 from analysis.models.trajectories import Trajectories
+from analysis.motion.endings import CONDITIONS, Condition, Ending, StopWhen
+from analysis.motion.inversion import Inversion, Inversions
+from analysis.motion.outcomes import OutcomeTable
+from analysis.motion.spatial_motion import Phases, SpatialMotion
+from analysis.motion.stored_runs import StoredRun, load_run
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.bodies import BODIES, EllipticDisk, Sphere
+from analysis.problem.body import Body
+from analysis.problem.checks import TimeLimitError, ToleranceError
+from analysis.problem.constraints import (
+    MODELS,
+    MULTIPLIERS,
+    POSSIBLE_SETS,
+    ConstraintSet,
+    multiplier_names,
+)
+from analysis.problem.contact import (
+    CAUSES,
+    GRAVITY,
+    Dissipation,
+    PenaltyContact,
+    RestCriterion,
+    Table,
+)
+from analysis.problem.disk import (
+    CENTRED_DISK,
+    DISKS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Hole,
+    Plate,
+    PointMass,
+)
+from analysis.problem.friction import (
+    LAWS,
+    AnisotropicCoulomb,
+    FrictionLaw,
+    LubricatedCoulomb,
+    PowerLawCoulomb,
+    SmoothCoulomb,
+    Stribeck,
+    TanhCoulomb,
+    ViscousFriction,
+)
+from analysis.problem.quantities import CONSTRAINTS, LEVELS, LOADS, Constraint, Level, Load
+from analysis.problem.scenario import Scenario
+from analysis.problem.scenario_file import load_scenario, scenario_text
+from analysis.problem.start import COORDINATES, MOTIONS, FlatError, Motion, Start, State
+from analysis.problem.variations import Ensemble
 from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.solve.stepping import METHODS, Method
+from analysis.solve.watch import Progress
 
 __all__ = [
     "BODIES",

@@ -13,7 +13,7 @@ from sphinx.application import Sphinx
 from sphinx.ext import autosummary
 from sphinx.pycode import ModuleAnalyzer
 
-from analysis.data.quantities import QUANTITIES
+from analysis.problem.quantities import QUANTITIES
 from validation.parser.commands import commands
 from validation.parser.options import Command
 

@@ -12,11 +12,11 @@ from math import cos, sin
 
 import numpy as np
 
-from analysis.data.admissible import demanded, independent_coordinates
-from analysis.data.checks import Array
-from analysis.data.endings import Condition
-from analysis.data.state import COORDINATES, State
-from analysis.data.trajectory import Trajectory
+from analysis.motion.endings import Condition
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import Array
+from analysis.problem.constraints import demanded, independent_coordinates
+from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter

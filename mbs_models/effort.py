@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.data.checks import Array, positive, within
-from analysis.data.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
+from analysis.problem.checks import Array, positive, within
+from analysis.problem.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
 from analysis.solve.stepping import Method
 from mbs_models.integrators import Integrator, IntegratorName, find_integrator

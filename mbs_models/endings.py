@@ -12,10 +12,8 @@ import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, ToleranceError
-from analysis.data.endings import CONTACT_WOULD_PULL
-from analysis.data.watch import Watch
-from analysis.solve.lookout import intervals
+from analysis.motion.endings import CONTACT_WOULD_PULL
+from analysis.problem.checks import Array, ToleranceError
 from analysis.solve.stepping import (
     InitialValueProblem,
     Method,
@@ -24,6 +22,7 @@ from analysis.solve.stepping import (
     integrate,
     pulls_at_start,
 )
+from analysis.solve.watch import Watch, intervals
 from mbs_models.effort import LOCAL
 from mbs_models.solving import SingularError, solving
 

@@ -5,10 +5,10 @@ from functools import partial
 
 import numpy as np
 
-from analysis.data.checks import Array, TimeLimitError, ToleranceError
-from analysis.data.endings import FLAT, TIME_LIMIT
-from analysis.data.state import FlatError
-from analysis.data.trajectory import Trajectory
+from analysis.motion.endings import FLAT, TIME_LIMIT
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import Array, TimeLimitError, ToleranceError
+from analysis.problem.start import FlatError
 from analysis.solve.to_tolerance import needed
 from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator, IntegratorName

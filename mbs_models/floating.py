@@ -10,11 +10,11 @@ import numpy as np
 from exudyn.lieGroupBasics import CompositionRuleForRotationVectors
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 
-from analysis.data import frames
-from analysis.data.bodies import Sphere
-from analysis.data.checks import Array
-from analysis.data.dissipation import CAUSES
-from analysis.data.scenario import Scenario
+from analysis.motion import frames
+from analysis.problem.bodies import Sphere
+from analysis.problem.checks import Array
+from analysis.problem.contact import CAUSES
+from analysis.problem.scenario import Scenario
 from mbs_models.friction import UPWARD, Force, connector_force
 from mbs_models.loads import loads_of
 from mbs_models.model import Floats, Formulation, Model

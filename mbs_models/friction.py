@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data.bodies import Sphere
-from analysis.data.friction import (
+from analysis.problem.bodies import Sphere
+from analysis.problem.friction import (
     AnisotropicCoulomb,
     FrictionLaw,
     LubricatedCoulomb,
@@ -20,7 +20,7 @@ from analysis.data.friction import (
     TanhCoulomb,
     ViscousFriction,
 )
-from analysis.data.scenario import Scenario
+from analysis.problem.scenario import Scenario
 
 Load = Callable[[], float]
 """What presses the disk on the table in the engine's current state, in N."""

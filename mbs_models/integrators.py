@@ -10,9 +10,9 @@ from typing import Any, Literal, NamedTuple, cast, get_args
 import exudyn as exu
 import numpy as np
 
-from analysis.data.checks import choice, number, positive, switch
-from analysis.data.checks import local_tolerance as one_step
-from analysis.data.state import COORDINATES
+from analysis.problem.checks import choice, number, positive, switch
+from analysis.problem.checks import local_tolerance as one_step
+from analysis.problem.start import COORDINATES
 from analysis.solve.stepping import Method
 from mbs_models.model import Formulation, Model
 from mbs_models.probe import Probe

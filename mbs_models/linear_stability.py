@@ -6,7 +6,7 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.data.checks import Array, choice
+from analysis.problem.checks import Array, choice
 from mbs_models.integrators import RULES, IntegratorName
 from mbs_models.solving import quiet, solving
 

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array
-from analysis.data.scenario import Scenario
+from analysis.problem.checks import Array
+from analysis.problem.scenario import Scenario
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.scene import Scene, build
 from mbs_models.solving import solving

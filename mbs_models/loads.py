@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis.data import frames
-from analysis.data.bodies import EllipticDisk, Sphere
-from analysis.data.body import Body
-from analysis.data.checks import Array
-from analysis.data.scenario import Scenario
+from analysis.motion import frames
+from analysis.problem.bodies import EllipticDisk, Sphere
+from analysis.problem.body import Body
+from analysis.problem.checks import Array
+from analysis.problem.scenario import Scenario
 from mbs_models.friction import Force, euler_tree_force, law_force
 
 _STEP = 1e-20

@@ -13,11 +13,11 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.data.checks import Array
-from analysis.data.frames import turn_about_vertical
-from analysis.data.quantities import HELD, Constraint
-from analysis.data.scenario import Scenario
-from analysis.data.state import COORDINATES
+from analysis.motion.frames import turn_about_vertical
+from analysis.problem.checks import Array
+from analysis.problem.quantities import HELD, Constraint
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import COORDINATES
 from mbs_models.friction import Force, Load
 from mbs_models.loads import forces_on
 

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data import frames
-from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
-from analysis.data.limits import LEAST_TILT
-from analysis.data.state import COORDINATES, FlatError, check_upright
+from analysis.motion import frames
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.problem.checks import Array
+from analysis.problem.limits import LEAST_TILT
+from analysis.problem.start import COORDINATES, FlatError, check_upright
 from analysis.solve.stepping import Run, pulls_at_start
 from mbs_models import sampled
 from mbs_models.accelerations import AccelerationProblem

@@ -6,10 +6,10 @@ import exudyn as exu
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from analysis.data.checks import Array, instance
-from analysis.data.limits import LEAST_TILT
-from analysis.data.scenario import Scenario
-from analysis.data.state import State
+from analysis.problem.checks import Array, instance
+from analysis.problem.limits import LEAST_TILT
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from mbs_models.model import Floats, Model
 from mbs_models.scene import Scene, build
 from mbs_models.solving import SingularError, quiet, solving

@@ -11,18 +11,18 @@ from typing import Any, Final
 
 import numpy as np
 
-from analysis.data import frames
-from analysis.data.checks import Array
-from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import FLATTEST, TIME_LIMIT, StopWhen
-from analysis.data.frames import Poses
-from analysis.data.scenario import Scenario
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.state import State
-from analysis.data.watch import Progress
+from analysis.motion import frames
+from analysis.motion.endings import FLATTEST, TIME_LIMIT, StopWhen
+from analysis.motion.frames import Poses
+from analysis.motion.spatial_motion import SpatialMotion
+from analysis.problem.checks import Array
+from analysis.problem.contact import RestCriterion
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
+from analysis.solve.watch import Progress
 from mbs_models.effort import rest_effort
 from mbs_models.endings import dips, until_ending
 from mbs_models.floating import FloatingWithLosses, quaternion_rates

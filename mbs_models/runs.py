@@ -9,7 +9,7 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from mbs_models.integrators import Integrator, complete_jacobian
 from mbs_models.model import Model
 from mbs_models.probe import Probe

@@ -7,13 +7,13 @@ from math import pi
 
 import numpy as np
 
-from analysis.data.checks import Array, TimeLimitError
-from analysis.data.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition, Ending
-from analysis.data.state import State
-from analysis.data.trajectory import Trajectory, versions
-from analysis.data.watch import Watch
+from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition, Ending
+from analysis.motion.trajectory import Trajectory, versions
+from analysis.problem.checks import Array, TimeLimitError
+from analysis.problem.start import State
 from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import error_at_ending
+from analysis.solve.watch import Watch
 from mbs_models.integrators import Integrator
 from mbs_models.scene import Scene
 

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from analysis.data.checks import choice, instance
-from analysis.data.scenario import Scenario
-from analysis.data.state import State
+from analysis.problem.checks import choice, instance
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from mbs_models.floating import Floating, FloatingLie
 from mbs_models.model import FORMULATIONS, Formulation, Model
 from mbs_models.trees import ContactTree, EulerTree

@@ -5,19 +5,19 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import (
+from analysis.motion.endings import StopWhen, named_conditions
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import (
     TimeLimitError,
     ToleranceError,
     increasing_times,
     positive,
     switch,
 )
-from analysis.data.endings import StopWhen, named_conditions
-from analysis.data.friction import check_slipping
-from analysis.data.limits import DEFAULT_TOLERANCE
-from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Trajectory
-from analysis.data.watch import Progress, Watch
+from analysis.problem.friction import check_slipping
+from analysis.problem.limits import DEFAULT_TOLERANCE
+from analysis.problem.scenario import Scenario
+from analysis.solve.watch import Progress, Watch
 from mbs_models.accelerations import stepped
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated

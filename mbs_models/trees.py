@@ -7,9 +7,9 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.data.checks import Array
-from analysis.data.constraint_set import MODELS
-from analysis.data.scenario import Scenario
+from analysis.problem.checks import Array
+from analysis.problem.constraints import MODELS
+from analysis.problem.scenario import Scenario
 from mbs_models.friction import Force, contact_tree_force, euler_tree_force
 from mbs_models.loads import euler_tree_contact
 from mbs_models.model import Floats, Model

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from analysis import Body, Scenario, Start
-from analysis.data.elementary import sqrt
+from analysis.problem.elementary import sqrt
 from validation.studies import crosscheck
 
 COMPOSED, TIPPE_TOP = crosscheck.COMPOSED, crosscheck.TOP

@@ -23,8 +23,8 @@ from analysis import (
     Trajectory,
     multiplier_names,
 )
-from analysis.data.body import PRODUCTS, Body
-from analysis.data.checks import Array
+from analysis.problem.body import PRODUCTS, Body
+from analysis.problem.checks import Array
 
 T = TypeVar("T")
 

@@ -25,9 +25,10 @@ def imported_modules(path: Path) -> set[str]:
 
 
 SHARED = {
-    "mbs_models": {"data", "solve"},
-    "analysis/data": {"data"},
-    "analysis/solve": {"data", "solve"},
+    "mbs_models": {"problem", "motion", "solve"},
+    "analysis/problem": {"problem"},
+    "analysis/motion": {"problem", "motion"},
+    "analysis/solve": {"problem", "motion", "solve"},
 }
 """Folders of `analysis` that both sides use, by who uses them: the engine's side, and they
 themselves. They hold the description of a problem and of a motion, and how any initial value

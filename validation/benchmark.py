@@ -32,7 +32,7 @@ from analysis import (
     simulate_many,
 )
 from analysis.compiled.library import is_installed
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene

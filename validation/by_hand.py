@@ -14,8 +14,8 @@ from analysis.compiled import systems
 from analysis.compiled.code import kinks
 from analysis.compiled.ensemble import simulate_compiled
 from analysis.compiled.library import heyoka
-from analysis.data.checks import Array
 from analysis.models.request import Request
+from analysis.problem.checks import Array
 
 
 def single(

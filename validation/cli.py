@@ -90,7 +90,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 @contextmanager
 def _warnings_in_a_line(name: str) -> Iterator[None]:
     """Say of a number that looks as if it were meant in another unit, once, and go on."""
-    from analysis.data.written import UnitWarning
+    from analysis.problem.values import UnitWarning
 
     shown = warnings.showwarning
 
@@ -109,7 +109,7 @@ def _warnings_in_a_line(name: str) -> Iterator[None]:
 @contextmanager
 def _text_beside(given: Iterable[Any]) -> Iterator[None]:
     """What is printed goes to standard error where standard output is to take a file."""
-    from analysis.data.files import is_standard_output
+    from analysis.motion.files import is_standard_output
 
     paths = [each for each in given if isinstance(each, Path)]
     beside = sys.stderr if any(map(is_standard_output, paths)) else sys.stdout

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from analysis.data.files import write_whole
+from analysis.motion.files import write_whole
 from validation import study as kit
 from validation.kit.animation import play
 from validation.kit.provenance import in_a_line, provenance

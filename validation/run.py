@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 import analysis
 from analysis import Progress, Scenario, SpatialMotion, Trajectory
-from analysis.data.checks import increasing_times
-from analysis.data.limits import Effort
+from analysis.problem.checks import increasing_times
+from analysis.problem.limits import Effort
 from analysis.solve import effort as inhouse_effort
 from validation.parser.runs import RunOptions
 

@@ -22,8 +22,8 @@ import numpy as np
 import pandas as pd
 from pebble import ProcessExpired
 
-from analysis.data.files import write_whole
-from analysis.data.trajectory import versions
+from analysis.motion.files import write_whole
+from analysis.motion.trajectory import versions
 from validation.kit.limits import holds
 from validation.kit.processes import Processes
 from validation.kit.progress import bar

@@ -14,19 +14,18 @@ from analysis.compiled import systems
 from analysis.compiled.code import Code, code_for
 from analysis.compiled.runs import Group, integrate
 from analysis.compiled.systems import SIGN
-from analysis.data.checks import Array
-from analysis.data.ensemble import Ensemble, one_by_one
-from analysis.data.members import Rows, in_columns
-from analysis.data.samples import Samples
-from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Trajectory
-from analysis.data.watch import Watch
 from analysis.mechanics import recorded
 from analysis.models.forms import check_form, default_form, pose
 from analysis.models.request import Request, trajectory
+from analysis.motion.trajectory import Samples, Trajectory
+from analysis.problem.checks import Array
+from analysis.problem.elementary import Rows, in_columns
+from analysis.problem.scenario import Scenario
+from analysis.problem.variations import Ensemble, one_by_one
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import pulls_at_start
 from analysis.solve.to_tolerance import Runs, agree, estimated_errors
+from analysis.solve.watch import Watch
 
 Scenarios = Ensemble | Sequence[Scenario]
 

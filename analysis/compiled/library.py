@@ -4,7 +4,7 @@ from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
-from analysis.data import elementary
+from analysis.problem import elementary
 
 
 class CannotCompileError(ValueError):

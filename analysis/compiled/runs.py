@@ -10,13 +10,12 @@ import numpy as np
 from analysis.compiled.code import Code
 from analysis.compiled.library import heyoka
 from analysis.compiled.systems import ALIVE, REASON, SINGULAR, WHEN
-from analysis.data.checks import Array
-from analysis.data.endings import TIME_LIMIT
-from analysis.data.files import AnyArray
-from analysis.data.members import Rows
-from analysis.data.watch import Watch
-from analysis.solve.lookout import intervals
+from analysis.motion.endings import TIME_LIMIT
+from analysis.motion.files import AnyArray
+from analysis.problem.checks import Array
+from analysis.problem.elementary import Rows
 from analysis.solve.to_tolerance import RUNNING, Runs
+from analysis.solve.watch import Watch, intervals
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,16 +13,15 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from analysis.compiled.library import CannotCompileError, heyoka
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, Condition
-from analysis.data.friction import FrictionLaw
-from analysis.data.limits import LEAST_TILT
-from analysis.data.members import Members
-from analysis.data.scenario import Scenario
 from analysis.mechanics import newton_euler, recorded, reduced
-from analysis.mechanics.attitude import EulerTurning
+from analysis.mechanics.attitude import EulerTurning, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS
-from analysis.mechanics.states import paper_of, state_of
 from analysis.models.forms import Form
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
+from analysis.problem.elementary import Members
+from analysis.problem.friction import FrictionLaw
+from analysis.problem.limits import LEAST_TILT
+from analysis.problem.scenario import Scenario
 
 FAINT = 1e-8
 """Slip speed in m/s over which the kink of friction is rounded if slip has two directions.
@@ -289,5 +288,5 @@ def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:
     except (TypeError, ValueError, AttributeError) as error:
         raise CannotCompileError(
             f"method 'taylor' cannot express {what} ({error}); it must do with arithmetic and the "
-            "functions of analysis.data.elementary"
+            "functions of analysis.problem.elementary"
         ) from error

@@ -7,12 +7,11 @@ force in N, or a moment in N m for a rate of an angle, Eqs. (31), (84), (87) and
 
 from typing import Any, NamedTuple
 
-from analysis.data.constraint_set import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
-from analysis.data.scenario import Scenario
-from analysis.data.state import State
-from analysis.mechanics.attitude import EulerAngles, Frame
-from analysis.mechanics.states import state_of
-from analysis.mechanics.vectors import NONE, Numbers, Vector, cross, dot
+from analysis.mechanics.attitude import EulerAngles, Frame, state_of
+from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, cross, dot
+from analysis.problem.constraints import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 
 
 class Direction(NamedTuple):

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data import elementary
-from analysis.data.checks import Array
-from analysis.data.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
+from analysis.problem import elementary
+from analysis.problem.checks import Array
+from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 
 
 class Dual:

@@ -8,16 +8,15 @@ direction in them: that of a force at a point is the velocity of the point along
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from analysis.data.body import Body
-from analysis.data.constraint_set import ConstraintSet
-from analysis.data.friction import FrictionLaw, SmoothCoulomb
-from analysis.data.quantities import Load
-from analysis.data.scenario import Scenario
 from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import SLIPS, Direction, contact_directions, directions
 from analysis.mechanics.dual import rate
-from analysis.mechanics.elimination import solve
-from analysis.mechanics.vectors import NONE, Numbers, Vector, add, dot, scaled
+from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, add, dot, scaled, solve
+from analysis.problem.body import Body
+from analysis.problem.constraints import ConstraintSet
+from analysis.problem.friction import FrictionLaw, SmoothCoulomb
+from analysis.problem.quantities import Load
+from analysis.problem.scenario import Scenario
 
 Friction = Callable[[Any, Any, Any], tuple[Any, Any]]
 """From two parts of a slip and a load to the force against it: `FrictionLaw.force`. A slip that is

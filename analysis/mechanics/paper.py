@@ -16,10 +16,10 @@ from math import cos, sin
 
 import numpy as np
 
-from analysis.data.body import Body
-from analysis.data.checks import Array
-from analysis.data.constraint_set import MULTIPLIERS, ConstraintSet, multiplier_names
-from analysis.data.scenario import Scenario
+from analysis.problem.body import Body
+from analysis.problem.checks import Array
+from analysis.problem.constraints import MULTIPLIERS, ConstraintSet, multiplier_names
+from analysis.problem.scenario import Scenario
 
 Vector = Sequence[float] | Array
 

@@ -11,7 +11,7 @@ from math import cos, hypot, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
-from analysis.data import elementary
+from analysis.problem import elementary
 
 _USUAL = {"sin": sin, "cos": cos, "sqrt": sqrt, "hypot": hypot}
 

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data.admissible import demanded
-from analysis.data.body import Body
-from analysis.data.checks import Array
-from analysis.data.constraint_set import MODELS
-from analysis.data.elementary import cos, sin
-from analysis.data.scenario import Scenario
-from analysis.mechanics.free_body import Solver
+from analysis.mechanics.penalty import Solver
 from analysis.mechanics.recorded import NUMBERS, disk_of, numbers
 from analysis.mechanics.recorder import Recorder, call
+from analysis.problem.body import Body
+from analysis.problem.checks import Array
+from analysis.problem.constraints import MODELS, demanded
+from analysis.problem.elementary import cos, sin
+from analysis.problem.scenario import Scenario
 
 
 @cache

@@ -3,14 +3,13 @@
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
-from analysis.data.checks import Array
-from analysis.data.constraint_set import PRESCRIBED, multiplier_names, prescribed
-from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Trajectory
-from analysis.mechanics.attitude import EulerAngles
+from analysis.mechanics.attitude import EulerAngles, state_of
 from analysis.mechanics.constraints import SLIPS, places, velocities
 from analysis.mechanics.newton_euler import kinetic_energy
-from analysis.mechanics.states import state_of
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import Array
+from analysis.problem.constraints import PRESCRIBED, multiplier_names, prescribed
+from analysis.problem.scenario import Scenario
 
 
 def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Array, Array]:

@@ -14,17 +14,17 @@ import numpy.typing as npt
 
 from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
 from analysis.compiled.library import CannotCompileError
-from analysis.data.checks import ToleranceError, function, instance, whole
-from analysis.data.ensemble import Ensemble, one_by_one
-from analysis.data.limits import check_storage
-from analysis.data.scenario import Scenario
-from analysis.data.state import COORDINATES
-from analysis.data.trajectory import Trajectory
-from analysis.data.workers import Pool
 from analysis.models.request import Request
 from analysis.models.simulation import run_member
 from analysis.models.trajectories import Trajectories
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import ToleranceError, function, instance, whole
+from analysis.problem.limits import check_storage
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import COORDINATES
+from analysis.problem.variations import Ensemble, one_by_one
 from analysis.solve.stepping import Method
+from analysis.solve.workers import Pool
 
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""

@@ -8,14 +8,14 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from analysis.data.checks import Array, choice
-from analysis.data.endings import Condition
-from analysis.data.scenario import Scenario
-from analysis.data.state import State
 from analysis.mechanics import recorded, reduced
+from analysis.mechanics.attitude import paper_arrays, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
-from analysis.mechanics.free_body import Solver
-from analysis.mechanics.states import paper_arrays, state_of
+from analysis.mechanics.penalty import Solver
+from analysis.motion.endings import Condition
+from analysis.problem.checks import Array, choice
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem
 

@@ -6,18 +6,17 @@ from typing import Any
 import numpy as np
 from scipy.integrate import simpson
 
-from analysis.data.checks import Array
-from analysis.data.constraint_set import multiplier_names, prescribed
-from analysis.data.dissipation import CAUSES
-from analysis.data.endings import TIME_LIMIT
-from analysis.data.inversion import STAYING, inversions
-from analysis.data.outcomes import DONE, OutcomeTable, failed, failure
-from analysis.data.samples import Samples
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.state import COORDINATES
-from analysis.data.trajectory import Trajectory
 from analysis.models.balance import energies
 from analysis.models.trajectories import Trajectories
+from analysis.motion.endings import TIME_LIMIT
+from analysis.motion.inversion import STAYING, inversions
+from analysis.motion.outcomes import DONE, OutcomeTable, failed, failure
+from analysis.motion.spatial_motion import SpatialMotion
+from analysis.motion.trajectory import Samples, Trajectory
+from analysis.problem.checks import Array
+from analysis.problem.constraints import multiplier_names, prescribed
+from analysis.problem.contact import CAUSES
+from analysis.problem.start import COORDINATES
 
 
 def outcomes(
@@ -33,7 +32,7 @@ def outcomes(
     Returns
     -------
     OutcomeTable
-        A row for each, with the columns of `analysis.data.outcomes.OUTCOMES`.
+        A row for each, with the columns of `analysis.motion.outcomes.OUTCOMES`.
 
     Examples
     --------

@@ -5,10 +5,8 @@ from collections.abc import Sequence
 import numpy.typing as npt
 
 from analysis.compiled.library import is_installed
-from analysis.data.checks import Array, choice, increasing_times, positive, switch
-from analysis.data.checks import local_tolerance as one_step
-from analysis.data.elementary import sin
-from analysis.data.endings import (
+from analysis.models.forms import FORMS, Form, default_form
+from analysis.motion.endings import (
     CONTACT_WOULD_PULL,
     FLAT,
     TIME_LIMIT,
@@ -17,15 +15,17 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
-from analysis.data.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, Effort
-from analysis.data.scenario import Scenario
-from analysis.data.state import State
-from analysis.data.trajectory import Trajectory, versions
-from analysis.data.watch import Progress, Watch
-from analysis.models.forms import FORMS, Form, default_form
+from analysis.motion.trajectory import Trajectory, versions
+from analysis.problem.checks import Array, choice, increasing_times, positive, switch
+from analysis.problem.checks import local_tolerance as one_step
+from analysis.problem.elementary import sin
+from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, Effort
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from analysis.solve.effort import simulation_effort
 from analysis.solve.stepping import METHODS, Method, Run
 from analysis.solve.to_tolerance import tighter_and_tighter
+from analysis.solve.watch import Progress, Watch
 
 TIGHTEST_LOCAL_TOLERANCE = 3e-14
 """SciPy's solvers do not go below 100 machine precisions."""

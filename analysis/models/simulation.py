@@ -6,16 +6,16 @@ from math import inf
 import numpy.typing as npt
 
 from analysis.compiled.ensemble import simulate_compiled
-from analysis.data.checks import choice, instance
-from analysis.data.endings import StopWhen, named_conditions
-from analysis.data.friction import check_slipping
-from analysis.data.scenario import Scenario
-from analysis.data.trajectory import Trajectory
-from analysis.data.watch import Progress
 from analysis.models.forms import Form, default_form, pose
 from analysis.models.request import Request, trajectory
+from analysis.motion.endings import StopWhen, named_conditions
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import choice, instance
+from analysis.problem.friction import check_slipping
+from analysis.problem.scenario import Scenario
 from analysis.solve.stepping import METHODS, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
+from analysis.solve.watch import Progress
 
 
 def simulate(

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from analysis.compiled.ensemble import CompiledPart
-from analysis.data.checks import Array
-from analysis.data.ensemble import Ensemble
-from analysis.data.files import AnyArray
-from analysis.data.inversion import Inversions, inversions
-from analysis.data.members import Rows
-from analysis.data.motion_quantities import InCoordinates, lowest
-from analysis.data.samples import Samples
-from analysis.data.trajectory import Trajectory
+from analysis.motion.files import AnyArray
+from analysis.motion.inversion import Inversions, inversions
+from analysis.motion.quantities import InCoordinates, lowest
+from analysis.motion.trajectory import Samples, Trajectory
+from analysis.problem.checks import Array
+from analysis.problem.elementary import Rows
+from analysis.problem.variations import Ensemble
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 
 _PART, WIDEST = 0.02, 0.5
 """Steps and range to both sides of a search for a root, in parts of its centre."""

@@ -16,9 +16,6 @@ from itertools import chain
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, in_range, number, real_array
-from analysis.data.scenario import Scenario
-from analysis.data.watch import Progress
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
 from analysis.nonlinear.following import Family, events, followed, reach
@@ -28,6 +25,9 @@ from analysis.nonlinear.heteroclinic import (
     last_amplitude,
 )
 from analysis.nonlinear.motions import Event, PeriodicMotion
+from analysis.problem.checks import Array, in_range, number, real_array
+from analysis.problem.scenario import Scenario
+from analysis.solve.watch import Progress
 from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data.checks import Array, in_range
-from analysis.data.elementary import cos, sin
-from analysis.data.scenario import Scenario
 from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.reduced import acceleration_from
-from analysis.mechanics.vectors import Numbers
+from analysis.problem.checks import Array, in_range
+from analysis.problem.elementary import cos, sin
+from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import require_spinning
 
 

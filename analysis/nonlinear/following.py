@@ -7,9 +7,9 @@ from typing import TypeVar
 
 from scipy.optimize import brentq
 
-from analysis.data.watch import Progress
 from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.motions import Event, PeriodicMotion
+from analysis.solve.watch import Progress
 
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from analysis.data.checks import Array, number, positive
-from analysis.data.scenario import Scenario
 from analysis.mechanics import reduced
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import WIDEST, nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
+from analysis.problem.checks import Array, number, positive
+from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 

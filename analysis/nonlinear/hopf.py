@@ -18,11 +18,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from scipy.linalg import eig
 
-from analysis.data.checks import Array, real_array
-from analysis.data.scenario import Scenario
 from analysis.mechanics.dual import Dual, dual
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
+from analysis.problem.checks import Array, real_array
+from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 

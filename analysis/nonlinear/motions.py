@@ -17,8 +17,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from analysis.data.checks import Array
-from analysis.data.scenario import Scenario
+from analysis.problem.checks import Array
+from analysis.problem.scenario import Scenario
 
 Kind = Literal["symmetric", "asymmetric", "rotating"]
 

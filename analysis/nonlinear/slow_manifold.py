@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.data.checks import Array, real_array
-from analysis.data.scenario import Scenario
 from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import nearest_root
+from analysis.problem.checks import Array, real_array
+from analysis.problem.scenario import Scenario
 from analysis.stability.printed import critical_speed
 
 _NODES = 200

@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from analysis.data.checks import Array, number, positive, whole
-from analysis.data.elementary import sin
-from analysis.data.scenario import Scenario
 from analysis.mechanics import recorded
+from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, places, velocities
 from analysis.mechanics.dual import derivatives
-from analysis.mechanics.free_body import Solver
-from analysis.mechanics.states import state_of
-from analysis.mechanics.vectors import Numbers
+from analysis.mechanics.linear_algebra import Numbers
+from analysis.mechanics.penalty import Solver
 from analysis.nonlinear.continuation import Curve
+from analysis.problem.checks import Array, number, positive, whole
+from analysis.problem.elementary import sin
+from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import (
     ComplexArray,
     require_spinning,

@@ -6,23 +6,22 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from analysis.data import frames
-from analysis.data.body import Body
-from analysis.data.checks import Array, choice, instance
-from analysis.data.checks import local_tolerance as one_step
-from analysis.data.dissipation import CAUSES, RestCriterion
-from analysis.data.endings import FLATTEST, StopWhen
-from analysis.data.scenario import Scenario
-from analysis.data.spatial_motion import SpatialMotion
-from analysis.data.state import State
-from analysis.data.watch import Progress
-from analysis.mechanics.attitude import EulerTurning, Quaternion
-from analysis.mechanics.free_body import FreeBody
+from analysis.mechanics.attitude import EulerTurning, Quaternion, paper_of
 from analysis.mechanics.newton_euler import kinetic_energy
-from analysis.mechanics.states import paper_of
+from analysis.mechanics.penalty import FreeBody
+from analysis.motion import frames
+from analysis.motion.endings import FLATTEST, StopWhen
+from analysis.motion.spatial_motion import SpatialMotion
+from analysis.problem.body import Body
+from analysis.problem.checks import Array, choice, instance
+from analysis.problem.checks import local_tolerance as one_step
+from analysis.problem.contact import CAUSES, RestCriterion
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from analysis.solve.effort import contact_time, rest_effort
 from analysis.solve.stepping import InitialValueProblem
 from analysis.solve.until_rest import TIGHTEST, WayToRest, until_agreement
+from analysis.solve.watch import Progress
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)

@@ -8,10 +8,10 @@ Euler angles, which turn the faster the flatter the disk leans.
 from math import inf, pi
 from typing import NamedTuple
 
-from analysis.data.checks import Array, choice, positive
-from analysis.data.elementary import sin, sqrt
-from analysis.data.limits import DEFAULT_TOLERANCE, Effort
-from analysis.data.scenario import Scenario
+from analysis.problem.checks import Array, choice, positive
+from analysis.problem.elementary import sin, sqrt
+from analysis.problem.limits import DEFAULT_TOLERANCE, Effort
+from analysis.problem.scenario import Scenario
 from analysis.solve.stepping import Method
 
 

@@ -14,11 +14,10 @@ import numpy.typing as npt
 from scipy import integrate as solvers
 from scipy.optimize import brentq
 
-from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
-from analysis.data.limits import LEAST_TILT
-from analysis.data.watch import Watch
-from analysis.solve.lookout import Lookout, Step
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.problem.checks import Array
+from analysis.problem.limits import LEAST_TILT
+from analysis.solve.watch import Lookout, Step, Watch
 
 Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
 METHODS: tuple[Method, ...] = get_args(Method)

@@ -6,11 +6,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.checks import Array, TimeLimitError, ToleranceError
-from analysis.data.endings import FLAT, TIME_LIMIT
-from analysis.data.files import AnyArray
-from analysis.data.limits import LEAST_TILT
-from analysis.data.members import Rows
+from analysis.motion.endings import FLAT, TIME_LIMIT
+from analysis.motion.files import AnyArray
+from analysis.problem.checks import Array, TimeLimitError, ToleranceError
+from analysis.problem.elementary import Rows
+from analysis.problem.limits import LEAST_TILT
 from analysis.solve.stepping import InitialValueProblem, Run, endings
 
 ROUNDING = 1e-14

@@ -10,16 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from analysis.data.checks import (
-    Array,
-    TimeLimitError,
-    ToleranceError,
-    function,
-    instance,
-    positive,
-)
-from analysis.data.dissipation import RestCriterion
-from analysis.data.endings import (
+from analysis.motion.endings import (
     AT_REST,
     TIME_LIMIT,
     Condition,
@@ -27,16 +18,25 @@ from analysis.data.endings import (
     StopWhen,
     named_conditions,
 )
-from analysis.data.friction import check_slipping
-from analysis.data.limits import check_storage
-from analysis.data.sampled import Setting, Source
-from analysis.data.scenario import Scenario
-from analysis.data.spatial_motion import MOTION_COLUMNS, SpatialMotion
-from analysis.data.state import State
-from analysis.data.trajectory import versions
-from analysis.data.watch import Progress, Watch
+from analysis.motion.sampled import Setting, Source
+from analysis.motion.spatial_motion import MOTION_COLUMNS, SpatialMotion
+from analysis.motion.trajectory import versions
+from analysis.problem.checks import (
+    Array,
+    TimeLimitError,
+    ToleranceError,
+    function,
+    instance,
+    positive,
+)
+from analysis.problem.contact import RestCriterion
+from analysis.problem.friction import check_slipping
+from analysis.problem.limits import check_storage
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import State
 from analysis.solve.stepping import InitialValueProblem, Method, Run, integrate
 from analysis.solve.to_tolerance import error_at_ending, tighter_and_tighter
+from analysis.solve.watch import Progress, Watch
 
 RUNS = 5
 """Runs after which a tolerance counts as out of reach."""

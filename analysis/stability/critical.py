@@ -14,9 +14,9 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.data.checks import Array, number
-from analysis.data.scenario import Scenario
-from analysis.data.start import Motion
+from analysis.problem.checks import Array, number
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import Motion
 from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, falling, spin_scale
 from analysis.stability.spectra import (
     Matrices,

@@ -1,7 +1,7 @@
 """Any scenario linearised about a stationary motion, along its constraint manifold.
 
 Independent of the paper's matrices in `printed`: the nonlinear index-1
-system s' = F(s) in the states of `mechanics.states` is differentiated by dual numbers along the
+system s' = F(s) in the states of `mechanics.attitude` is differentiated by dual numbers along the
 tangent space T of the states that meet every constraint on position and velocity level. Its
 Jacobian maps T into itself, so that it is told by the numbers of a state that are free in T.
 
@@ -21,21 +21,24 @@ therefore polynomials of degree 2 in the spin, taken from three spins. All lengt
 and all times in sqrt(r / g).
 """
 
-from math import pi, sin, sqrt
+from dataclasses import replace
+from math import cos, hypot, pi, sin, sqrt
 
 import numpy as np
 import numpy.typing as npt
 from scipy.linalg import qr
 
-from analysis.data.checks import Array, choice, float_array, within
-from analysis.data.constraint_set import ConstraintSet
-from analysis.data.quantities import FASTEST_TURN, Level
-from analysis.data.scenario import Scenario
-from analysis.data.start import MOTIONS, Motion
 from analysis.mechanics import recorded
+from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import places, velocities
 from analysis.mechanics.dual import derivatives
-from analysis.mechanics.states import state_of
+from analysis.problem.checks import Array, choice, float_array, within
+from analysis.problem.constraints import ConstraintSet
+from analysis.problem.contact import Dissipation
+from analysis.problem.friction import ViscousFriction
+from analysis.problem.quantities import FASTEST_TURN, STEEPEST_FRICTION, Level
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import MOTIONS, Motion, Start
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -281,3 +284,64 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
             f"is not stationary: its accelerations are {change:.1e} of those of the spinning"
         )
     return falling(np.linalg.eigvals(found.matrices(np.array([spin]))[0]))
+
+
+_EXACT = 1e-12
+"""Largest deviation that rounding makes, in radii, rad and sqrt(g / r)."""
+
+_SLOWEST = 1e-4
+"""Growth rate in sqrt(g / r) that counts; rounding may split zero eigenvalues by as much."""
+
+
+def unstable_start(scenario: Scenario) -> str | None:
+    """Say so if a scenario starts exactly on a stationary motion that is unstable.
+
+    Such a run stays there until rounding has grown, and rounding decides when and to which side
+    it leaves. On a penalty contact the stability is that of the same disk on the ideal one.
+
+    Parameters
+    ----------
+    scenario : Scenario
+
+    Returns
+    -------
+    str or None
+        One line; None if the start is none of inverted or noninverted spinning, or a stable one,
+        or that of another body than the paper's disk, of which nothing is known.
+    """
+    if not scenario.table.is_horizontal or not scenario.disk.is_plain:
+        return None
+    if not _is_stationary(scenario):
+        return None
+    spin, gamma = scenario.initial_state.rates[3], scenario.initial_state.coordinates[5]
+    friction = scenario.friction
+    if friction.is_simple:
+        # Only its slope at no slip matters, and neither its kink nor its load.
+        friction = ViscousFriction(viscosity=min(friction.gradient, STEEPEST_FRICTION))
+    ideal = replace(
+        scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
+    )
+    system = Linearisation(ideal, upright(ideal, gamma))
+    values = np.linalg.eigvals(system.matrices(np.array([spin]))[0])
+    growth = float(np.max(values.real))
+    if growth <= _SLOWEST * system.frequency + ROUND_OFF * np.max(np.abs(values)):
+        return None
+    motion = "inverted" if sin(gamma) > 0.0 else "noninverted"
+    if not scenario.disk.eccentricity:
+        motion = "upright"
+    return (
+        f"start is exactly {motion} spinning, which is unstable at {spin:g} rad/s (deviations "
+        f"grow with {growth:.3g} 1/s): rounding decides when and to which side the disk leaves it"
+    )
+
+
+def _is_stationary(scenario: Scenario) -> bool:
+    """Whether the disk starts upright, in balance, and turns about the vertical at one place."""
+    x, y, _, _, beta, gamma = scenario.initial_state.coordinates
+    x_rate, y_rate, _, spin, beta_rate, gamma_rate = scenario.initial_state.rates
+    disk, frequency = scenario.disk, spin_scale(scenario)
+    free = has_drift(scenario.constraints)
+    drifting = free * hypot(x_rate - spin * y, y_rate + spin * x) / (disk.radius * frequency)
+    turning = max(abs(beta_rate), abs(gamma_rate)) / frequency
+    aside = abs(disk.eccentricity * cos(gamma)) / disk.radius
+    return max(abs(beta - pi / 2), aside, turning, drifting) <= _EXACT

@@ -19,10 +19,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from analysis.data.body import Body
-from analysis.data.checks import Array, choice
-from analysis.data.scenario import Scenario
-from analysis.data.start import MOTIONS, Motion
+from analysis.problem.body import Body
+from analysis.problem.checks import Array, choice
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import MOTIONS, Motion
 from analysis.stability.linearisation import ComplexArray, require_spinning, spin_array
 
 

@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eig
 
-from analysis.data.checks import Array
-from analysis.data.scenario import Scenario
-from analysis.data.start import Motion
+from analysis.problem.checks import Array
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import Motion
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Crossing
 from analysis.stability.spectra import System, matrices_over_spin

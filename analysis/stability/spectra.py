@@ -15,9 +15,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from analysis.data.checks import Array, choice, instance
-from analysis.data.scenario import Scenario
-from analysis.data.start import MOTIONS, Motion
+from analysis.problem.checks import Array, choice, instance
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import MOTIONS, Motion
 from analysis.stability.linearisation import ComplexArray, falling, has_drift, spin_array, spinning
 from analysis.stability.printed import full_matrices, reduced_matrices
 

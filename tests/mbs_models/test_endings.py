@@ -9,7 +9,7 @@ import pytest
 import analysis
 import mbs_models
 from analysis import LEVELS, STEEL_DISK, PenaltyContact, Scenario, Start, State
-from analysis.data.endings import REACHED, StopWhen
+from analysis.motion.endings import REACHED, StopWhen
 from mbs_models import FORMULATIONS, Formulation, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.solving import solving

@@ -63,7 +63,7 @@ def play(*, out: PageOut = Path("play.html")) -> int:
     out
         Page to write, .html or -.
     """
-    from analysis.data.files import write_whole
+    from analysis.motion.files import write_whole
     from validation.kit.animation.play import page
 
     made = page()

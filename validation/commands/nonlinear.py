@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from analysis import Scenario
-from analysis.data.changes import changed, check_fields
-from analysis.data.limits import MOST_SCENARIOS
-from analysis.data.names import ArgumentError
-from analysis.data.written import is_text, unit
 from analysis.nonlinear import families
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.problem.limits import MOST_SCENARIOS
+from analysis.problem.names import ArgumentError
+from analysis.problem.values import is_text, unit
+from analysis.problem.variations import changed, check_fields
 from validation.commands.options import checked_end, parse_spins
 from validation.commands.output import Result
 from validation.commands.scenarios import Problem

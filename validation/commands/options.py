@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from analysis.data.checks import Array, positive, within
-from analysis.data.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
-from analysis.data.names import ArgumentError
+from analysis.problem.checks import Array, positive, within
+from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
+from analysis.problem.names import ArgumentError
 from validation.kit.progress import say
 from validation.sweeps.axes import axis_from
 

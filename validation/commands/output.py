@@ -80,14 +80,14 @@ def name_of(path: Path) -> str:
 
 def write(table: Table, path: Path) -> None:
     """Write a table as comma-separated text with all digits."""
-    from analysis.data.files import write_whole
+    from analysis.motion.files import write_whole
 
     write_whole(path, table.to_csv())
 
 
 def save(figure: Any, path: Path) -> None:
     """Write a figure in the format that its file's name ends in; a pipe gets a PNG."""
-    from analysis.data.files import whole_file
+    from analysis.motion.files import whole_file
 
     suffix = path.suffix.lower()
     kind = suffix if suffix in PICTURES else PICTURES[0]

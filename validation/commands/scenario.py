@@ -1,7 +1,7 @@
 """The commands `scenario` and `check`: a problem as a file, and the two sides on it."""
 
 from analysis import scenario_text
-from analysis.data.checks import whole
+from analysis.problem.checks import whole
 from validation.commands.options import checked_end
 from validation.commands.output import Result
 from validation.parser.kinds import AnyProblem, NamedProblem, Numbers

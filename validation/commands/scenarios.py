@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run, load_scenario
-from analysis.data.changes import changed
-from analysis.data.names import ArgumentError
-from analysis.data.written import read_value
+from analysis.problem.names import ArgumentError
+from analysis.problem.values import read_value
+from analysis.problem.variations import changed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

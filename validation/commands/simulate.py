@@ -6,10 +6,10 @@ from typing import Annotated, Any
 import numpy as np
 
 from analysis import CAUSES, Dissipation, SpatialMotion, multiplier_names
-from analysis.data.checks import whole
-from analysis.data.limits import check_storage
-from analysis.data.names import ArgumentError
-from analysis.stability.unstable_start import unstable_start
+from analysis.problem.checks import whole
+from analysis.problem.limits import check_storage
+from analysis.problem.names import ArgumentError
+from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
 from validation.commands.output import Result, pictured
 from validation.kit.progress import progress_bar

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from analysis import LEVELS, MODELS, Start
-from analysis.data.names import ArgumentError
+from analysis.problem.names import ArgumentError
 from analysis.stability import spectra
 from analysis.stability.critical import CriticalSpeeds, critical_speeds
 from analysis.stability.printed import CriticalSpeed, critical_speed

@@ -39,7 +39,7 @@ def report(
     verbose
         Print all checks.
     """
-    from analysis.data.files import write_whole
+    from analysis.motion.files import write_whole
     from validation.report import as_text, make
 
     made = make(output_folder("out", out), only=only or (), fresh=fresh)

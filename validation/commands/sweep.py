@@ -6,11 +6,11 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from analysis.data.checks import choice
-from analysis.data.endings import named_conditions
-from analysis.data.names import ArgumentError
-from analysis.data.outcomes import DONE
-from analysis.data.scenario_file import read_toml
+from analysis.motion.endings import named_conditions
+from analysis.motion.outcomes import DONE
+from analysis.problem.checks import choice
+from analysis.problem.names import ArgumentError
+from analysis.problem.scenario_file import read_toml
 from validation.commands.options import PATIENCE, checked_end
 from validation.commands.output import PictureOut, Result
 from validation.kit.progress import duration, say

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from analysis import StoredRun
-from analysis.data.checks import Array, ToleranceError
+from analysis.problem.checks import Array, ToleranceError
 from validation.kit.tables import Cell, Table, show
 
 COARSEST = 1e-3

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from analysis import SpatialMotion, StoredRun, Trajectory
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
 """Black, blue, vermilion and green of the Okabe-Ito palette, darkest first."""

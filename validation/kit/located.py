@@ -10,8 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from analysis import Scenario, Trajectory
-from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL, Condition, Ending, StopWhen, named_conditions
+from analysis.motion.endings import (
+    CONTACT_WOULD_PULL,
+    Condition,
+    Ending,
+    StopWhen,
+    named_conditions,
+)
+from analysis.problem.checks import Array
 
 PARTS = 16
 """Parts of an interval that is looked at again."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from pebble import ProcessPool
 
-from analysis.data.workers import Spawning
+from analysis.solve.workers import Spawning
 
 
 class Processes(Executor):

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from analysis.data.trajectory import versions
+from analysis.motion.trajectory import versions
 
 PACKAGES = ("exudyn", "numpy", "scipy", "matplotlib")
 """Packages that results depend on."""

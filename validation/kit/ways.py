@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from analysis import Form, Method, Scenario, Trajectory
-from analysis.data.checks import Array
-from analysis.data.sampled import Source
+from analysis.motion.sampled import Source
+from analysis.problem.checks import Array
 from mbs_models import Formulation, Integrator, IntegratorName
 from validation.run import run
 

@@ -17,7 +17,7 @@ from matplotlib.patheffects import withStroke
 from scipy.interpolate import griddata
 from scipy.spatial import QhullError
 
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.kit.figures import new_figure
 from validation.maps.panel import Panel
 from validation.maps.problems import critical_points, label

@@ -10,9 +10,9 @@ import pandas as pd
 from scipy.interpolate import griddata
 
 from analysis import Scenario
-from analysis.data.checks import Array
-from analysis.data.files import AnyArray
-from analysis.data.outcomes import DONE
+from analysis.motion.files import AnyArray
+from analysis.motion.outcomes import DONE
+from analysis.problem.checks import Array
 from validation.maps.refinement import Cell, refine
 from validation.sweeps.pools import Pool
 from validation.sweeps.results import Results

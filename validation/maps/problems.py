@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analysis import MODELS, Scenario
-from analysis.data.changes import changed
-from analysis.data.checks import Array, whole, within
-from analysis.data.written import unit
+from analysis.problem.checks import Array, whole, within
+from analysis.problem.values import unit
+from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
 from validation.kit.ways import forms
 from validation.sweeps.axes import Axis, Design

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.data.written import is_text
+from analysis.problem.values import is_text
 from validation.kit import figures as kit
 from validation.maps import figures
 from validation.maps.panel import Panel, cell

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from analysis import Scenario
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.maps.problems import Problem, quickest_plan
 from validation.sweeps.axes import Design
 from validation.sweeps.sweep import Sweep

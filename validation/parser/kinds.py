@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
-from analysis.data.quantities import SECTIONS
+from analysis.problem.quantities import SECTIONS
 from validation.commands.output import Result
 from validation.parser.options import Group, OfScenario
 from validation.parser.paths import existing, file, filled, store, writable

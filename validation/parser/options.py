@@ -8,8 +8,8 @@ from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn, get_args, get_origin
 
-from analysis.data.names import nearest
-from analysis.data.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
+from analysis.problem.names import nearest
+from analysis.problem.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
 from validation.commands.output import Result
 from validation.parser.paths import existing, file
 

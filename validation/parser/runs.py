@@ -3,7 +3,7 @@
 from dataclasses import dataclass, fields
 from typing import Annotated, Any, Literal, get_args
 
-from analysis.data.names import ArgumentError, nearest
+from analysis.problem.names import ArgumentError, nearest
 
 Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)

@@ -26,10 +26,10 @@ from analysis import (
     ToleranceError,
     Trajectory,
 )
-from analysis.data.admissible import independent_coordinates
-from analysis.data.checks import Array
-from analysis.data.endings import FLAT, TIME_LIMIT
 from analysis.mechanics.recorded import accelerations
+from analysis.motion.endings import FLAT, TIME_LIMIT
+from analysis.problem.checks import Array
+from analysis.problem.constraints import independent_coordinates
 from analysis.stability import spectra
 from mbs_models import EngineError, Formulation, Scene
 from validation.kit.limits import holds, largest

@@ -9,9 +9,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.data.inversion import DEFINITION
-from analysis.data.motion_quantities import filled
-from analysis.data.sampled import SOURCES, Source
+from analysis.motion.inversion import DEFINITION
+from analysis.motion.quantities import filled
+from analysis.motion.sampled import SOURCES, Source
 from validation.kit.animation import picture
 from validation.kit.animation.keyframes import keyframes
 from validation.kit.animation.player import player

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import Scenario
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
 from validation.maps.problems import PROBLEMS, critical_points, label, panels

@@ -8,10 +8,10 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from analysis.data.checks import Array, choice, whole
-from analysis.data.limits import LARGEST_STORAGE
-from analysis.data.names import full_name
-from analysis.data.written import Value, is_text, is_word, read_value
+from analysis.problem.checks import Array, choice, whole
+from analysis.problem.limits import LARGEST_STORAGE
+from analysis.problem.names import full_name
+from analysis.problem.values import Value, is_text, is_word, read_value
 
 Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)

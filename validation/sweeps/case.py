@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from analysis import Ensemble, outcomes, simulate_many
-from analysis.data.outcomes import DONE, failure
+from analysis.motion.outcomes import DONE, failure
 from validation.sweeps.outcomes import difference, outcome, series
 from validation.sweeps.plan import Motion
 from validation.sweeps.sweep import Sweep

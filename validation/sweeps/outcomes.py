@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from analysis import SpatialMotion, Trajectory, outcomes
-from analysis.data.checks import Array, choice
-from analysis.data.motion_quantities import quantities
-from analysis.data.outcomes import OUTCOMES, Row
+from analysis.motion.outcomes import OUTCOMES, Row
+from analysis.motion.quantities import quantities
+from analysis.problem.checks import Array, choice
 
 COLUMNS: Mapping[str, str | None] = {
     **OUTCOMES,

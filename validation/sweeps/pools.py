@@ -6,9 +6,9 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from typing import NamedTuple
 
-from analysis.data.checks import choice, whole
-from analysis.data.names import ArgumentError
-from analysis.data.own import is_own, own_object
+from analysis.problem.checks import choice, whole
+from analysis.problem.names import ArgumentError
+from analysis.problem.user_modules import is_own, own_object
 from validation.kit.processes import Processes
 
 KINDS = ("processes", "dask", "mpi")

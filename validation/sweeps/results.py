@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from analysis.data.checks import Array
-from analysis.data.files import whole_file
-from analysis.data.limits import check_storage
-from analysis.data.outcomes import Column, OutcomeTable
+from analysis.motion.files import whole_file
+from analysis.motion.outcomes import Column, OutcomeTable
+from analysis.problem.checks import Array
+from analysis.problem.limits import check_storage
 from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
 from validation.sweeps.store import reading, tables
 from validation.sweeps.sweep import Sweep

@@ -12,8 +12,8 @@ from typing import Any
 
 from pebble import ProcessExpired
 
-from analysis.data.outcomes import DONE, Row, failed
-from analysis.data.state import COORDINATES
+from analysis.motion.outcomes import DONE, Row, failed
+from analysis.problem.start import COORDINATES
 from validation.kit.processes import Processes
 from validation.kit.progress import bar
 from validation.sweeps.case import TIMERS, CaseRow, run_chunk

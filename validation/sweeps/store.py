@@ -15,8 +15,8 @@ from hashlib import sha256
 from itertools import islice
 from pathlib import Path
 
-from analysis.data.outcomes import DONE
-from analysis.data.own import foreign_names
+from analysis.motion.outcomes import DONE
+from analysis.problem.user_modules import foreign_names
 from validation.kit.differences import flat
 from validation.kit.provenance import commit
 from validation.sweeps.case import CaseRow

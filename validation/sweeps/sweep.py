@@ -12,10 +12,10 @@ import numpy as np
 
 from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.compiled.library import require_heyoka
-from analysis.data.changes import changed, check_fields
-from analysis.data.names import ArgumentError
-from analysis.data.own import is_own, own_object
-from analysis.data.trajectory import versions
+from analysis.motion.trajectory import versions
+from analysis.problem.names import ArgumentError
+from analysis.problem.user_modules import is_own, own_object
+from analysis.problem.variations import changed, check_fields
 from validation.kit.sources import behind, digest
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan

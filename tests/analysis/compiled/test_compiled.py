@@ -33,16 +33,15 @@ from analysis.compiled import code, library, systems
 from analysis.compiled.ensemble import simulate_compiled
 from analysis.compiled.runs import integrate
 from analysis.compiled.systems import SIGN, Structure
-from analysis.data.checks import Array
-from analysis.data.quantities import LOADS
-from analysis.data.watch import Watch
 from analysis.mechanics import reduced
-from analysis.mechanics.attitude import EulerTurning
+from analysis.mechanics.attitude import EulerTurning, paper_of
 from analysis.mechanics.recorded import solver
-from analysis.mechanics.states import paper_of
 from analysis.models import request
 from analysis.models.forms import pose
 from analysis.models.request import Request
+from analysis.problem.checks import Array
+from analysis.problem.quantities import LOADS
+from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table
 from validation import benchmark, by_hand

@@ -18,8 +18,8 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.data.checks import Array
 from analysis.mechanics.recorded import accelerations
+from analysis.problem.checks import Array
 from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP, random_start, spinning_top
 from tests.helpers import (
     OUTER_STEP,

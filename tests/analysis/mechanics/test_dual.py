@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.data.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from analysis.mechanics.dual import derivatives, rate
+from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from tests.helpers import assert_close, jacobian
 
 FORMULAS: dict[str, Callable[[Sequence[Any]], list[Any]]] = {

@@ -22,13 +22,13 @@ from analysis import (
     ViscousFriction,
     multiplier_names,
 )
-from analysis.data.checks import Array
 from analysis.mechanics import paper
+from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, velocities
 from analysis.mechanics.dual import rate
 from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
-from analysis.mechanics.states import paper_of, state_of
+from analysis.problem.checks import Array
 from tests.helpers import (
     all_sets,
     arc,

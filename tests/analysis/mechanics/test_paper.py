@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, ConstraintSet, Disk, Scenario, Table
-from analysis.data.checks import Array
 from analysis.mechanics import paper
+from analysis.problem.checks import Array
 from tests.helpers import (
     all_sets,
     assert_close,

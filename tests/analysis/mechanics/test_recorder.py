@@ -5,8 +5,8 @@ from functools import partial
 from math import sqrt
 from typing import Any
 
-from analysis.data.elementary import cos, sin
 from analysis.mechanics.recorder import Recorder, call
+from analysis.problem.elementary import cos, sin
 
 
 def recorded(formula: Callable[..., tuple[Any, ...]], **functions: Any) -> tuple[Any, str]:

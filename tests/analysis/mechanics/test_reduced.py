@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from analysis import LAWS, MODELS, FrictionLaw, Scenario, SmoothCoulomb, Table
-from analysis.data.checks import Array
 from analysis.mechanics import paper, reduced
 from analysis.mechanics.recorded import accelerations
+from analysis.problem.checks import Array
 from tests.helpers import assert_close, derivative, model, random_disk, slip
 
 Sample = tuple[Scenario, float, Array]

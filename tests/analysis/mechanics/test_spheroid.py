@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from analysis import STEEL_DISK, Dissipation, PenaltyContact, Scenario, Start, Table
-from analysis.data.checks import Array
-from analysis.data.dissipation import CAUSES
-from analysis.data.elementary import cos, sin
-from analysis.mechanics.attitude import EulerAngles
+from analysis.mechanics.attitude import EulerAngles, state_of
 from analysis.mechanics.dual import rate
-from analysis.mechanics.free_body import FreeBody
+from analysis.mechanics.penalty import FreeBody
 from analysis.mechanics.recorded import solver
-from analysis.mechanics.states import state_of
+from analysis.problem.checks import Array
+from analysis.problem.contact import CAUSES
+from analysis.problem.elementary import cos, sin
 from analysis.rest.to_rest import start_vector
 from tests.helpers import assert_close, derivative
 

@@ -15,12 +15,12 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.data.checks import Array
-from analysis.data.constraint_set import PRESCRIBED, multiplier_names
-from analysis.data.state import COORDINATES
 from analysis.mechanics import paper
 from analysis.mechanics.recorded import accelerations
 from analysis.models import balance
+from analysis.problem.checks import Array
+from analysis.problem.constraints import PRESCRIBED, multiplier_names
+from analysis.problem.start import COORDINATES
 from tests.helpers import (
     all_sets,
     angular_velocity,

@@ -21,9 +21,9 @@ from analysis import (
     Trajectory,
     simulate,
 )
-from analysis.data import limits
-from analysis.data.endings import REACHED
-from analysis.data.limits import LEAST_TILT
+from analysis.motion.endings import REACHED
+from analysis.problem import limits
+from analysis.problem.limits import LEAST_TILT
 from mbs_models import Integrator, Scene
 from tests.helpers import model, mostly_slow, not_none
 

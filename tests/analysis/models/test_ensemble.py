@@ -29,9 +29,9 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.compiled import code
-from analysis.data.changes import changed
-from analysis.data.outcomes import DONE, OUTCOMES, Row
 from analysis.models import ensemble as many
+from analysis.motion.outcomes import DONE, OUTCOMES, Row
+from analysis.problem.variations import changed
 from tests.helpers import TILTED, assert_close, model, not_none
 from tests.sweeps import sweep
 from validation.sweeps.case import run_chunk

@@ -16,9 +16,9 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.data.checks import Array
-from analysis.data.endings import REACHED
-from analysis.data.inversion import STAYING, inversions
+from analysis.motion.endings import REACHED
+from analysis.motion.inversion import STAYING, inversions
+from analysis.problem.checks import Array
 from tests.helpers import model, not_none
 
 SPACING = 0.01

@@ -147,7 +147,7 @@ def test_two_runs_that_agree_up_to_a_time_limit_are_a_result_up_to_the_samples_o
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     steps = count()
-    monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: float(next(steps)))
+    monkeypatch.setattr("analysis.solve.watch.time.process_time", lambda: float(next(steps)))
     whole = analysis.simulate(model(2), TIMES, tolerance=1e-3, time_limit=1e9)
     taken = next(steps)
     run = analysis.simulate(model(2), TIMES, tolerance=1e-3, time_limit=0.75 * taken)

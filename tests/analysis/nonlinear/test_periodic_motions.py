@@ -11,8 +11,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from analysis import CENTRED_DISK, Disk, FrictionLaw, Scenario, SmoothCoulomb, TanhCoulomb
-from analysis.data.checks import Array
-from analysis.data.disk import STEEL_RING
 from analysis.mechanics import reduced
 from analysis.nonlinear import families, flow
 from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, solve
@@ -26,6 +24,8 @@ from analysis.nonlinear.families import (
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.problem.checks import Array
+from analysis.problem.disk import STEEL_RING
 from tests.helpers import jacobian, model, mostly_slow, not_none
 
 PAPER = model(4)

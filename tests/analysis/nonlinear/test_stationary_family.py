@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK, ConstraintSet, Scenario, SmoothCoulomb, Start, Table, simulate
-from analysis.data.checks import Array
 from analysis.nonlinear.continuation import Curve
 from analysis.nonlinear.stationary import (
     Parameter,
@@ -15,6 +14,7 @@ from analysis.nonlinear.stationary import (
     stationary_branch,
     stationary_motions,
 )
+from analysis.problem.checks import Array
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
 

@@ -30,9 +30,9 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.data.body import Body
-from analysis.data.checks import Array
-from analysis.data.sampled import SOURCES, Source
+from analysis.motion.sampled import SOURCES, Source
+from analysis.problem.body import Body
+from analysis.problem.checks import Array
 from analysis.solve.until_rest import until_agreement
 from tests.calls import printed
 from tests.helpers import mostly_slow, not_none
@@ -219,7 +219,7 @@ def test_time_limit_ends_runs_with_what_they_reached(
     source: Source, how: dict[str, Any], limit: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = iter(range(10**9))
-    monkeypatch.setattr("analysis.data.watch.time.process_time", lambda: float(next(clock)))
+    monkeypatch.setattr("analysis.solve.watch.time.process_time", lambda: float(next(clock)))
     told: list[tuple[float, float]] = []
     found = run_to_rest(
         Scenario.rest(),

@@ -18,11 +18,11 @@ from analysis import (
     Table,
     simulate,
 )
-from analysis.rest.final_stage import fit_power_law
 from analysis.rest.stationary_rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,
+    fit_power_law,
     rolling_start,
     time_to_flat,
     upright_rolling_spin,

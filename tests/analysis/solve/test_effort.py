@@ -12,11 +12,11 @@ import pytest
 import analysis
 import mbs_models
 from analysis import METHODS, STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start
-from analysis.data.checks import Array
-from analysis.data.limits import MOST_STEPS, Effort
-from analysis.data.watch import Watch
+from analysis.problem.checks import Array
+from analysis.problem.limits import MOST_STEPS, Effort
 from analysis.solve import effort
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.watch import Watch
 from mbs_models import Integrator, Scene, rest
 from mbs_models import effort as engine_effort
 from tests.helpers import model

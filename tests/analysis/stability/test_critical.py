@@ -16,8 +16,8 @@ from analysis import (
     SmoothCoulomb,
     Table,
 )
-from analysis.data.checks import Array
-from analysis.data.constraint_set import set_name
+from analysis.problem.checks import Array
+from analysis.problem.constraints import set_name
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.printed import critical_speed, static_gradient

@@ -20,9 +20,9 @@ from analysis import (
     Table,
     ViscousFriction,
 )
-from analysis.data.checks import Array
-from analysis.data.constraint_set import set_name
 from analysis.mechanics import paper
+from analysis.problem.checks import Array
+from analysis.problem.constraints import set_name
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import ComplexArray, Linearisation, spinning, upright
 from analysis.stability.printed import (

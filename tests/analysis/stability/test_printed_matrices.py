@@ -18,10 +18,9 @@ from analysis import (
     SmoothCoulomb,
     Table,
 )
-from analysis.data.body import Body
-from analysis.stability.chart import stability_chart
+from analysis.problem.body import Body
+from analysis.stability.chart import hopf_curves, stability_chart
 from analysis.stability.critical import critical_speeds
-from analysis.stability.hopf_curves import hopf_curves
 from analysis.stability.linearisation import spinning
 from analysis.stability.printed import (
     closed_form,

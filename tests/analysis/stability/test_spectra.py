@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, MOTIONS, POSSIBLE_SETS, Level, Motion, Scenario, SmoothCoulomb
-from analysis.data.constraint_set import set_name
+from analysis.problem.constraints import set_name
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import System, branches, eigenvalues, follow, matrices_over_spin
 

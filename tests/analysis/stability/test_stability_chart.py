@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
-from analysis.stability.chart import stability_chart, with_gradient
+from analysis.stability.chart import corners, hopf_curves, stability_chart, with_gradient
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.hopf_curves import corners, hopf_curves
 from analysis.stability.printed import full_matrices, static_gradient
 from analysis.stability.sensitivities import POWERS, sensitivities
 from analysis.stability.spectra import eigenvalues

@@ -16,9 +16,9 @@ from analysis import (
     Start,
     Table,
 )
-from analysis.data.constraint_set import set_name
+from analysis.problem.constraints import set_name
 from analysis.stability.critical import critical_speeds
-from analysis.stability.unstable_start import unstable_start
+from analysis.stability.linearisation import unstable_start
 from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import not_none
 

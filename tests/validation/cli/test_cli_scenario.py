@@ -23,8 +23,8 @@ from analysis import (
     ViscousFriction,
     load_run,
 )
-from analysis.data.sampled import SOURCES
-from analysis.data.scenario_text import scenario_text
+from analysis.motion.sampled import SOURCES
+from analysis.problem.scenario_file import scenario_text
 from tests.calls import Capture, printed, refusal, run
 from tests.helpers import not_none
 from tests.validation.cli.test_refusals import RING

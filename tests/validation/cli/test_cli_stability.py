@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from analysis.data.sampled import SOURCES
+from analysis.motion.sampled import SOURCES
 from tests.calls import Capture, printed
 
 

@@ -10,10 +10,10 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis.data.endings import CONDITIONS
-from analysis.data.inversion import DEFINITION
-from analysis.data.quantities import QUANTITIES
-from analysis.data.sampled import SOURCES
+from analysis.motion.endings import CONDITIONS
+from analysis.motion.inversion import DEFINITION
+from analysis.motion.sampled import SOURCES
+from analysis.problem.quantities import QUANTITIES
 from analysis.solve.stepping import METHODS
 from analysis.stability.spectra import SYSTEMS
 from mbs_models import INTEGRATORS

@@ -32,9 +32,9 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.data.body import Body
-from analysis.data.checks import Array
-from analysis.data.disk import CENTRED_DISK
+from analysis.problem.body import Body
+from analysis.problem.checks import Array
+from analysis.problem.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none
 from validation import animate, play

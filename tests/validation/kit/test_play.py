@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from analysis import Disk, Scenario, SmoothCoulomb, Start, simulate
-from analysis.data import frames
+from analysis.motion import frames
 from validation.kit.animation import play
 
 CHOICES = [

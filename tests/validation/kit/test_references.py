@@ -10,8 +10,8 @@ import pytest
 
 import analysis
 from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.data.checks import Array
-from analysis.data.endings import CONTACT_WOULD_PULL, Ending
+from analysis.motion.endings import CONTACT_WOULD_PULL, Ending
+from analysis.problem.checks import Array
 from tests.helpers import not_none
 from validation.kit.located import up_to_ending
 from validation.kit.references import Reference, deviation, ending_error, energy_error, reference

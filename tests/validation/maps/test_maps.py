@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from analysis import MODELS, STEEL_DISK, Scenario
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from analysis.stability.printed import critical_speed
 from tests.bodies import ELLIPSE
 from tests.calls import Capture, run

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.data.sampled import SOURCES
+from analysis.motion.sampled import SOURCES
 from tests.helpers import failing, planted
 from validation.page.content import Content
 from validation.studies import inversion

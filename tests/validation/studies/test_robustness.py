@@ -13,7 +13,7 @@ import pytest
 import analysis
 import mbs_models
 from analysis import MODELS, POSSIBLE_SETS, Scenario, Start, Trajectory
-from analysis.data.endings import CONTACT_WOULD_PULL
+from analysis.motion.endings import CONTACT_WOULD_PULL
 from tests.helpers import failing, not_none, planted
 from validation import study as kit
 from validation.kit.references import Reference, reference

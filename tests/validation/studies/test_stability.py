@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import mbs_models
 from analysis import POSSIBLE_SETS, ConstraintSet, Scenario
-from analysis.data.constraint_set import set_name
+from analysis.problem.constraints import set_name
 from analysis.stability import spectra
 from analysis.stability.critical import critical_speeds
 from tests.helpers import failing, planted

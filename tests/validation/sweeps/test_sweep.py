@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 from analysis import MODELS, Scenario
-from analysis.data.outcomes import DONE
+from analysis.motion.outcomes import DONE
 from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward

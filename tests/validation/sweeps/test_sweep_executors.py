@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.data.outcomes import DONE
+from analysis.motion.outcomes import DONE
 from tests.sweeps import sweep, swept
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results

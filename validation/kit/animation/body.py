@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analysis import Body, Disk, EllipticDisk
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 
 _CORNERS = 73
 """Points of a circle, the last one the first again."""

@@ -8,8 +8,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from analysis.data.checks import Array, within
-from analysis.data.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
+from analysis.problem.checks import Array, within
+from analysis.problem.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.kit.animation import picture
 from validation.kit.animation.keyframes import Keyframes
 from validation.kit.animation.picture import Camera

@@ -5,11 +5,11 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 
 from analysis import SpatialMotion, StoredRun, Trajectory
-from analysis.data import frames
-from analysis.data.body import Body
-from analysis.data.checks import Array, ToleranceError, within
-from analysis.data.limits import MOST_KEYFRAMES
-from analysis.data.names import ArgumentError
+from analysis.motion import frames
+from analysis.problem.body import Body
+from analysis.problem.checks import Array, ToleranceError, within
+from analysis.problem.limits import MOST_KEYFRAMES
+from analysis.problem.names import ArgumentError
 
 _TURN_BETWEEN = 0.2
 """Angle in rad the disk may turn between keyframes."""

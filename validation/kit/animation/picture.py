@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.kit.animation.body import circle, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes
 

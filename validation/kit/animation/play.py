@@ -8,11 +8,11 @@ from types import SimpleNamespace
 from typing import Any
 
 from analysis import MODELS, Disk, Scenario, SmoothCoulomb, Start
-from analysis.data.elementary import cos, sin
+from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.newton_euler import Structure
 from analysis.mechanics.recorded import NUMBERS, STATE, disk_of, numbers, recording
 from analysis.mechanics.recorder import Recorder, Symbol
-from analysis.mechanics.states import paper_of, state_of
+from analysis.problem.elementary import cos, sin
 from validation.kit.animation import player
 from validation.kit.animation.body import shape
 from validation.kit.animation.keyframes import COLUMNS

@@ -14,10 +14,10 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader
 
 from analysis import StoredRun
-from analysis.data.checks import within
-from analysis.data.files import whole_file
-from analysis.data.limits import PLAYBACK_SPEEDS
-from analysis.data.names import ArgumentError
+from analysis.motion.files import whole_file
+from analysis.problem.checks import within
+from analysis.problem.limits import PLAYBACK_SPEEDS
+from analysis.problem.names import ArgumentError
 from validation.kit.animation.body import shape
 from validation.kit.animation.keyframes import COLUMNS, Keyframes, keyframes
 

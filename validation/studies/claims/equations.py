@@ -12,9 +12,9 @@ import numpy as np
 from scipy.optimize import bisect, brute
 
 from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Start
-from analysis.data.checks import Array
-from analysis.data.sampled import SOURCES
 from analysis.mechanics import paper
+from analysis.motion.sampled import SOURCES
+from analysis.problem.checks import Array
 from analysis.stability.printed import closed_form, reduced_matrices
 from mbs_models import Scene
 from validation.studies.claims.grades import Judged, grade, within

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import LEVELS, MODELS, Level, Scenario, Trajectory, energies
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.run import run as run_scenario
 from validation.studies import inversion
 from validation.studies.claims.grades import Judged, grade, within

@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
 from analysis import LEVELS, MODELS, FlatError, Level, Scenario, Start
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
-from analysis.data.inversion import OUTCOMES as DECIDED
-from analysis.data.inversion import STAYING
-from analysis.data.sampled import Source
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT
+from analysis.motion.inversion import OUTCOMES as DECIDED
+from analysis.motion.inversion import STAYING
+from analysis.motion.sampled import Source
 from analysis.stability import printed
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures

@@ -10,12 +10,13 @@ import pandas as pd
 
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
-from analysis.data.sampled import SOURCES
-from analysis.rest.final_stage import fit_power_law, precession
+from analysis.motion.sampled import SOURCES
 from analysis.rest.stationary_rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,
+    fit_power_law,
+    precession,
     rolling_start,
     time_to_flat,
     upright_rolling_spin,

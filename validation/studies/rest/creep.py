@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.kit.limits import largest
 from validation.page.content import Content
 from validation.run import run_to_rest

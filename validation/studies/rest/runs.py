@@ -16,8 +16,8 @@ from analysis import (
     SpatialMotion,
     Start,
 )
-from analysis.data.motion_quantities import filled
-from analysis.data.sampled import SOURCES, Source
+from analysis.motion.quantities import filled
+from analysis.motion.sampled import SOURCES, Source
 from validation.run import run, run_to_rest
 from validation.study import Row, Study
 

@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from analysis import RestCriterion, SpatialMotion
-from analysis.data.checks import Array
-from analysis.data.motion_quantities import filled
+from analysis.motion.quantities import filled
+from analysis.problem.checks import Array
 from validation.kit.animation.player import player
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict

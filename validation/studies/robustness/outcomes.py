@@ -11,7 +11,7 @@ import pandas as pd
 import analysis
 import mbs_models
 from analysis import Method, Trajectory
-from analysis.data.endings import CONTACT_WOULD_PULL, FLAT
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT
 from mbs_models import Scene
 from validation.kit.references import (
     STIFF,

@@ -22,7 +22,7 @@ from analysis import (
     State,
     Table,
 )
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from validation.page.section import power
 
 TOLERANCE = 1e-6

@@ -7,7 +7,7 @@ from scipy.optimize import linear_sum_assignment
 
 import mbs_models
 from analysis import Motion, Scenario, Start
-from analysis.data.checks import Array
+from analysis.problem.checks import Array
 from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation, Scene
 from validation.kit.limits import largest

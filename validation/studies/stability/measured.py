@@ -18,12 +18,11 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
 )
-from analysis.data.body import Body
-from analysis.data.checks import Array
+from analysis.problem.body import Body
+from analysis.problem.checks import Array
 from analysis.stability import spectra
-from analysis.stability.chart import with_gradient
+from analysis.stability.chart import corners, hopf_curves, with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
-from analysis.stability.hopf_curves import corners, hopf_curves
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation

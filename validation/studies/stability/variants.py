@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from analysis.data.checks import Array
-from analysis.data.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
-from analysis.data.scenario import Scenario
+from analysis.problem.checks import Array
+from analysis.problem.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.problem.scenario import Scenario
 from analysis.stability.critical import Crossing, Spectra
 from analysis.stability.printed import first_order, paper_numbers, printed_matrices
 

@@ -14,7 +14,7 @@ import numpy as np
 
 import mbs_models
 from analysis import Trajectory
-from analysis.data.sampled import Source
+from analysis.motion.sampled import Source
 from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED

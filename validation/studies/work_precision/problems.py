@@ -8,8 +8,8 @@ import numpy as np
 import analysis
 import mbs_models
 from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.data import frames
-from analysis.data.checks import Array
+from analysis.motion import frames
+from analysis.problem.checks import Array
 from validation.study import Row
 
 SPACING = 0.02

@@ -1,1 +1,0 @@
-"""Data types of the study: what both sides share, without any mechanics."""

@@ -1,0 +1,143 @@
+"""Why a motion ends, and what a run can be told to end at."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from analysis.problem.checks import choice, number
+from analysis.problem.elementary import sin
+from analysis.problem.names import ArgumentError
+from analysis.problem.start import State
+from analysis.problem.user_modules import is_own, own_object, said
+
+CONTACT_WOULD_PULL = "contact would pull"
+TIME_LIMIT = "time limit"
+FLAT = "flat"
+INVERTED = "inverted"
+LOST = "lost"
+AT_REST = "at rest"
+
+REACHED = 0.9
+"""Part of its largest height above the geometric centre from which on the COG is up."""
+
+FLATTEST = 1e-6
+"""Leaning in rad down to which a pose is told by its Euler angles."""
+
+
+Condition = Callable[[State], float]
+"""From a state to a number; a run ends where that turns negative."""
+
+StopWhen = str | Condition | Iterable[str | Condition]
+"""Conditions of one's own, as functions or by the name `module:function`; or names of
+`CONDITIONS`."""
+
+
+def _above(state: State) -> float:
+    return sin(state.coordinates[4]) * sin(state.coordinates[5])
+
+
+def _not_up(state: State) -> float:
+    return REACHED - _above(state)
+
+
+CONDITIONS: dict[str, Condition] = {INVERTED: _not_up, LOST: _above}
+"""By name: the first rise of the centre of gravity to `REACHED`, whether it stays there or not;
+its first fall from above the geometric centre to below it."""
+
+_SAYING = {
+    CONTACT_WOULD_PULL: "beyond, the contact would have to pull",
+    FLAT: "the disk lies flat, where its Euler angles end",
+    INVERTED: f"the centre of gravity is up, at {REACHED:.0%} of its largest height",
+    LOST: "the centre of gravity has come below the geometric centre again",
+    AT_REST: "the disk is at rest",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """Why a motion ends before the last time asked for.
+
+    Parameters
+    ----------
+    reason : str
+        "contact would pull": an ideal contact would have to hold the disk down. "flat": the Euler
+        angles end. "at rest": see `RestCriterion`. "time limit". "inverted", or the name of the
+        condition that the run was told to end at.
+    time : float
+        Where the motion ends, in s.
+    value : float
+        Normal force there in N, processor time taken in s, kinetic energy at rest in J, or what
+        else the condition says there.
+
+    Raises
+    ------
+    ValueError
+        If the reason is no text or a number is not finite.
+    """
+
+    reason: str
+    time: float
+    value: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.reason, str) or not self.reason:
+            raise ValueError(f"reason must be text, got {self.reason!r}")
+        for name in ("time", "value"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+    def __str__(self) -> str:
+        if self.reason == TIME_LIMIT:
+            return f"ended at t = {self.time:.6g} s: time limit, after {self.value:.3g} s"
+        saying = _SAYING.get(self.reason, self.reason)
+        return f"ended at t = {self.time:.9g} s: {saying}"
+
+
+def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Condition]:
+    """Conditions by the reason they give.
+
+    Parameters
+    ----------
+    stop_when : str, callable or iterable of them
+    state : State, optional
+        To try them on.
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown or stands for two of them, something is neither a name nor callable,
+        or says no number of the state.
+    """
+    given = stop_when if isinstance(stop_when, Iterable) else (stop_when,)
+    if isinstance(given, str):
+        given = (given,)
+    found: dict[str, Condition] = {}
+    for each in given:
+        name, condition = _named(each)
+        if found.setdefault(name, condition) is not condition:
+            raise ValueError(f"stop_when must hold functions of different names, got {name} twice")
+        if state is not None:
+            _try(name, condition, state)
+    return found
+
+
+def _try(name: str, condition: Condition, state: State) -> None:
+    """Raise if a condition says no number of a state."""
+    try:
+        number("it", condition(state))
+    except (Exception, SystemExit) as error:
+        fault = f"must say a number of a State: {said(error, ValueError)}"
+        raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
+
+
+def check_condition_name(name: str) -> str:
+    """Return the name of a condition; `ValueError` if it can be none. Imports nothing."""
+    return name if is_own(name) else choice("stop_when", name, [*CONDITIONS, "module:function"])
+
+
+def _named(given: str | Condition) -> tuple[str, Condition]:
+    """Name of a condition, which it gives as the reason, and the condition."""
+    if isinstance(given, str) and check_condition_name(given) in CONDITIONS:
+        return given, CONDITIONS[given]
+    condition = own_object("stop_when", given) if isinstance(given, str) else given
+    if not callable(condition):
+        raise ValueError(f"stop_when must hold names or functions of a State, got {given!r}")
+    return getattr(condition, "__name__", type(condition).__name__), condition

@@ -1,0 +1,152 @@
+"""Result files: written whole or not at all, read with suspicion."""
+
+import os
+import sys
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from shutil import copyfileobj
+from stat import S_IMODE, S_ISREG
+from typing import Any, BinaryIO, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.problem.limits import LARGEST_STORAGE
+
+AnyArray = npt.NDArray[Any]
+
+STANDARD_OUTPUT = Path("/dev/stdout")
+"""Its name as a path; written to on every system."""
+
+_IN_MEMORY = 100_000_000
+"""Bytes that are held in memory for a pipe; a temporary file holds more."""
+
+_UNREADABLE = (
+    OSError, EOFError, ValueError, KeyError, TypeError, RuntimeError, ArithmeticError,
+    MemoryError, SyntaxError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""What NumPy, zipfile and JSON raise on damaged files."""
+
+
+@contextmanager
+def readable_archive(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
+    """Open the `.npz` file of a motion; whatever goes wrong with it is told with its path.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file is damaged, or what is done with its contents fails.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            yield archive
+    except FileNotFoundError:
+        raise
+    except _UNREADABLE as error:
+        cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
+        cause = " ".join(cause.split()) or type(error).__name__
+        raise ValueError(f"{path} is not a readable motion: {cause}") from error
+
+
+def read_array(archive: zipfile.ZipFile, name: str) -> AnyArray:
+    """One array of an `.npz` file, without pickle; none that is larger than `LARGEST_STORAGE`.
+
+    Memory for what a header claims is filled only as far as the file goes.
+    """
+    info = archive.getinfo(f"{name}.npy")
+    if info.file_size > LARGEST_STORAGE:
+        raise ValueError(
+            f"{info.filename} has {info.file_size:.3g} bytes, and at most {LARGEST_STORAGE:.3g} "
+            "are read"
+        )
+    with archive.open(info) as stream:
+        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """Open a file for writing that is there as a whole, or not at all.
+
+    A regular file is written beside its place and moved there on success; on any error that draft
+    is removed, and what stood there stays as it was. A link stays and what it leads to is
+    replaced; a file that was there keeps its mode. A pipe or a device gets the content when all
+    of it has been made, and so does standard output: `STANDARD_OUTPUT`, or any other name of it.
+
+    Raises
+    ------
+    OSError
+        If the folder does not exist or cannot be written.
+    """
+    held, is_output = _held(path), is_standard_output(path)
+    if not is_output and (held is None or S_ISREG(held.st_mode)):
+        with _draft(Path(os.path.realpath(path)), held) as stream:
+            yield stream
+        return
+    with tempfile.SpooledTemporaryFile(max_size=_IN_MEMORY) as content:
+        yield cast("BinaryIO", content)
+        content.seek(0)
+        # Opened by its name, standard output would begin again at its start.
+        opened = os.dup(_output()) if is_output else os.open(path, os.O_WRONLY)
+        with os.fdopen(opened, "wb") as stream:
+            copyfileobj(content, stream)
+
+
+def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write a file, text in UTF-8, whole or not at all; errors are those of `whole_file`."""
+    with whole_file(path) as stream:
+        stream.write(content.encode() if isinstance(content, str) else content)
+
+
+def is_standard_output(path: str | os.PathLike[str]) -> bool:
+    """Whether a path is a name of standard output: `STANDARD_OUTPUT`, or where that leads."""
+    if Path(path) == STANDARD_OUTPUT:
+        return True
+    try:
+        held = _held(path)
+        return held is not None and os.path.samestat(held, os.fstat(_output()))
+    except OSError:
+        return False
+
+
+def _output() -> int:
+    if sys.__stdout__ is None:
+        raise OSError("standard output is closed")
+    return sys.__stdout__.fileno()
+
+
+def _held(path: str | os.PathLike[str]) -> os.stat_result | None:
+    """What stands at a path, behind all links; None if there is nothing."""
+    try:
+        return Path(path).stat()
+    except FileNotFoundError:
+        return None
+
+
+@contextmanager
+def _draft(target: Path, held: os.stat_result | None) -> Iterator[BinaryIO]:
+    """A temporary neighbour of a regular file, or of none, that takes its place on success."""
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    draft = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            yield stream
+        # mkstemp makes files private; a new result gets the permissions any new file would get.
+        mask = os.umask(0)
+        os.umask(mask)
+        draft.chmod(0o666 & ~mask if held is None else S_IMODE(held.st_mode))
+        draft.replace(target)
+    except OSError as error:
+        draft.unlink()
+        if error.errno is None or error.filename is not None:
+            raise
+        # A full disk does not say where it is full.
+        raise OSError(error.errno, error.strerror, str(target)) from error
+    except BaseException:
+        draft.unlink()
+        raise

@@ -1,0 +1,193 @@
+"""The way between the co-rotating coordinates and the inertial frame."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from analysis.problem.checks import Array
+
+
+class Poses(NamedTuple):
+    """Poses and how they move: shapes (n, 3), (n, 3, 3), (n, 3), (n, 3); see `from_poses`."""
+
+    positions: Array
+    rotations: Array
+    velocities: Array
+    angular_velocities: Array
+
+
+def turn_about_vertical(alpha: Array, vectors: Array) -> Array:
+    """Inertial components of vectors given in the R-frame; `alpha` (...), `vectors` (..., 3).
+
+    With -alpha it turns inertial components into those of the R-frame.
+    """
+    c, s = np.cos(alpha), np.sin(alpha)
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.stack((c * x - s * y, s * x + c * y, z), axis=-1)
+
+
+def poses(coordinates: Array) -> tuple[Array, Array]:
+    """Inertial position of G in m, shape (..., 3), and rotation matrix A_IB, shape (..., 3, 3).
+
+    Parameters
+    ----------
+    coordinates : ndarray, shape (..., 6)
+        Co-rotating coordinates, Eq. (8).
+    """
+    alpha, beta, gamma = np.moveaxis(coordinates[..., 3:], -1, 0)
+    sa, ca = np.sin(alpha), np.cos(alpha)
+    sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
+    rotation = np.array(
+        (
+            (ca * cg - sa * cb * sg, -ca * sg - sa * cb * cg, sa * sb),
+            (sa * cg + ca * cb * sg, -sa * sg + ca * cb * cg, -ca * sb),
+            (sb * sg, sb * cg, cb),
+        )
+    )
+    place = turn_about_vertical(alpha, coordinates[..., :3])
+    return place, np.moveaxis(rotation, (0, 1), (-2, -1))
+
+
+def twists(coordinates: Array, rates: Array) -> tuple[Array, Array]:
+    """Inertial velocity of G in m/s and angular velocity in rad/s, each shape (..., 3)."""
+    x, y, _, alpha, beta, _ = np.moveaxis(coordinates, -1, 0)
+    xd, yd, zd, ad, bd, gd = np.moveaxis(rates, -1, 0)
+    velocity = np.stack((xd - ad * y, yd + ad * x, zd), axis=-1)
+    angular = np.stack((bd, -gd * np.sin(beta), ad + gd * np.cos(beta)), axis=-1)
+    return turn_about_vertical(alpha, velocity), turn_about_vertical(alpha, angular)
+
+
+def from_poses(
+    position: Array, rotation: Array, velocity: Array, angular: Array
+) -> tuple[Array, Array]:
+    """Co-rotating coordinates and rates, each shape (n, 6), from inertial poses and twists.
+
+    alpha and gamma come out in (-pi, pi]; beta must lie inside (0, pi).
+
+    Parameters
+    ----------
+    position, velocity, angular : ndarray, shape (n, 3)
+        Inertial position of G in m, its velocity in m/s and the angular velocity in rad/s.
+    rotation : ndarray, shape (n, 3, 3)
+        Rotation matrix A_IB.
+    """
+    beta = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
+    gamma = np.arctan2(rotation[:, 2, 0], rotation[:, 2, 1])
+    alpha = np.arctan2(rotation[:, 0, 2], -rotation[:, 1, 2])
+    place = turn_about_vertical(-alpha, position)
+    speed = turn_about_vertical(-alpha, velocity)
+    spin = turn_about_vertical(-alpha, angular)
+    gd = -spin[:, 1] / np.sin(beta)
+    ad = spin[:, 2] - gd * np.cos(beta)
+    coordinates = np.column_stack((place, alpha, beta, gamma))
+    rates = np.column_stack(
+        (
+            speed[:, 0] + ad * place[:, 1],
+            speed[:, 1] - ad * place[:, 0],
+            speed[:, 2],
+            ad,
+            spin[:, 0],
+            gd,
+        )
+    )
+    return coordinates, rates
+
+
+def follow_turns(times: Array, coordinates: Array, rates: Array) -> None:
+    """Make alpha and gamma continuous from their first values on, in place.
+
+    Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
+    turns as long as it is off by less than half of one.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+    coordinates, rates : ndarray, shape (n, 6)
+    """
+    for column in (3, 5):
+        angle, rate = coordinates[:, column], rates[:, column]
+        predicted = 0.5 * np.diff(times) * (rate[1:] + rate[:-1])
+        turns = np.round((predicted - np.diff(angle)) / (2 * np.pi))
+        angle[1:] += 2 * np.pi * np.cumsum(turns)
+
+
+def accelerations_from_inertial(
+    coordinates: Array, rates: Array, acceleration: Array, angular: Array
+) -> Array:
+    """Second derivatives of the co-rotating coordinates, shape (n, 6), from inertial ones.
+
+    Parameters
+    ----------
+    coordinates, rates : ndarray, shape (n, 6)
+    acceleration, angular : ndarray, shape (n, 3)
+        Inertial acceleration of G in m/s² and angular acceleration in rad/s².
+    """
+    x, y, _, alpha, beta, _ = coordinates.T
+    xd, yd, _, ad, bd, gd = rates.T
+    ax, ay, az = turn_about_vertical(-alpha, acceleration).T
+    wx, wy, wz = turn_about_vertical(-alpha, angular).T
+    sb, cb = np.sin(beta), np.cos(beta)
+    # The R-frame turns: its components change by the vertical spin times the angular velocity.
+    gdd = -(wy - ad * bd + gd * bd * cb) / sb
+    bdd = wx - ad * gd * sb
+    add = wz - gdd * cb + gd * bd * sb
+    xdd = ax + 2 * ad * yd + add * y + ad * ad * x
+    ydd = ay - 2 * ad * xd - add * x + ad * ad * y
+    return np.column_stack((xdd, ydd, az, add, bdd, gdd))
+
+
+def quaternions(rotations: Array) -> Array:
+    """Unit quaternions, scalar part first, shape (n, 4), of rotation matrices, shape (n, 3, 3).
+
+    Each comes from the largest of its squares, which is regular in every attitude; signs are
+    such that neighbours are close.
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(rotations, 0, -1)
+    products = np.array(
+        (
+            (1 + xx + yy + zz, zy - yz, xz - zx, yx - xy),
+            (zy - yz, 1 + xx - yy - zz, yx + xy, xz + zx),
+            (xz - zx, yx + xy, 1 - xx + yy - zz, zy + yz),
+            (yx - xy, xz + zx, zy + yz, 1 - xx - yy + zz),
+        )
+    )
+    largest = np.argmax(np.einsum("iin->ni", products), axis=1)
+    chosen = products[largest, :, np.arange(len(rotations))]
+    chosen = chosen / np.linalg.norm(chosen, axis=1)[:, None]
+    turned = np.sum(chosen[1:] * chosen[:-1], axis=1) < 0.0
+    chosen[1:][np.cumsum(turned) % 2 == 1] *= -1.0
+    result: Array = chosen
+    return result
+
+
+def rotations(quaternions: Array) -> Array:
+    """Rotation matrices, shape (n, 3, 3), of unit quaternions, scalar part first, shape (n, 4)."""
+    w, x, y, z = quaternions.T
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def quaternion_rates(quaternions: Array, angular: Array) -> Array:
+    """Rates of unit quaternions, shape (n, 4), from inertial angular velocities, shape (n, 3)."""
+    scalar, vector = quaternions[:, :1], quaternions[:, 1:]
+    along = -np.sum(angular * vector, axis=1, keepdims=True)
+    return 0.5 * np.hstack((along, scalar * angular + np.cross(angular, vector)))
+
+
+def angular_velocities(quaternions: Array, rates: Array) -> Array:
+    """Inertial angular velocities in rad/s, shape (n, 3), from quaternions and their rates."""
+    scalar, vector = quaternions[:, :1], quaternions[:, 1:]
+    turning = scalar * rates[:, 1:] - rates[:, :1] * vector
+    result: Array = 2.0 * (turning - np.cross(rates[:, 1:], vector))
+    return result
+
+
+def tilts(rotations: Array) -> Array:
+    """Inclination beta in rad from 0 to pi, both flat, of rotation matrices, shape (...)."""
+    x, y, z = np.moveaxis(rotations[..., 2], -1, 0)
+    result: Array = np.arctan2(np.hypot(x, y), z)
+    return result

@@ -1,0 +1,221 @@
+"""A motion between its samples, from coordinates and rates alone."""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.problem.checks import Array
+
+Numbers = npt.NDArray[Any]
+"""Of rows or of columns."""
+
+Polynomials = Callable[[Array], tuple[Array, Array]]
+"""From a time in each row to values and slopes there, shape (m, k)."""
+
+NODES = 6
+"""Samples that an interpolating polynomial goes through, with their rates: it has degree 11."""
+
+CAUTION = 10.0
+"""Estimated error over the difference from a polynomial through two samples fewer.
+
+Against runs sampled a hundred times as closely, the error of Models 1 to 4 is 0.03 to 4 times
+that difference at sample spacings of 1 to 10 ms.
+"""
+
+_CLOSE = 1e-3
+_PROBES = (0.25, 0.5, 0.75)
+_REACH = 2 * NODES
+"""Samples to either side that are looked at for those; some may lie too close together."""
+
+_GAIN = 0.1
+"""Part of the difference of two polynomials that two samples more leave of a smooth motion."""
+
+_ROUNDING = 1e-13
+"""Difference of polynomials that is none."""
+
+_STEPS = 60
+"""After so many halvings, a bracket is as narrow as rounding."""
+
+
+def interpolate(
+    times: Array, values: Array, rates: Array, wanted: Array, nodes: int = NODES
+) -> tuple[Array, Array, Array]:
+    """Values and rates between samples by Hermite interpolation, and the error to expect.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Strictly increasing.
+    values, rates : ndarray, shape (n, k)
+    wanted : ndarray, shape (m,)
+        Times within the samples.
+    nodes : int
+        Samples that a polynomial goes through at most.
+
+    Returns
+    -------
+    values, rates, error : ndarray, shape (m, k)
+        The error is that of the values, the largest over the interval between two samples.
+    """
+    # Two samples nearly at one time, such as those at an ending, would amplify rounding.
+    spacing = np.diff(times)
+    kept = np.append(spacing >= _CLOSE * np.median(spacing), True)
+    kept[0] = True
+    times, values, rates = times[kept], values[kept], rates[kept]
+    high = min(nodes, times.size)
+    low = max(1, high - 2)
+    interval = np.clip(np.searchsorted(times, wanted, side="right") - 1, 0, times.size - 2)
+
+    def through(count: int) -> Polynomials:
+        first = np.clip(interval - (count // 2 - 1), 0, times.size - count)
+        near = first[:, None] + np.arange(count)
+        return _polynomials(times[near], values[near], rates[near])
+
+    most, fewer = through(high), through(low)
+    found, slopes = most(wanted)
+    error = np.zeros_like(found)
+    for part in _PROBES:
+        probe = (1.0 - part) * times[interval] + part * times[interval + 1]
+        error = np.maximum(error, CAUTION * np.abs(most(probe)[0] - fewer(probe)[0]))
+    return found, slopes, error
+
+
+def crossings(
+    times: Array, values: Array, rates: Array, level: float, columns: Numbers
+) -> tuple[Array, Array]:
+    """Times at which sampled quantities pass a level, by the polynomials of `interpolate`.
+
+    Parameters
+    ----------
+    times, values, rates : ndarray, shape (k, n)
+        A quantity in each row, of which the last sample may be repeated.
+    level : float
+    columns : ndarray of int, shape (k,)
+        Each passes the level between this sample and the one before.
+
+    Returns
+    -------
+    times, errors : ndarray, shape (k,)
+        The error to expect is that of the value over its slope, and at most what is left between
+        the two samples.
+    """
+    found, errors = np.empty((2, len(columns)))
+    each, width = np.arange(len(columns)), min(times.shape[1], 2 * _REACH)
+    begins = np.clip(columns - _REACH, 0, times.shape[1] - width)
+    around = each[:, None], begins[:, None] + np.arange(width)
+    times, values, rates, columns = times[around], values[around], rates[around], columns - begins
+    order, counts, kept = _apart(times)
+    before = np.cumsum(kept, axis=1)[each, columns - 1] - 1
+    for count in np.unique(np.minimum(counts, NODES)).tolist():
+        rows = np.flatnonzero(np.minimum(counts, NODES) == count)
+
+        def through(size: int, rows: Numbers = rows) -> Polynomials:
+            first = np.clip(before[rows] - (size // 2 - 1), 0, counts[rows] - size)
+            near = np.take_along_axis(order[rows], first[:, None] + np.arange(size), axis=1)
+            place = rows[:, None], near
+            return _polynomials(times[place], values[place][..., None], rates[place][..., None])
+
+        polynomials = [through(max(1, count - left_out)) for left_out in (0, 2, 4)]
+        low, high = times[rows, columns[rows] - 1], times[rows, columns[rows]]
+        found[rows], slope = _solve(polynomials[0], level, low, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = _error(polynomials, low, high) / np.abs(slope)
+        errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
+    return found, errors
+
+
+def extremes(times: Array, values: Array, rates: Array) -> tuple[Array, Array]:
+    """Least and largest value between samples, by cubic polynomials, each shape (k, n - 1).
+
+    Both are taken to go beyond the samples by half as much again, which stands for the error.
+
+    Parameters
+    ----------
+    times, values, rates : ndarray, shape (k, n)
+    """
+    width, first, last = np.diff(times, axis=1), values[:, :-1], values[:, 1:]
+    least, most = np.minimum(first, last), np.maximum(first, last)
+    low, high = least, most
+    for part in np.linspace(0.0, 1.0, 9)[1:-1].tolist():
+        rest = 1.0 - part
+        value = (1.0 + 2.0 * part) * rest**2 * first + part**2 * (3.0 - 2.0 * part) * last
+        value += width * part * rest * (rest * rates[:, :-1] - part * rates[:, 1:])
+        low, high = np.minimum(low, value), np.maximum(high, value)
+    return low + 0.5 * (low - least), high + 0.5 * (high - most)
+
+
+def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:
+    """Columns of each row with those first that are not close to the next one, and how many.
+
+    The last array says which these are. The first and the last column are always among them.
+    """
+    spacing = np.diff(times, axis=1)
+    typical = (times[:, -1] - times[:, 0]) / np.maximum(1, np.sum(spacing > 0.0, axis=1))
+    kept = np.ones(times.shape, dtype=bool)
+    kept[:, 1:-1] = spacing[:, 1:] >= _CLOSE * typical[:, None]
+    return np.argsort(~kept, axis=1, kind="stable"), kept.sum(axis=1), kept
+
+
+def _error(through: Sequence[Polynomials], low: Array, high: Array) -> Array:
+    """Error to expect of the first of three polynomials through fewer and fewer samples."""
+    probes = [(1.0 - part) * low + part * high for part in _PROBES]
+    found = [np.array([each(probe)[0][:, 0] for probe in probes]) for each in through]
+    apart, before = (np.max(np.abs(one - other), axis=0) for one, other in pairwise(found))
+    # Around an impact, or of too few samples, more of them tell nothing.
+    tells = (apart < _GAIN * before) | (apart < _ROUNDING)
+    return np.where(tells, CAUTION * apart, np.inf)
+
+
+def _solve(polynomial: Polynomials, level: float, low: Array, high: Array) -> tuple[Array, Array]:
+    """Where each takes a value between two times, and its slope there, by Newton's rule.
+
+    A step that leaves what is known to hold the place halves it instead.
+    """
+    starts, ends = (polynomial(each)[0][:, 0] - level for each in (low, high))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        place = low + (high - low) * np.clip(np.nan_to_num(starts / (starts - ends)), 0.0, 1.0)
+    for _ in range(_STEPS):
+        value, slope = (each[:, 0] for each in polynomial(place))
+        beyond = (value - level > 0.0) != (starts > 0.0)
+        low, high = np.where(beyond, low, place), np.where(beyond, place, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = place - (value - level) / slope
+        wanted = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+        moved = np.abs(wanted - place)
+        place = wanted
+        if np.all(moved <= 4.0 * np.spacing(np.abs(place))):
+            break
+    return place, slope
+
+
+def _polynomials(nodes: Array, values: Array, rates: Array) -> Polynomials:
+    """Newton's form with every node taken twice; value and slope by Horner's rule.
+
+    Shapes are (m, p) of the nodes, (m, p, k) of values and rates, (m,) of the times wanted.
+    """
+    doubled = np.repeat(nodes, 2, axis=1)
+    table = np.repeat(values, 2, axis=1)
+    coefficients = [table[:, 0]]
+    for order in range(1, doubled.shape[1]):
+        gaps = (doubled[:, order:] - doubled[:, :-order])[..., None]
+        rises = np.diff(table, axis=1)
+        if order == 1:
+            table = np.empty_like(rises)
+            table[:, 0::2] = rates
+            table[:, 1::2] = rises[:, 1::2] / gaps[:, 1::2]
+        else:
+            table = rises / gaps
+        coefficients.append(table[:, 0])
+
+    def at(wanted: Array) -> tuple[Array, Array]:
+        value, slope = coefficients[-1], np.zeros_like(coefficients[-1])
+        for row in range(len(coefficients) - 2, -1, -1):
+            step = (wanted - doubled[:, row])[:, None]
+            slope = slope * step + value
+            value = value * step + coefficients[row]
+        return value, slope
+
+    return at

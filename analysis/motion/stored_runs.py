@@ -1,0 +1,88 @@
+"""Stored runs of either kind: what `save` has written is read here."""
+
+import json
+import os
+from typing import Any, TypeVar, overload
+
+from analysis.motion.endings import Ending
+from analysis.motion.files import read_array, readable_archive
+from analysis.motion.quantities import filled
+from analysis.motion.sampled import FORMAT, described
+from analysis.motion.spatial_motion import SpatialMotion
+from analysis.motion.trajectory import Trajectory
+from analysis.problem.checks import choice
+from analysis.problem.scenario import Scenario
+from analysis.problem.user_modules import foreign_names
+
+StoredRun = Trajectory | SpatialMotion
+"""What a result file holds."""
+
+_OLDER = {"t": "times", "q": "coordinates", "u": "rates", "spatial_meta": "meta"}
+"""What format 2, which is otherwise the present one, called some arrays."""
+
+Kind = TypeVar("Kind", bound=StoredRun)
+
+
+@overload
+def load_run(path: str | os.PathLike[str]) -> StoredRun: ...
+@overload
+def load_run(path: str | os.PathLike[str], kind: type[Kind]) -> Kind: ...
+def load_run(path: str | os.PathLike[str], kind: Any = None) -> Any:
+    """Read a stored run, of either kind or of the one named.
+
+    Parameters
+    ----------
+    path : path-like
+        File that `Trajectory.save` or `SpatialMotion.save` has written.
+    kind : {Trajectory, SpatialMotion}, optional
+        What it must hold; by default either.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is damaged, is of another version of this project, or holds something else.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from analysis import Scenario, load_run, simulate
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     simulate(Scenario(), [0.0, 0.01]).save(Path(folder) / "run.npz")
+    ...     run = load_run(Path(folder) / "run.npz")
+    >>> run.source, run.times.size
+    ('in-house', 2)
+    """
+    with readable_archive(path) as archive:
+        held = [name.removesuffix(".npy") for name in archive.namelist()]
+        names = {_OLDER.get(name, name): name for name in held}
+        found = SpatialMotion if "quaternions" in names else Trajectory
+        if kind not in (None, found):
+            raise ValueError(f"kind must be {kind.__name__}, got {found.__name__}")
+        given = _description(str(read_array(archive, names["meta"])), found)
+        given |= {name: read_array(archive, names[name]) for name in filled(found)}
+        return found(**given)
+
+
+def _description(text: str, kind: type[StoredRun]) -> dict[str, Any]:
+    """What a file says of its motion, with scenario and ending as such."""
+    meta = json.loads(text)
+    if not isinstance(meta, dict):
+        raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
+    written = meta.pop("format", 1)
+    if written not in (2, FORMAT):
+        age = "a newer" if isinstance(written, int) and written > FORMAT else "an older"
+        raise ValueError(
+            f"format must be {FORMAT}, got {written!r}: the file comes from {age} version of "
+            "this project"
+        )
+    for name in meta:
+        choice("meta", name, described(kind))
+    found = {name: meta[name] for name in described(kind)}
+    with foreign_names():
+        found["scenario"] = Scenario.from_values(found["scenario"])
+    if found["ending"] is not None:
+        found["ending"] = Ending(**found["ending"])
+    return found

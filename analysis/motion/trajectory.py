@@ -1,0 +1,169 @@
+"""Trajectories: what every simulation returns, whoever made it; one, or samples of many."""
+
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from typing import Any, ClassVar
+
+import numpy as np
+
+from analysis.motion.interpolation import interpolate
+from analysis.motion.quantities import InCoordinates
+from analysis.motion.sampled import SampledMotion, Setting
+from analysis.problem.checks import Array, choice, number
+from analysis.problem.constraints import multiplier_names
+from analysis.problem.start import COORDINATES, State
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Trajectory(InCoordinates, SampledMotion):
+    """A motion of the disk, sampled in time, and what produced it.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Strictly increasing times in s.
+    coordinates, rates : ndarray, shape (n, 6)
+        Co-rotating coordinates, Eq. (8), in m and rad, and their time derivatives; alpha and
+        gamma are unwrapped.
+    multipliers : ndarray, shape (n, k)
+        Constraint forces in the order of `multiplier_names(scenario.constraints)`, in N and N m.
+    scenario : Scenario
+        What was simulated.
+    source : {"engine", "in-house"}
+    method : mapping
+        Formulation, integrator, step, tolerances: whatever is needed to run it again.
+    error_estimate : float, optional
+        Largest error expected in beta and gamma in rad; None if it was not estimated.
+    counts : mapping
+        Work done, such as right-hand-side evaluations or steps.
+    versions : mapping
+        Versions of the software that made it.
+    ending : Ending, optional
+        Why it ends before the last time asked for, if it does.
+    pulling : tuple of pairs of floats
+        Times in s between which an ideal contact pulls, if it was let.
+    solver_seconds : float, optional
+        Processor time in s of the integration that it comes from, without the preparations and
+        the runs to a tolerance before it; None for one from a file.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit or a number is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Scenario, simulate
+    >>> run = simulate(Scenario(), np.linspace(0.0, 1.0, 201))
+    >>> bool(run.cog_height.max() > run.scenario.disk.radius)
+    True
+    >>> round(run.at(0.5023).coordinates[4], 6)
+    1.761266
+    >>> run.to_dict()["normal_force"].shape
+    (201,)
+    """
+
+    ERROR_UNIT: ClassVar[str] = " rad"
+
+    coordinates: Array
+    rates: Array
+    multipliers: Array
+    method: Mapping[str, Setting]
+    pulling: tuple[tuple[float, float], ...] = ()
+    solver_seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        self._check()
+        pulling = tuple(
+            (number("pulling", first), number("pulling", last)) for first, last in self.pulling
+        )
+        for first, last in pulling:
+            if first > last:
+                raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
+        object.__setattr__(self, "pulling", pulling)
+
+    def coordinate(self, name: str) -> Array:
+        """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
+        return self.coordinates[:, _column(name)]
+
+    def rate(self, name: str) -> Array:
+        """Rate of the coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
+        return self.rates[:, _column(name)]
+
+    def multiplier(self, name: str) -> Array:
+        """Constraint force of this name over time, shape (n,).
+
+        Raises
+        ------
+        ValueError
+            If the scenario has no such constraint.
+        """
+        names = multiplier_names(self.scenario.constraints)
+        return self.multipliers[:, names.index(choice("multiplier", name, names))]
+
+    def state(self, index: int) -> State:
+        """State at one sample."""
+        return State(
+            coordinates=tuple(self.coordinates[index].tolist()),
+            rates=tuple(self.rates[index].tolist()),
+        )
+
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
+        coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
+        return {"coordinates": coordinates, "rates": rates}, np.max(error[:, 4:], axis=1)
+
+    def _beside(self, wanted: Array) -> dict[str, Any]:
+        order: Any = min(2, self.times.size - 1)
+        slopes = np.gradient(self.multipliers, self.times, axis=0, edge_order=order)
+        multipliers, *_ = interpolate(self.times, self.multipliers, slopes, wanted, nodes=2)
+        return {"multipliers": multipliers}
+
+    @staticmethod
+    def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:
+        return arrays["coordinates"], arrays["rates"]
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Versions of Python and of these packages."""
+    return {"python": _python_version()} | {name: _version(name) for name in packages}
+
+
+# Reading one takes as long as the shortest runs.
+_version = cache(version)
+_python_version = cache(platform.python_version)
+
+
+def _column(name: str) -> int:
+    return COORDINATES.index(choice("coordinate", name, COORDINATES))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples(InCoordinates):
+    """Samples of k motions; behind the end of one its last sample is repeated.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of the one motion there is; or what has its constraints, contact, and numbers of disk and
+        table, each shape (k, 1).
+    times : ndarray, shape (k, n)
+    coordinates, rates : ndarray, shape (k, n, 6)
+    multipliers : ndarray, shape (k, n, c)
+    """
+
+    scenario: Any
+    times: Array
+    coordinates: Array
+    rates: Array
+    multipliers: Array
+
+    @classmethod
+    def of(cls, motion: Trajectory, count: int) -> "Samples":
+        """So many samples of one motion, k = 1."""
+        rows = np.minimum(np.arange(count), motion.times.size - 1)[None]
+        arrays = (motion.times, motion.coordinates, motion.rates, motion.multipliers)
+        return cls(motion.scenario, *(each[rows] for each in arrays))

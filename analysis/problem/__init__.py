@@ -1,0 +1,1 @@
+"""What is studied: bodies, friction, constraints, contact, start, and the scenario of them all."""

@@ -1,0 +1,323 @@
+"""Checks of arguments: validators, and data types that their declarations check."""
+
+import re
+from abc import ABCMeta
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from functools import cache
+from inspect import Signature, signature
+from math import inf, isfinite, isnan
+from numbers import Integral, Real
+from typing import Any, ClassVar, TypeVar, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.problem.elementary import Members
+from analysis.problem.names import ArgumentError, check_names, nearest
+from analysis.problem.quantities import LARGEST_VALUE, QUANTITIES, Quantity, short
+
+Array = npt.NDArray[np.float64]
+T = TypeVar("T")
+
+
+class ToleranceError(ArithmeticError):
+    """A requested accuracy could not be met."""
+
+
+class TimeLimitError(ArithmeticError):
+    """A run met its time limit before it had a result to return."""
+
+
+def number(name: str, value: Any) -> float:
+    """Return `value` as a finite float; numbers of `Members`, one for each, as they are.
+
+    Raises
+    ------
+    ValueError
+        If it is not a real number (text is none), or not finite.
+    """
+    # To ask an abstract class takes longer than all the rest.
+    if type(value) is float and isfinite(value):
+        return value
+    if not isinstance(value, Real) or isinstance(value, bool):
+        if isinstance(value, Members):
+            return _finite(name, value)
+        raise ArgumentError(name, f"must be a finite number, got {value!r}{_in_numbers(value)}")
+    try:
+        result = float(value)
+    except OverflowError:
+        raise ArgumentError(name, "must be a finite number, got one too large") from None
+    if not isfinite(result):
+        raise ArgumentError(name, f"must be a finite number, got {result}")
+    return result
+
+
+def _in_numbers(value: Any) -> str:
+    """How to write an angle that is given as text."""
+    angle = re.fullmatch(r"\s*([-+.\d]+)\s*(deg|°)\s*", value) if isinstance(value, str) else None
+    return f"; write np.radians({angle[1]})" if angle else ""
+
+
+def _finite(name: str, members: Members) -> float:
+    if not np.isfinite(members):
+        raise ArgumentError(name, f"must be a finite number, got {members:g}")
+    return cast("float", members)
+
+
+def in_range(
+    name: str,
+    value: Any,
+    least: float = -inf,
+    most: float = inf,
+    *,
+    is_above: bool = False,
+    is_below: bool = False,
+    why: str = "",
+) -> float:
+    """Return `value` as a float in a range, an end of which may itself be left out.
+
+    Parameters
+    ----------
+    name : str
+    value
+    least, most : float
+    is_above, is_below : bool
+        Whether `least` and `most` themselves are left out.
+    why : str
+        Why an open interval is wanted.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or lies elsewhere.
+    """
+    result = number(name, value)
+    if (least < result or (least == result and not is_above)) and (
+        result < most or (result == most and not is_below)
+    ):
+        return result
+    low, high = short(float(least)), short(float(most))
+    wanted = f"lie from {low} to {'less than ' if is_below else ''}{high}"
+    if is_above and is_below:
+        wanted = f"lie in the open interval ({low}, {high}), {why}"
+    elif least == 0.0 and result <= 0.0:
+        wanted = "be positive" if is_above else "not be negative"
+    elif is_below and result >= most and least in (0.0, -inf):
+        wanted = f"be less than {high}"
+    raise ArgumentError(name, f"must {wanted}, got {result:g}")
+
+
+def positive(name: str, value: Any) -> float:
+    """Return `value` as a float above zero; `ValueError` otherwise."""
+    return in_range(name, value, 0.0, is_above=True)
+
+
+def not_negative(name: str, value: Any) -> float:
+    """Return `value` as a float not below zero; `ValueError` otherwise."""
+    return in_range(name, value, 0.0)
+
+
+def within(name: str, value: Any, least: float, most: float) -> float:
+    """Return `value` as a float from `least` to `most`; `ValueError` otherwise."""
+    return in_range(name, value, least, most)
+
+
+def local_tolerance(name: str, value: Any, least: float) -> float:
+    """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
+    return in_range(name, positive(name, value), least, 1.0, is_below=True)
+
+
+def whole(name: str, value: Any, least: int = 1) -> int:
+    """Return `value` as an int of at least `least`; `ValueError` otherwise."""
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise ArgumentError(name, f"must be a whole number, got {value!r}")
+    if value < least:
+        raise ArgumentError(name, f"must be at least {least}, got {value}")
+    return int(value)
+
+
+def switch(name: str, value: Any) -> bool:
+    """Return `value` if it is True or False; `ValueError` otherwise."""
+    if not isinstance(value, bool | np.bool_):
+        raise ArgumentError(name, f"must be True or False, got {value!r}")
+    return bool(value)
+
+
+def instance(name: str, value: Any, kind: type[T]) -> T:
+    """Return `value` if it is of this class; `ValueError` otherwise."""
+    if isinstance(value, kind):
+        return value
+    if value is kind:
+        raise ArgumentError(
+            name, f"must be a {kind.__name__}, got the class: write {kind.__name__}()"
+        )
+    raise ArgumentError(name, f"must be a {kind.__name__}, got {value!r}")
+
+
+def function(name: str, value: T) -> T:
+    """Return `value` if it can be called; `ValueError` otherwise."""
+    if not callable(value):
+        raise ArgumentError(name, f"must be a function, got {value!r}")
+    return value
+
+
+def choice(name: str, value: T, allowed: Iterable[T]) -> T:
+    """Return `value` if it is one of `allowed`; `ValueError` listing them otherwise."""
+    options = list(allowed)
+    # An array answers with one for each of its entries.
+    if isinstance(value, np.ndarray) or value not in options:
+        listed = ", ".join(str(option) for option in options)
+        raise ArgumentError(
+            name, f"must be one of {listed}, got {value!r}{nearest(value, options)}"
+        )
+    return value
+
+
+def float_array(name: str, values: npt.ArrayLike) -> Array:
+    """Return a new array of floats from real numbers, which may be infinite or no numbers.
+
+    Raises
+    ------
+    ValueError
+        If they are complex, text, truth values or objects, if rows differ in length, or if one is
+        masked.
+    """
+    unmasked(name, values)
+    try:
+        given = np.asarray(values)
+    except (TypeError, ValueError):
+        raise ArgumentError(name, f"must be an array of real numbers, got {values!r}") from None
+    if given.dtype.kind not in "fiu":
+        raise ArgumentError(name, f"must be an array of real numbers, got {given.dtype} values")
+    return np.array(given, dtype=float)
+
+
+def real_array(name: str, values: npt.ArrayLike) -> Array:
+    """Return a new array of floats from real numbers.
+
+    Raises
+    ------
+    ValueError
+        As in `float_array`, or if a number is not finite or larger than `LARGEST_VALUE`.
+    """
+    result = float_array(name, values)
+    # Its size is not finite if one of its numbers is not: one pass, for the shortest runs.
+    largest = np.abs(result).max(initial=0.0)
+    if not isfinite(largest):
+        raise ArgumentError(name, "must be finite")
+    if largest > LARGEST_VALUE:
+        raise ArgumentError(name, f"must not exceed {LARGEST_VALUE:g} in size")
+    return result
+
+
+def unmasked(name: str, values: Any) -> None:
+    """Raise `ValueError` if any value is masked."""
+    if np.ma.is_masked(values):
+        raise ArgumentError(name, f"must hold no masked values, got {values!r}")
+
+
+_PLAIN = (str, float, int, Real)
+
+
+def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
+    """Return a mapping from names to text, numbers or None as a dictionary.
+
+    Raises
+    ------
+    ValueError
+        If it is no such mapping, or a number is not one (nan).
+    """
+    if not isinstance(values, Mapping):
+        raise ArgumentError(name, f"must be a mapping, got {type(values).__name__}")
+    for key, value in values.items():
+        if not isinstance(key, str):
+            raise ArgumentError(name, f"must have names as its keys, got {key!r}")
+        is_nan = isinstance(value, float) and isnan(value)
+        if is_nan or not (value is None or isinstance(value, _PLAIN)):
+            fault = f"must be text, a number or None, got {value!r}"
+            raise ArgumentError(f"{name}[{key!r}]", fault)
+    return dict(values)
+
+
+def increasing_times(times: npt.ArrayLike) -> Array:
+    """Return `times` as a float array, shape (n,), n >= 2, strictly increasing and finite.
+
+    Raises
+    ------
+    ValueError
+        If it is not one-dimensional, too short, not finite or not increasing.
+    """
+    result = real_array("times", times)
+    if result.ndim != 1 or result.size < 2:
+        raise ArgumentError(
+            "times", f"must be one-dimensional with at least 2 entries, got shape {result.shape}"
+        )
+    steps = result[1:] - result[:-1]
+    if not (steps > 0.0).all():
+        worst = int(np.argmax(steps <= 0.0))
+        raise ArgumentError(
+            "times", f"must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"
+        )
+    return result
+
+
+def checked(quantity: Quantity, value: Any) -> Any:
+    """Return the clean value of a quantity.
+
+    Raises
+    ------
+    ArgumentError
+        If it is of the wrong kind or out of range.
+    """
+    if quantity.choices:
+        if quantity.is_switch:
+            return switch(quantity.name, value)
+        return choice(quantity.name, value, quantity.choices)
+    return in_range(
+        quantity.name,
+        value,
+        quantity.least,
+        quantity.most,
+        is_above=quantity.is_above,
+        is_below=quantity.is_below,
+        why=quantity.why,
+    )
+
+
+class _Checking(ABCMeta):
+    """Classes whose keywords are checked before an object is made of them."""
+
+    def __call__(cls, *arguments: Any, **given: Any) -> Any:
+        known = _known(cls)
+        for name, value in given.items():
+            if name not in known:
+                check_names(cls.__name__, [name], known)
+            quantity, follows = known[name]
+            if quantity is not None and not (value is None and follows):
+                given[name] = checked(quantity, value)
+        return super().__call__(*arguments, **given)
+
+    @property
+    def __signature__(cls) -> Signature:
+        """That of the dataclass, which `__call__` would hide from help and documentation."""
+        made = signature(cls.__init__)  # type: ignore[misc] # it is the class's own
+        return made.replace(parameters=list(made.parameters.values())[1:])
+
+
+@cache
+def _known(kind: Any) -> dict[str, tuple[Quantity | None, bool]]:
+    """Fields of a class: their quantities, and whether they follow from the rest for None."""
+    return {
+        field.name: (QUANTITIES.get(f"{kind.TABLE}.{field.name}"), field.default is None)
+        for field in fields(kind)
+    }
+
+
+class Described(metaclass=_Checking):
+    """Base of dataclasses whose fields are quantities of a table of a scenario."""
+
+    __slots__ = ()
+
+    TABLE: ClassVar[str] = ""
+    """Name of the table."""

@@ -1,0 +1,123 @@
+"""Elementary functions of numbers of several kinds, so that equations are written once.
+
+Floats, complex numbers, arrays and, with the extra `fast`, the symbols that are compiled: what a
+formula is given decides which library works it out. Floats take a tenth of a microsecond more
+than with `math`.
+
+`Members` are the numbers of the members of an ensemble, in place of one number. What is written
+for one (a range, a start that follows from constraints, a choice between two formulas) holds for
+all members at once where these go the same way. Where they do not, they are told apart, and each
+group goes its own.
+"""
+
+import cmath
+import math
+from collections.abc import Iterable
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+Rows = npt.NDArray[np.intp]
+"""Numbers of members."""
+
+
+class DividedError(Exception):
+    """Members do not all go the same way.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (n,)
+        Those that go the one of two ways.
+    """
+
+    def __init__(self, mask: npt.NDArray[np.bool_]) -> None:
+        super().__init__("members do not all go the same way")
+        self.mask = mask
+
+
+class Members(np.ndarray[Any, np.dtype[Any]]):
+    """One number for each member, shape (n,), n > 0; calculates as arrays do.
+
+    As a condition it is true or false if it is for all members, and raises `DividedError`
+    otherwise. There is no way to a single float, so that no function takes one for all.
+    """
+
+    def __bool__(self) -> bool:
+        truth = np.asarray(self) != 0
+        if truth.all():
+            return True
+        if truth.any():
+            raise DividedError(truth)
+        return False
+
+    def __float__(self) -> float:
+        raise TypeError("one number is wanted, and there is one for each member")
+
+    def __format__(self, spec: str) -> str:
+        return format(np.asarray(self)[0].item(), spec)
+
+
+def in_columns(numbers: Iterable[Any], count: int) -> npt.NDArray[np.float64]:
+    """Numbers of all members, each one number or a `Members`, as an array, shape (count, n)."""
+    given = list(numbers)
+    columns = np.empty((count, len(given)))
+    for column, values in enumerate(given):
+        columns[:, column] = values
+    return columns
+
+
+T = TypeVar("T")
+
+_LIBRARIES: dict[type, Any] = {
+    complex: cmath,
+    np.complex128: cmath,
+    np.ndarray: np,
+    Members: np,
+}
+
+
+def register(kind: type, library: Any) -> None:
+    """Let numbers of this kind be worked out by a library that has these functions.
+
+    Parameters
+    ----------
+    kind : type
+    library : module
+    """
+    _LIBRARIES[kind] = library
+
+
+class _Function(Protocol):
+    def __call__(self, x: T, /) -> T: ...
+
+
+def _elementary(name: str) -> _Function:
+    """Function that the library of its argument has by this name."""
+    of_float = getattr(math, name)
+
+    def function(x: Any, /) -> Any:
+        """As in `math`, of any number."""
+        return of_float(x) if type(x) is float else getattr(_library(x), name)(x)
+
+    return function
+
+
+sin = _elementary("sin")
+cos = _elementary("cos")
+exp = _elementary("exp")
+log = _elementary("log")
+sqrt = _elementary("sqrt")
+tanh = _elementary("tanh")
+asinh = _elementary("asinh")
+
+
+def hypot(x: T, y: T) -> T:
+    """Hypotenuse."""
+    library = _library(y) if type(x) is float else _library(x)
+    result: T = library.hypot(x, y)
+    return result
+
+
+def _library(x: Any) -> Any:
+    return _LIBRARIES.get(type(x), math)

@@ -1,0 +1,123 @@
+"""Names that are nearly right: what a user may have meant by one that nobody knows."""
+
+import re
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any, TypeVar
+
+from analysis.problem.quantities import QUANTITIES
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+_MOST = 3
+"""Names that are offered at once."""
+
+OTHERWISE = {
+    each.option: each.key for each in QUANTITIES.values() if each.option and each.unit is not None
+}
+"""Numbers that the command line does not call as the key: from its option to that."""
+
+
+class ArgumentError(ValueError):
+    """An argument that is refused: the message is its name with what is wrong.
+
+    Parameters
+    ----------
+    argument : str
+        Its name, by which a file finds the line and the command line the option.
+    fault : str
+        What is wrong: "must be positive, got 0".
+    subject : str
+        What to call it in the message; by default its name.
+    """
+
+    def __init__(self, argument: str, fault: str, subject: str = "") -> None:
+        super().__init__(argument, fault, subject)
+        self.argument = argument
+
+    def __str__(self) -> str:
+        argument, fault, subject = self.args
+        return f"{subject or argument} {fault}"
+
+
+def nearest(name: Any, known: Iterable[Any]) -> str:
+    """What to add to a message that refuses a name: the known ones that it may stand for.
+
+    Examples
+    --------
+    >>> nearest("spn", ["spin", "beta"])
+    '; did you mean spin?'
+    >>> nearest("speed", ["spin", "beta"])
+    ''
+    """
+    names = {str(each).lstrip("-"): str(each) for each in known}
+    word = str(name).lstrip("-")
+    parts = [each for each in names if word in re.split(r"[-_]", each)]
+    close = [*get_close_matches(word, names, 2, 0.7), *parts]
+    short = OTHERWISE.get(word, "").rpartition(".")[2]
+    if short in names:
+        close = [short]
+    listed = " or ".join(names[each] for each in list(dict.fromkeys(close))[:_MOST])
+    return f"; did you mean {listed}?" if listed else ""
+
+
+def check_names(what: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Raise `TypeError` that says what an unknown keyword of a call may stand for."""
+    names = list(known)
+    for name in given:
+        if name not in names:
+            raise TypeError(
+                f"{what} takes {', '.join(names)}, and no {name}{nearest(name, names)}"
+            )
+
+
+def full_name(name: str, argument: str = "axis") -> str:
+    """Key of a quantity from that, or from its last part or its option alone.
+
+    Parameters
+    ----------
+    name : str
+    argument : str
+        What to call it if there is no such quantity.
+
+    Raises
+    ------
+    ArgumentError
+        If there is none.
+    """
+    name = name.strip().replace("-", "_")
+    table, _, key = name.rpartition(".")
+    # A friction law of one's own has parameters of its own.
+    if name in QUANTITIES or (table == "friction" and key):
+        return name
+    if name in OTHERWISE:
+        return OTHERWISE[name]
+    for quantity in QUANTITIES.values():
+        if quantity.name == name:
+            return quantity.key
+    known = [each.name for each in QUANTITIES.values()]
+    raise ArgumentError(
+        argument,
+        "must be a field of a scenario, as `tippedisk scenario` lists them, such as start.spin, "
+        f"got {name!r}{nearest(key, known)}",
+    )
+
+
+class Named(dict[K, V]):
+    """A dictionary that says what it holds where a key is missing.
+
+    Parameters
+    ----------
+    name : str
+        What to call it.
+    entries : mapping
+    """
+
+    def __init__(self, name: str, entries: dict[K, V]) -> None:
+        super().__init__(entries)
+        self._name = name
+
+    def __missing__(self, key: object) -> V:
+        held = ", ".join(map(repr, self))
+        raise KeyError(f"{self._name} holds {held}, and no {key!r}{nearest(key, self)}")

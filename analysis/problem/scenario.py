@@ -1,0 +1,252 @@
+"""The whole description of a problem, for both sides and for every analysis."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from analysis.problem.bodies import check_surface
+from analysis.problem.body import Body
+from analysis.problem.checks import Described, choice, instance
+from analysis.problem.constraints import (
+    MODELS,
+    ConstraintSet,
+    constraint_set,
+    model_of,
+    set_name,
+)
+from analysis.problem.contact import Dissipation, PenaltyContact, Table
+from analysis.problem.disk import STEEL_DISK
+from analysis.problem.friction import FrictionLaw, SmoothCoulomb, check_answers
+from analysis.problem.names import ArgumentError
+from analysis.problem.plain_data import KINDS, made_part, told
+from analysis.problem.quantities import Level, default
+from analysis.problem.start import Start, State
+
+PAPER_FRICTION = SmoothCoulomb()
+HORIZONTAL = Table()
+NO_DISSIPATION = Dissipation()
+TABLE_3 = Start()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario(Described):
+    """What is to be studied. Nothing in it says how, or with which side.
+
+    Every field may be replaced alone (`dataclasses.replace`): what follows from the fields, such
+    as the state at the start, is computed when it is asked for.
+
+    Parameters
+    ----------
+    constraints : iterable of str
+        Some of `CONSTRAINTS`; `MODELS` holds the paper's four sets. Model 1 by default.
+    disk : Body
+        The paper's disk by default. Constraints besides the contact hold a round disk alone.
+    friction : FrictionLaw
+        The paper's values by default.
+    table : Table
+        Horizontal by default.
+    contact : PenaltyContact, optional
+        A compliant contact in place of the ideal bilateral constraint; for Model 1.
+    dissipation : Dissipation
+        What takes energy besides friction and damping, on a penalty contact; nothing by default.
+    start : Start or State
+        Table 3 by default, made consistent with the constraints. A `State` is taken as it is.
+
+    Raises
+    ------
+    ValueError
+        If a field is of the wrong kind, or does not fit the others.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from analysis import Scenario, Start
+    >>> scenario = Scenario()
+    >>> scenario.name
+    'Model 1'
+    >>> round(replace(scenario, start=Start(beta=1.0)).initial_state.coordinates[2], 6)
+    0.037866
+    """
+
+    constraints: ConstraintSet = MODELS[default("model")]
+    disk: Body = STEEL_DISK
+    friction: FrictionLaw = PAPER_FRICTION
+    table: Table = HORIZONTAL
+    contact: PenaltyContact | None = None
+    dissipation: Dissipation = NO_DISSIPATION
+    start: Start | State = TABLE_3
+
+    def __post_init__(self) -> None:
+        for name, kind in KINDS.items():
+            if name != "contact" or self.contact is not None:
+                instance(name, getattr(self, name), kind)
+        if not isinstance(self.start, Start | State):
+            raise ArgumentError("start", f"must be a Start or a State, got {self.start!r}")
+        check_answers(self.friction)
+        ordered = constraint_set(self.constraints)
+        object.__setattr__(self, "constraints", ordered)
+        self._check_body()
+        self._check_contact()
+        # A start that breaks a constraint is refused here, and not when it is first used.
+        _ = self.initial_state
+
+    def _check_body(self) -> None:
+        """Refuse what is known of a round disk alone."""
+        check_surface(self.disk)
+        is_round = self.disk.is_round_disk
+        if not self.friction.IS_ISOTROPIC and (self.half_thickness > 0.0 or not is_round):
+            raise ArgumentError(
+                "friction",
+                "must be isotropic unless the body is a disk with a sharp rim: there may else "
+                f"be no edge that has a direction, got {self.friction!r}",
+            )
+        if is_round:
+            return
+        kind = type(self.disk).__name__
+        if self.model != 1:
+            raise ArgumentError(
+                "constraints", f"must be those of Model 1 for a {kind}, got {self.name}"
+            )
+        if self.dissipation.air_drag:
+            raise ArgumentError(
+                "air_drag", "acts on the faces of a round disk alone, and the body is a " + kind
+            )
+
+    def _check_contact(self) -> None:
+        if self.contact is not None:
+            if self.model != 1:
+                raise ArgumentError(
+                    "contact",
+                    "must be left out, or constraints be those of Model 1: a penalty contact "
+                    f"takes no further constraint, got {self.name}",
+                )
+            self.contact.check(self.disk, self.weight)
+            return
+        if self.dissipation.is_on:
+            raise ArgumentError(
+                "dissipation", "acts on a penalty contact alone, and contact is left out"
+            )
+        if isinstance(self.start, Start) and self.start.height:
+            raise ArgumentError(
+                "height",
+                "must be 0 or left out on an ideal contact, got "
+                f"{self.start.height:g}; a penalty contact lets the disk fall",
+            )
+
+    @classmethod
+    def rest(cls, **fields: Any) -> "Scenario":
+        """Scenario for the way to rest: a rounded rim on a stiff, damped table.
+
+        Parameters
+        ----------
+        **fields
+            As in `Scenario`. By default friction acts on the actual contact force, and the
+            contact is `PenaltyContact.rounded`.
+        """
+        fields.setdefault("friction", SmoothCoulomb(load="contact"))
+        fields.setdefault("contact", PenaltyContact.rounded(fields.get("disk", STEEL_DISK)))
+        return cls(**fields)
+
+    @property
+    def name(self) -> str:
+        """What to call its constraints: "Model 3", or their names."""
+        return set_name(self.constraints)
+
+    @property
+    def model(self) -> Level | None:
+        """Number of the paper's model with these constraints, if there is one."""
+        return model_of(self.constraints)
+
+    @property
+    def weight(self) -> float:
+        """Force in N with which the resting disk presses on the table: m g if that is level."""
+        return self.disk.mass * self.table.pressing
+
+    @property
+    def slip_decay(self) -> float:
+        """Rate in 1/s at which friction under the weight brakes slip, at most."""
+        return self.friction.slope(self.weight) * self.disk.contact_mobility
+
+    @property
+    def friction_gradient(self) -> float:
+        """Slope of friction at no slip for each newton of the weight in s/m, at most."""
+        return self.friction.slope(self.weight) / self.weight
+
+    @property
+    def rubs(self) -> bool:
+        """Whether friction may act: there is some, and some slip is not held at zero."""
+        held = "no-slip-along" in self.constraints and "no-slip-across" in self.constraints
+        return self.friction.is_on and not held
+
+    @property
+    def penalty_contact(self) -> PenaltyContact:
+        """The compliant contact; `ValueError` if there is none."""
+        if self.contact is None:
+            raise ValueError("contact must be a PenaltyContact, got None, the ideal contact")
+        return self.contact
+
+    @cached_property
+    def initial_state(self) -> State:
+        """State at the start, consistent with the constraints unless given as a `State`."""
+        if isinstance(self.start, State):
+            return self.start
+        sunk = 0.0 if self.contact is None else self.contact.resting_penetration(self.weight)
+        return self.start.state(self.constraints, self.disk, self.half_thickness, -sunk)
+
+    @property
+    def half_thickness(self) -> float:
+        """Half thickness of the rim in m; 0 where it is sharp."""
+        return 0.0 if self.contact is None else self.contact.half_thickness
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the lowest point of the body is defined in every attitude."""
+        return self.half_thickness > 0.0 or not self.disk.has_edge
+
+    def require_plain(self, analysis: str) -> None:
+        """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.
+
+        Parameters
+        ----------
+        analysis : str
+            What to call what knows of nothing else, such as "the reduced system".
+        """
+        if not self.table.is_horizontal:
+            raise ValueError(
+                f"{analysis} needs a horizontal table, got an inclination of "
+                f"{self.table.inclination:g} rad"
+            )
+        if not self.disk.is_plain:
+            raise ValueError(
+                f"{analysis} needs a round disk whose line from centre to centre of gravity is a "
+                f"principal axis, got {self.disk!r}"
+            )
+
+    def values(self) -> dict[str, Any]:
+        """The scenario as plain data, to be stored; `from_values` makes it again."""
+        values: dict[str, Any] = {"constraints": list(self.constraints)}
+        for name in (*KINDS, "start"):
+            part = getattr(self, name)
+            if part is not None:
+                values[name] = told(part)
+        return values
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any]) -> "Scenario":
+        """Scenario from what `values` has returned.
+
+        Parameters
+        ----------
+        values : mapping
+            Any of its keys may be missing and then stands for the default.
+
+        Raises
+        ------
+        ValueError
+            If a key or a value is unknown, of the wrong kind or out of range.
+        """
+        for name in values:
+            choice("scenario", name, ("constraints", *KINDS, "start"))
+        made = {name: made_part(name, each) for name, each in values.items()}
+        return cls(**made)

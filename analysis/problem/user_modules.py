@@ -1,0 +1,139 @@
+"""What a user writes in a module of their own, by the name `module:attribute`."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from importlib import import_module
+from typing import Any, TypeVar
+
+from analysis.problem.names import ArgumentError, Named, nearest
+from analysis.problem.quantities import QUANTITIES
+
+T = TypeVar("T")
+
+_FOREIGN = ContextVar("_FOREIGN", default=False)
+"""Whether names come from a file, which may be anybody's."""
+
+
+def is_own(name: Any) -> bool:
+    """Whether a name is that of something in a module of the user's own."""
+    return isinstance(name, str) and ":" in name
+
+
+def own_object(what: str, name: str, argument: str = "") -> Any:
+    """Import what a name stands for, which runs its module.
+
+    Parameters
+    ----------
+    what : str
+        What to call it in an error, such as "friction law".
+    name : str
+        `module:attribute`.
+    argument : str
+        That gives the name, where it is not called so.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be, or within `foreign_names` if its module has not been imported before.
+    """
+    module, _, attribute = name.partition(":")
+    if _FOREIGN.get() and module not in sys.modules:
+        fault = f"must be imported first; on the command line, --{argument or what} does that"
+        raise ArgumentError(argument or what, fault, f"{what} {name!r}")
+    try:
+        return getattr(import_module(module), attribute)
+    except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
+        fault = f"cannot be loaded: {said(error, ImportError, AttributeError)}"
+        raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
+
+
+@contextmanager
+def foreign_names() -> Iterator[None]:
+    """Import nothing for the names in here: they come from a file that has results in it."""
+    token = _FOREIGN.set(True)
+    try:
+        yield
+    finally:
+        _FOREIGN.reset(token)
+
+
+class Kinds(Named[str, type[T]]):
+    """Classes of one kind by their names; those of a user's own go by `module:class`.
+
+    Parameters
+    ----------
+    name : str
+        What to call them all.
+    what : str
+        What to call one in an error, such as "friction law".
+    key : str
+        Of the quantity that gives the name of the class, such as "friction.law".
+    base : type
+        What a class of one's own must derive from.
+    kinds : sequence of type
+        In the order of the quantity's choices; the first is meant where no name is given.
+    """
+
+    def __init__(
+        self, name: str, what: str, key: str, base: Any, kinds: Sequence[type[T]]
+    ) -> None:
+        super().__init__(name, dict(zip(QUANTITIES[key].choices, kinds, strict=True)))
+        self._what, self._key, self._base = what, QUANTITIES[key].name, base
+
+    def find(self, name: Any) -> type[T]:
+        """Class of this name, of itself, or of None; `ArgumentError` if there is none such."""
+        if name is None:
+            return next(iter(self.values()))
+        if isinstance(name, str) and name in self:
+            return self[name]
+        if isinstance(name, type) and issubclass(name, self._base):
+            return name
+        if not is_own(name):
+            fault = f"must be one of {', '.join(self)} or module:class, got {name!r}"
+            raise ArgumentError(self._key, fault + nearest(name, self), self._what)
+        kind = own_object(self._what, name, self._key)
+        if not isinstance(kind, type) or not issubclass(kind, self._base):
+            fault = f"must be a class derived from {self._base.__name__}"
+            raise ArgumentError(self._key, fault, f"{self._what} {name!r}")
+        return kind
+
+    def name_of(self, kind: type[T]) -> str:
+        """Name by which `find` finds a class."""
+        names = {each: name for name, each in self.items()}
+        return names.get(kind, f"{kind.__module__}:{kind.__qualname__}")
+
+    def made(self, **given: Any) -> T:
+        """Object of a class, which may be of one's own, from its name and its fields.
+
+        A module that is named is imported, which runs it, but within `foreign_names`.
+
+        Raises
+        ------
+        ArgumentError
+            If the class is unknown, or a field missing, unknown or out of range.
+        """
+        kind = self.find(given.pop(self._key, None))
+        try:
+            return kind(**given)
+        except ValueError:
+            raise
+        except (Exception, SystemExit) as error:
+            fault = f"cannot be made: {said(error, TypeError)}"
+            subject = f"{self._what} {self.name_of(kind)!r}"
+            raise ArgumentError(self._key, fault, subject) from error
+
+    @contextmanager
+    def answering(self, one: T) -> Iterator[None]:
+        """Tell whatever is wrong with what an object of one's own says as a fault of its class."""
+        try:
+            yield
+        except (Exception, SystemExit) as error:
+            subject = f"{self._what} {self.name_of(type(one))!r}:"
+            raise ArgumentError(self._key, said(error, ValueError), subject) from error
+
+
+def said(error: BaseException, *plain: type[Exception]) -> str:
+    """What an error says, with its kind unless that is one of these."""
+    return str(error) if isinstance(error, plain) else f"{type(error).__name__}: {error}"

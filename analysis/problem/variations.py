@@ -1,0 +1,310 @@
+"""Variations of a scenario: some quantities changed, in one or in many members at once."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.problem.body import Body
+from analysis.problem.checks import choice, unmasked
+from analysis.problem.constraints import MODELS
+from analysis.problem.contact import PenaltyContact
+from analysis.problem.disk import DISKS, Disk
+from analysis.problem.elementary import DividedError, Members, Rows
+from analysis.problem.friction import LAWS
+from analysis.problem.names import ArgumentError, full_name
+from analysis.problem.plain_data import KINDS, held, made_part, maker
+from analysis.problem.quantities import RING, SIX
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import Start
+from analysis.problem.values import Value, is_word, read_value
+
+Numbers = dict[str, Any]
+
+
+def check_fields(scenario: Scenario, values: Mapping[str, Any]) -> None:
+    """Check that quantities can be varied together in a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    values : mapping
+        One of the values of each, by key.
+
+    Raises
+    ------
+    ArgumentError
+        If the scenario has no such quantity.
+    """
+    for table, given in _by_table(values).items():
+        if table == "contact" and scenario.contact is None:
+            key = f"contact.{next(iter(given))}"
+            raise ArgumentError(key, "needs a penalty contact, and the scenario's is ideal")
+        if table:
+            maker(table, _merged(scenario, table, given))
+        elif len(given) > 1:
+            raise ArgumentError("constraints", "do not go together with model")
+
+
+def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """Scenario with some quantities changed.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    changes : mapping
+        Values by key; a `Members` changes all members of an ensemble.
+
+    Raises
+    ------
+    ArgumentError
+        If a value is out of range or does not fit the rest.
+    """
+    numbers = _by_table(changes)
+    parts: dict[str, Any] = {}
+    if "" in numbers:
+        parts["constraints"] = _constraints(**numbers[""])
+    # What a new contact is like follows from the disk, which comes before it.
+    for table in (*KINDS, "start"):
+        if table in numbers:
+            disk = parts.get("disk", scenario.disk)
+            parts[table] = made_part(table, _merged(scenario, table, numbers[table], disk))
+    return replace(scenario, **parts)
+
+
+def _by_table(values: Mapping[str, Any]) -> dict[str, Numbers]:
+    found: dict[str, Numbers] = {}
+    for key, value in values.items():
+        table, _, name = key.rpartition(".")
+        found.setdefault(table, {})[name] = value
+    return found
+
+
+def _constraints(model: Any = None, constraints: Any = None) -> Any:
+    if constraints is None:
+        return MODELS[model]
+    if model is not None:
+        raise ArgumentError("constraints", "do not go together with model")
+    return [name.strip() for name in constraints.replace("+", ",").split(",")]
+
+
+def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = None) -> Numbers:
+    """Data of a part with some of it changed; a new contact is one for this disk."""
+    part = getattr(scenario, table)
+    if table == "disk":
+        return _body(part, given)
+    if table == "friction":
+        # The same law keeps what is not given anew.
+        same = "law" not in given or LAWS.find(given["law"]) is type(part)
+        return {"law": type(part)} | (held(part) if same else {"load": part.load}) | given
+    if table == "start" and not isinstance(part, Start):
+        fault = "cannot change: the start is told by its coordinates and rates"
+        raise ArgumentError(next(iter(given)), fault)
+    if part is None and disk is not None:
+        if "stiffness" not in given:
+            name, value = next(iter(given.items()))
+            fault = f"needs a penalty contact, told by its stiffness, got {value}"
+            raise ArgumentError(name, fault)
+        part = PenaltyContact.damped(given["stiffness"], disk)
+    return held(part) | given
+
+
+def _body(disk: Body, given: Numbers) -> Numbers:
+    """Data of a body with some of it changed; with a geometry, from which the others follow."""
+    if given.keys() >= {*RING} or given.keys() == {"name"}:
+        return given
+    if "name" in given:
+        disk = DISKS[choice("name", given["name"], DISKS)]
+        given = {name: value for name, value in given.items() if name != "name"}
+    if "body" in given:
+        return {each.name: getattr(disk, each.name) for each in fields(Body)} | given
+    geometry = [name for name in RING if name in given]
+    if not isinstance(disk, Disk) or not geometry or given.keys() >= {*SIX}:
+        return {"body": type(disk)} | held(disk) | given
+    ring = None if disk.parts is None else disk.parts.ring
+    if ring is None:
+        raise ArgumentError(
+            geometry[0],
+            "varies a ring alone, of which mass and moments of inertia follow, and the "
+            f"scenario's disk is another: give all of {', '.join(RING)}, or all of "
+            f"{', '.join(SIX)}",
+        )
+    return ring | given
+
+
+T = TypeVar("T")
+Values = npt.NDArray[Any]
+Words = Mapping[str, Value]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Ensemble:
+    """Scenarios that differ in some of their fields.
+
+    Everything is checked by the rules of a single scenario, for all members at once.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With whatever does not vary.
+    fields : mapping
+        From the dotted name of a field, as a scenario's file has it ("start.spin"), or its last
+        part alone where that is enough ("spin"), to its values, each shape (m,), m > 0. Fields
+        are those that a sweep may vary.
+
+    Raises
+    ------
+    ValueError
+        If the scenario has no such field, shapes differ, or a member is no scenario; that member
+        and why are named.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from analysis import Ensemble, Scenario
+    >>> spins = Ensemble(scenario=Scenario(), fields={"spin": np.linspace(20.0, 60.0, 5)})
+    >>> len(spins), spins[1].start.spin
+    (5, 30.0)
+    """
+
+    scenario: Scenario
+    fields: Mapping[str, Values]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.scenario, Scenario):
+            raise ValueError(f"scenario must be a Scenario, got {self.scenario!r}")
+        if not isinstance(self.fields, Mapping) or not self.fields:
+            raise ValueError(f"fields must map names to arrays, got {self.fields!r}")
+        found: dict[str, Values] = {}
+        for given, values in self.fields.items():
+            name = full_name(given, "fields")
+            if name in found:
+                raise ValueError(f"fields must hold each field once, got {name} twice")
+            found[name] = _values(name, values)
+        shapes = {name: values.shape for name, values in found.items()}
+        first, shape = next(iter(shapes.items()))
+        for name, other in shapes.items():
+            if other != shape:
+                raise ValueError(
+                    f"fields must have one shape, got {shape} of {first} and {other} of {name}"
+                )
+        object.__setattr__(self, "fields", found)
+        check_fields(self.scenario, self._told(0))
+        for rows, made in self.alike(lambda scenario: scenario):
+            if isinstance(made, Exception):
+                raise ValueError(f"member {rows[0]} of fields: {made}") from None
+
+    @classmethod
+    def unchecked(cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]) -> "Ensemble":
+        """Ensemble whose members may be no scenarios: each of these fails where it is run.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        fields : mapping
+            Arrays of one shape by dotted names of fields that may vary.
+        """
+        whole = object.__new__(cls)
+        object.__setattr__(whole, "scenario", scenario)
+        found = {name: _values(name, values) for name, values in fields.items()}
+        object.__setattr__(whole, "fields", found)
+        return whole
+
+    def __len__(self) -> int:
+        return len(next(iter(self.fields.values())))
+
+    def __getitem__(self, member: int) -> Scenario:
+        """Scenario of a member."""
+        return changed(self.scenario, self._told(range(len(self))[member]))
+
+    def __iter__(self) -> Iterator[Scenario]:
+        return (self[member] for member in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"Ensemble({len(self)} times {self.scenario.name}: {', '.join(self.fields)})"
+
+    def part(self, rows: Rows | slice) -> "Ensemble":
+        """Ensemble of some of the members, which need no further check."""
+        fields = {name: values[rows] for name, values in self.fields.items()}
+        return self.unchecked(self.scenario, fields)
+
+    def alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
+        """Call a function for the scenarios of members that go the same way in it.
+
+        Parameters
+        ----------
+        function : callable
+            Of a scenario whose fields that vary are `Members`.
+
+        Yields
+        ------
+        rows : ndarray of int, shape (k,)
+            Numbers of members.
+        result
+            Of the function, or the error that it ended in for a single member; such members come
+            last, in order.
+        """
+        numbers = {name: each for name, each in self.fields.items() if each.dtype.kind == "f"}
+        pending, alone = list(self._by_words()), [np.empty(0, dtype=int)]
+        while pending:
+            words, rows = pending.pop()
+            some = {name: each[rows].view(Members) for name, each in numbers.items()}
+            try:
+                # What overflows is looked at member by member.
+                with np.errstate(over="raise", divide="raise", invalid="raise"):
+                    result = function(changed(self.scenario, {**words, **some}))
+            except DividedError as divided:
+                pending += [(words, rows[~divided.mask]), (words, rows[divided.mask])]
+            except (ArithmeticError, TypeError, ValueError):
+                # It may be the error of some of them alone.
+                alone.append(rows)
+            else:
+                yield rows, result
+        yield from one_by_one(function, self, np.sort(np.concatenate(alone)).tolist())
+
+    def _told(self, member: int) -> dict[str, Value]:
+        return {name: values[member].item() for name, values in self.fields.items()}
+
+    def _by_words(self) -> Iterator[tuple[Words, Rows]]:
+        """Members that differ in numbers alone."""
+        words = {name: each for name, each in self.fields.items() if each.dtype.kind != "f"}
+        groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
+        for member in range(len(self)):
+            groups[tuple(each[member].item() for each in words.values())].append(member)
+        for told, rows in groups.items():
+            yield dict(zip(words, told, strict=True)), np.array(rows)
+
+
+def one_by_one(
+    function: Callable[[Scenario], T],
+    scenarios: Ensemble | Sequence[Scenario],
+    rows: Iterable[int],
+) -> Iterator[tuple[Rows, T | Exception]]:
+    """Call a function for single scenarios; see `Ensemble.alike`."""
+    for row in rows:
+        try:
+            yield np.array([row]), function(scenarios[row])
+        except (ArithmeticError, ValueError) as error:
+            yield np.array([row]), error
+
+
+def _values(name: str, given: npt.ArrayLike) -> Values:
+    """Clean values of a field, shape (m,), that nobody can change."""
+    unmasked(name, given)
+    try:
+        values = np.array(given)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array, got {given!r}") from None
+    if values.ndim != 1 or not values.size:
+        raise ValueError(f"{name} must have shape (m,), m > 0, got {values.shape}")
+    if is_word(name):
+        values = np.array([read_value(name, value) for value in values.tolist()])
+    elif values.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be an array of real numbers, got {values.dtype} values")
+    else:
+        values = values.astype(float)
+    values.setflags(write=False)
+    return values

@@ -1,0 +1,78 @@
+"""The way between the co-rotating coordinates and the inertial frame."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from analysis.motion import frames
+from analysis.problem.checks import Array
+from tests.helpers import (
+    OUTER_STEP,
+    angular_velocity,
+    arc,
+    assert_close,
+    centre,
+    derivative,
+    random_state,
+    rotation,
+    second_derivative,
+)
+
+
+def states(seed: int, count: int = 20) -> tuple[Array, Array]:
+    random = np.random.default_rng(seed)
+    rows = [random_state(random) for _ in range(count)]
+    return np.array([z for z, _ in rows]), np.array([u for _, u in rows])
+
+
+def test_poses_are_three_euler_turns_and_the_turned_place_and_lead_back() -> None:
+    z, u = states(0)
+    position, turn = frames.poses(z)
+    assert_close(turn, np.array([rotation(row) for row in z]), relative=1e-14)
+    assert_close(position, np.array([centre(row) for row in z]), relative=1e-14)
+    back_z, back_u = frames.from_poses(position, turn, *frames.twists(z, u))
+    assert_close(back_z, z, relative=1e-14)
+    assert_close(back_u, u, relative=1e-14)
+
+
+def test_angles_from_poses_lie_in_the_principal_range_near_a_singular_tilt_too() -> None:
+    z, u = states(1)
+    z[:10, 4] = pi - 1e-3
+    wound = z + 2.0 * pi * np.array([0.0, 0.0, 0.0, 3.0, 0.0, -2.0])
+    back_z, back_u = frames.from_poses(*frames.poses(wound), *frames.twists(wound, u))
+    # Rounding is magnified by 1 / sin(beta), and for the rates by its square.
+    assert_close(back_z, z, relative=1e-12)
+    assert_close(back_u, u, relative=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_twists_and_accelerations_are_the_change_of_the_pose(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    (z, u), a = random_state(random), random.uniform(-2.0, 2.0, size=6)
+    path = arc(z, u, a)
+    velocity, angular = frames.twists(z[np.newaxis], u[np.newaxis])
+    assert_close(velocity[0], derivative(lambda t: centre(path(t))))
+    assert_close(angular[0], angular_velocity(path))
+    faster = second_derivative(lambda t: centre(path(t)))
+    turning = derivative(lambda t: angular_velocity(path, t), OUTER_STEP)
+    found = frames.accelerations_from_inertial(
+        z[np.newaxis], u[np.newaxis], faster[np.newaxis], turning[np.newaxis]
+    )
+    assert_close(found[0], a, relative=1e-10)
+
+
+def test_quaternions_and_rotations_are_those_of_scipy_and_each_others_inverse() -> None:
+    known = Rotation.random(200, random_state=4)
+    x, y, z, w = known.as_quat().T
+    found = frames.rotations(np.column_stack((w, x, y, z)))
+    np.testing.assert_allclose(found, known.as_matrix(), atol=1e-14)
+    np.testing.assert_allclose(frames.rotations(frames.quaternions(found)), found, atol=1e-14)
+    np.testing.assert_allclose(np.cos(frames.tilts(found)), found[:, 2, 2], atol=1e-14)
+
+
+def test_quaternions_of_a_motion_keep_close_through_many_turns() -> None:
+    turns = Rotation.from_rotvec(np.outer(np.linspace(0.0, 30.0, 301), (0.6, 0.0, 0.8)))
+    steps = np.diff(frames.quaternions(turns.as_matrix()), axis=0)
+    assert np.linalg.norm(steps, axis=1).max() < 0.051

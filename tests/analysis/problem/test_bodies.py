@@ -1,0 +1,234 @@
+"""Bodies: mass properties of composed disks, lowest points, files, refusals, what takes them."""
+
+import pickle
+from collections.abc import Callable
+from dataclasses import fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import (
+    MODELS,
+    STEEL_DISK,
+    Body,
+    Disk,
+    Dissipation,
+    Ensemble,
+    PenaltyContact,
+    Scenario,
+    load_scenario,
+    scenario_text,
+    simulate,
+)
+from analysis.problem import bodies
+from analysis.problem.checks import Array
+from analysis.problem.elementary import sqrt
+from analysis.problem.plain_data import told
+from analysis.stability.critical import critical_speeds
+from analysis.stability.spectra import eigenvalues
+from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
+from tests.calls import printed
+from tests.helpers import jacobian, turn_z
+
+RING = Disk.ring(hole_radius=0.01)
+every_body = pytest.mark.parametrize("body", [*BODIES.values(), RING], ids=[*BODIES, "ring"])
+
+PLATE, HOLES = (0.05, 0.01, 8000.0), [(-0.02, 0.01, 0.012), (0.02, 0.02, 0.004)]
+MASSES = [(0.0, 0.04, 0.03), (0.01, -0.03, 0.02)]
+
+
+def by_cells() -> tuple[float, Array, Array]:
+    """Mass, centre of gravity, and inertia about it, of small cells of a plate."""
+    edges = np.linspace(-PLATE[0], PLATE[0], 2001)
+    middle, area = 0.5 * (edges[1:] + edges[:-1]), (edges[1] - edges[0]) ** 2
+    x, y = (each.ravel() for each in np.meshgrid(middle, middle))
+    inside = np.hypot(x, y) < PLATE[0]
+    for a, b, radius in HOLES:
+        inside &= np.hypot(x - a, y - b) > radius
+    places = np.column_stack((x[inside], y[inside]))
+    weights = np.full(len(places), PLATE[1] * PLATE[2] * area)
+    thickness = np.sum(weights) * PLATE[1] ** 2 / 12
+    places = np.vstack((places, [each[:2] for each in MASSES]))
+    weights = np.append(weights, [each[2] for each in MASSES])
+    mass = float(np.sum(weights))
+    (xx, xy), (_, yy) = mass * np.cov(places.T, aweights=weights, bias=True)
+    tensor = np.array([[yy + thickness, -xy, 0], [-xy, xx + thickness, 0], [0, 0, xx + yy]])
+    return mass, weights @ places / mass, tensor
+
+
+def test_composed_disk_has_the_mass_properties_of_its_cells() -> None:
+    mass, centre, tensor = by_cells()
+    disk = Disk.of_parts(PLATE, HOLES, MASSES)
+    assert disk.mass == pytest.approx(mass, rel=1e-4)
+    assert disk.eccentricity == pytest.approx(np.hypot(*centre), rel=1e-3)
+    turn = turn_z(np.arctan2(centre[1], centre[0]))
+    np.testing.assert_allclose(
+        disk.tensor_about_cog, turn.T @ tensor @ turn, atol=1e-4 * tensor[2, 2]
+    )
+    assert abs(disk.inertia_xy) > 0.01 * disk.inertia_z
+
+
+def test_composed_disk_that_is_symmetric_is_on_principal_axes() -> None:
+    aside = [(-0.02, 0.015, 0.01), (-0.02, -0.015, 0.01)]
+    turned = [(*(turn_z(0.7) @ (x, y, 0.0))[:2], r) for x, y, r in aside]
+    one, other = (Disk.of_parts(PLATE, each) for each in (aside, turned))
+    assert one.is_plain
+    assert other.is_plain
+    assert other.inertia_x == pytest.approx(one.inertia_x, rel=1e-12)
+    balanced = Disk.of_parts(PLATE, masses=[(0.03, 0.02, 0.1), (-0.03, -0.02, 0.1)])
+    assert (balanced.eccentricity, balanced.products) == (0.0, (0.0, 0.0, 0.0))
+
+
+def test_ring_is_a_plate_with_a_hole_and_stays_one_unless_its_mass_changes() -> None:
+    ring = Disk.ring(hole_radius=0.01, hole_distance=0.03)
+    assert ring == Disk.of_parts((0.045, 0.01, 7700.0), [(-0.03, 0.0, 0.01)])
+    varied = Ensemble(scenario=Scenario(disk=ring), fields={"disk.thickness": np.array([0.02])})
+    assert varied[0].disk == Disk.ring(hole_radius=0.01, hole_distance=0.03, thickness=0.02)
+    assert replace(ring, mass=1.0).parts is None
+
+
+@every_body
+def test_a_body_is_the_same_again(body: Body, tmp_path: Path) -> None:
+    scenario = Scenario(disk=body)
+    (tmp_path / "a.toml").write_text(scenario_text(scenario))
+    copies = (
+        load_scenario(tmp_path / "a.toml"),
+        Scenario.from_values(scenario.values()),
+        pickle.loads(pickle.dumps(scenario)),  # noqa: S301 - ours
+    )
+    for again in copies:
+        assert again == scenario
+        assert told(again.disk) == told(body)
+
+
+def test_a_body_of_ones_own_is_told_by_an_option(capsys: pytest.CaptureFixture[str]) -> None:
+    own = printed(capsys, "scenario --radius 0.03 --body", "tests.bodies:Egg,waist=0.9")
+    for line in ("radius = 0.03", 'body = "tests.bodies:Egg"', "waist = 0.9"):
+        assert f"\n{line}" in own
+
+
+def attitudes(count: int) -> Array:
+    up = np.random.default_rng(1).normal(size=(count, 3))
+    up = up / np.linalg.norm(up, axis=1)[:, None]
+    return np.array(up)
+
+
+@pytest.mark.parametrize("half", [0.0, 2e-3])
+@every_body
+def test_surface_lies_above_its_lowest_point_whose_depth_is_the_clearance(
+    body: Body, half: float
+) -> None:
+    """All lowest points together are the surface, or what of it can touch a table."""
+    up = attitudes(300)
+    points = np.array([body.lowest_point(tuple(each), half) for each in up.tolist()])
+    heights = up @ points.T
+    assert np.all(heights >= np.diag(heights)[:, None] - 1e-15)
+    assert np.max(np.linalg.norm(points, axis=1)) <= body.radius * (1.0 + 1e-12)
+
+    def depth(angles: Array) -> Array:
+        (sb, sg), (cb, cg) = np.sin(angles), np.cos(angles)
+        up = (float(sb * sg), float(sb * cg), float(cb))
+        return np.array(-np.dot(body.lowest_point(up, half), up))
+
+    place = np.array((1.1, 0.4))
+    over, *slopes = body.clearance(place[0], place[1], half)
+    assert over == pytest.approx(depth(place), rel=1e-12)
+    np.testing.assert_allclose(slopes, jacobian(depth, place)[0], atol=1e-9 * body.radius)
+
+
+@every_body
+def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
+    half = 2e-3
+    height, lean = body.resting_place(half if body.has_edge else 0.0)
+    up = attitudes(20000)
+    points = np.column_stack(body.lowest_point(up.T, half))
+    heights = body.eccentricity * up[:, 0] - np.sum(points * up, axis=1)
+    assert height <= heights.min()
+    assert height == pytest.approx(heights.min(), abs=0.03 * body.radius)
+    assert (lean < 0.1) == body.has_edge
+
+
+def test_ellipse_of_equal_axes_rests_as_the_disk_does() -> None:
+    numbers = {each.name: getattr(STEEL_DISK, each.name) for each in fields(STEEL_DISK)}
+    circle = replace(ELLIPSE, **numbers, other_radius=STEEL_DISK.radius)
+    assert circle.resting_place(2e-3) == pytest.approx(STEEL_DISK.resting_place(2e-3), rel=1e-5)
+
+
+NUMBERS = {name: getattr(EGG, name) for name in ("radius", "mass", "eccentricity")}
+NUMBERS |= {f"inertia_{axis}": getattr(EGG, f"inertia_{axis}") for axis in "xyz"}
+
+
+class _Flat(Egg):
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        return up
+
+
+class _Folded(Egg):
+    """Its slope is lost where a size is taken of a complex number."""
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        square = up[0] * up[0] + 0.5 * (up[1] * up[1] + abs(up[2]) ** 2)
+        height = sqrt(square) / self.radius
+        return -up[0] / height, -0.5 * up[1] / height, -0.5 * up[2] / height
+
+
+composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
+scenario = partial(partial, Scenario)
+DRAG = {"contact": PenaltyContact.rounded(ELLIPSE), "dissipation": Dissipation(air_drag=1.2)}
+ROUNDED = PenaltyContact(stiffness=1e5, half_thickness=1e-3)
+HALF_A_RING = {"disk": {"holes": [], "radius": 1.0}}
+
+REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
+    "hole over the edge": (composed(PLATE, [(0.04, 0.0, 0.02)]), "holes must lie"),
+    "overlap": (composed(PLATE, [(0.0, 0.0, 0.01), (0.01, 0.0, 0.005)]), "holes must not overlap"),
+    "hole of two numbers": (composed(PLATE, [(0.0, 1.0)]), "holes must hold x, y"),
+    "mass beside it": (composed(PLATE, (), [(0.0, 1.0, 1.0)]), "masses must lie on"),
+    "no mass": (composed(PLATE, (), [(0.0, 0.0, 0.0)]), "masses must be positive"),
+    "thin plate": (composed((0.05, 0.0, 8e3)), "thickness must be positive"),
+    "products": (partial(Disk, **NUMBERS, inertia_xy=1.5), "inertia_xy must leave principal"),
+    "half a ring": (partial(Scenario.from_values, HALF_A_RING), "lacks thickness and density"),
+    "larger smaller axis": (partial(replace, ELLIPSE, other_radius=1.0), "other_radius must not"),
+    "unknown body": (made(body="cube"), "body must be one of disk, sphere"),
+    "no body": (made(body="math:pi"), "must be a class derived from Body"),
+    "body without numbers": (made(body="sphere"), "cannot be made"),
+    "surface above": (
+        scenario(disk=_Flat(**NUMBERS)),
+        r"depth of lowest_point\(.*\) must not be negative",
+    ),
+    "slope unknown": (
+        scenario(disk=_Folded(**NUMBERS)),
+        r"lowest_point\(.*\) must be told by the four operations",
+    ),
+    "rounded sphere": (
+        scenario(disk=TIPPE_TOP, contact=ROUNDED),
+        "half_thickness must be 0 for a Sphere",
+    ),
+    "constraints": (
+        scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
+        "constraints must be those of Model 1 for a Sphere",
+    ),
+    "drag": (scenario(disk=ELLIPSE, **DRAG), "air_drag acts on the faces of a round disk alone"),
+}
+
+
+@pytest.mark.parametrize(("call", "message"), REFUSED.values(), ids=list(REFUSED))
+def test_what_is_no_body_or_fits_none_is_refused(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_analyses_of_the_papers_disk_refuse_products_of_inertia() -> None:
+    scenario = Scenario(disk=COMPOSED)
+    analyses: tuple[Callable[[], object], ...] = (
+        lambda: eigenvalues(scenario, [30.0], system="numeric"),
+        lambda: critical_speeds(scenario),
+        lambda: mbs_models.eigenvalues(mbs_models.Scene(scenario)),
+        lambda: simulate(replace(scenario, constraints=MODELS[4]), [0.0, 1.0], form="reduced"),
+    )
+    for analysis in analyses:
+        with pytest.raises(ValueError, match="needs a round disk whose line from centre to cen"):
+            analysis()

@@ -1,0 +1,246 @@
+"""Friction laws: their closed properties, both sides under each, files and the command line."""
+
+import re
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import (
+    LAWS,
+    AnisotropicCoulomb,
+    FrictionLaw,
+    Level,
+    LubricatedCoulomb,
+    PenaltyContact,
+    PowerLawCoulomb,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Stribeck,
+    TanhCoulomb,
+    Trajectory,
+    ViscousFriction,
+    load_run,
+)
+from analysis.mechanics.recorded import accelerations, any_contact_load
+from analysis.problem.plain_data import told
+from analysis.problem.user_modules import foreign_names
+from analysis.stability import spectra
+from mbs_models import Scene, formulations
+from mbs_models.friction import law_force
+from tests.bodies import TIPPE_TOP
+from tests.helpers import derivative, model
+from tests.wayward_law import Answering, Own
+
+TIMES = np.linspace(0.0, 0.2, 21)
+SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
+OTHERS = SHIPPED[1:]
+SIMPLE = [law for law in SHIPPED if law.is_simple]
+GENERAL = [law for law in SHIPPED if not law.is_simple]
+SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
+
+
+def name(law: FrictionLaw) -> str:
+    return type(law).__name__
+
+
+ON_CONTACT = [replace(law, load="contact") for law in (*OTHERS, Own())]
+
+
+@pytest.mark.parametrize("law", SHIPPED, ids=name)
+def test_both_sides_write_the_same_law(law: FrictionLaw) -> None:
+    engine = law_force(law)
+    assert engine != law.force
+    for speed in SPEEDS:
+        for turn, load in ((0.3, 1.0), (2.0, 4.3), (4.0, 0.02)):
+            slip = speed * np.cos(turn), speed * np.sin(turn)
+            assert engine(*slip, load) == pytest.approx(law.force(*slip, load), rel=2e-14)
+
+
+@pytest.mark.parametrize("law", [*SIMPLE, Own()], ids=name)
+def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
+    unit = law.gradient / law.finest_speed
+    for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
+        speed = relative * law.finest_speed
+        stretched = derivative(lambda t, v=speed: np.array(law.per_speed(v * (1.0 + t))))  # type: ignore[misc]
+        # Differences over a small speed lose digits.
+        expected, accuracy = float(stretched) / speed / unit, 1e-10 + 1e-12 / relative
+        assert law.per_speed_slope(speed) / unit == pytest.approx(expected, abs=accuracy)
+    near = 1e-6 * law.finest_speed
+    assert law.per_speed(near) == pytest.approx(law.gradient, rel=2e-6)
+    expected = (law.per_speed(near) - law.gradient) / near
+    assert law.per_speed_slope(0.0) / unit == pytest.approx(expected / unit, abs=2e-6)
+
+
+def test_laws_are_the_papers_where_they_have_to_be_and_have_their_full_force() -> None:
+    equal = (
+        Stribeck(static=0.3, kinetic=0.3),
+        AnisotropicCoulomb(along=0.3, across=0.3),
+        PowerLawCoulomb(exponent=1.0),
+        LubricatedCoulomb(film=0.0),
+    )
+    for law in equal:
+        found, papers = law.force(0.2, -0.7, 3.0), SmoothCoulomb().force(0.2, -0.7, 3.0)
+        assert found == pytest.approx(papers, rel=1e-15)
+    assert TanhCoulomb().per_speed(0.1) * 0.1 == pytest.approx(0.3 * np.tanh(1.0))
+    assert Stribeck().per_speed(1e9) * 1e9 == pytest.approx(0.3)
+    assert Stribeck().gradient * Stribeck().smoothing == pytest.approx(0.45)
+    assert ViscousFriction().per_speed(7.0) == ViscousFriction().viscosity
+    assert PowerLawCoulomb().force(0.0, 1e9, 8.0)[1] == pytest.approx(-0.3 * 8.0 ** (2 / 3))
+    assert LubricatedCoulomb().force(2.0, 0.0, 0.0) == pytest.approx((-0.2, 0.0))
+
+
+def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
+    law = AnisotropicCoulomb(along=0.5, across=0.2, smoothing=1e-9)
+    turns = np.linspace(0.0, 2.0 * np.pi, 721)
+    ellipse = np.array((0.5 * np.cos(turns), 0.2 * np.sin(turns)))
+    for slip in ((1.0, 0.0), (0.3, 0.8), (-0.6, 0.1)):
+        power = np.dot(law.force(*slip, 1.0), slip)
+        assert power == pytest.approx(-np.max(slip @ ellipse), rel=2e-5)
+
+
+@pytest.mark.parametrize("law", ON_CONTACT[:-1], ids=name)
+@pytest.mark.parametrize("level", [1, 3])
+def test_stability_under_any_law_is_that_of_the_engine(law: FrictionLaw, level: Level) -> None:
+    scenario = model(level, friction=law, start=Start.stationary(31.0))
+    found = spectra.eigenvalues(scenario, [31.0], "numeric")[0]
+    engine = mbs_models.eigenvalues(Scene(scenario))
+    missing = [np.min(np.abs(found - each)) for each in engine]
+    np.testing.assert_allclose(missing, 0.0, atol=1e-4 * np.abs(engine).max())
+
+
+@pytest.mark.parametrize("law", GENERAL, ids=name)
+def test_what_a_general_law_cannot_have_is_refused_with_the_reason(law: FrictionLaw) -> None:
+    with pytest.raises(ValueError, match="has no force for each newton of load and each m/s"):
+        spectra.eigenvalues(model(4, friction=law), np.array([31.0]), "reduced")
+    with pytest.raises(ValueError, match="takes friction that is isotropic"):
+        analysis.simulate(model(1, friction=law), TIMES, method="taylor")
+
+
+def test_contact_force_without_or_with_several_solutions_is_told() -> None:
+    # Each newton of friction across adds three to the normal force.
+    per_newton, slip = (0.0, -3.0), (0.0, 9.0)
+    steep = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=2.0)
+    with pytest.raises(ArithmeticError, match="has 0 solutions"):
+        any_contact_load(steep, 1.0, *per_newton, *slip)
+    with pytest.raises(ArithmeticError, match=r"has 2 solutions for it: 0\.10"):
+        any_contact_load(steep, 0.1, 0.0, -1.5, *slip)
+    flat = replace(steep, exponent=0.5)
+    load = any_contact_load(flat, 1.0, *per_newton, *slip)
+    assert load == pytest.approx(1.0 - 3.0 * flat.force(0.0, 9.0, load)[1], rel=1e-12)
+
+
+LEANING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
+RUBBED = [
+    *(model(level, friction=law, start=LEANING) for level in (1, 3) for law in ON_CONTACT),
+    *(
+        Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
+        for law in ON_CONTACT
+        if not law.is_simple
+    ),
+]
+
+
+@pytest.mark.parametrize("scenario", RUBBED, ids=lambda each: f"{name(each.friction)} {each.name}")
+def test_accelerations_agree_under_every_law_and_on_a_yielding_table(scenario: Scenario) -> None:
+    state = scenario.initial_state
+    expected, forces = accelerations(scenario, state.coordinates, state.rates)
+    for formulation in formulations(scenario):
+        found, multipliers = mbs_models.acceleration(Scene(scenario, formulation))
+        np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
+        np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("law", [*SHIPPED, Own(strength=0.2)], ids=name)
+def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
+    run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
+    run.save(tmp_path / "run.npz")
+    assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
+    assert LAWS.made(**told(law)) == law
+
+
+def test_file_runs_no_module_that_it_names() -> None:
+    with foreign_names(), pytest.raises(ValueError, match="'this:Law' must be imported first"):
+        LAWS.made(law="this:Law")
+    assert "this" not in sys.modules
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pushing(Answering):
+    """Law with any force."""
+
+    def force(self, along: Any, across: Any, load: Any) -> Any:
+        return self.says(along, across, load)
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        (Answering(says=lambda _: nan), "slope of force at no slip must be a finite"),
+        (Answering(says=lambda _: -3.0), "slope of force at no slip must not be negative, got -3"),
+        (Answering(says=lambda _: 1e300), "slope of force at no slip must lie from 0 to 1e+12"),
+        (Answering(says=lambda speed: 1.0 / speed), "ZeroDivisionError: "),
+        (Answering(says=abs, finest_speed=0.0), "finest_speed must be positive, got 0"),
+        (Pushing(says=lambda x, y, n: (n * x, n * y)), "slope of force at no slip must"),
+        (
+            Pushing(says=lambda x, y, n: (-n * x, n * y)),
+            "Pushing.force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC",
+        ),
+        (
+            Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y)),
+            "Pushing.force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL",
+        ),
+        (
+            Pushing(says=lambda x, y, n: (nan, n * x * y)),
+            "slope of force at no slip must be a fin",
+        ),
+    ],
+)
+def test_law_that_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs(
+    law: FrictionLaw, message: str
+) -> None:
+    said = f"friction law '.*:{name(law)}': {re.escape(message)}"
+    with pytest.raises(ValueError, match=said):
+        Scenario(friction=law)
+
+
+def test_edge_without_direction_takes_isotropic_friction_alone() -> None:
+    law = AnisotropicCoulomb(load="contact")
+    for other in ({"contact": Scenario.rest().contact}, {"disk": TIPPE_TOP}):
+        with pytest.raises(ValueError, match="friction must be isotropic unless the body is a"):
+            Scenario(friction=law, **other)
+
+
+@pytest.mark.slow
+def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[3] / "docs" / "extending.md").read_text()
+    begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
+    (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
+
+    def tippedisk(*words: str) -> subprocess.CompletedProcess[str]:
+        # Without the working directory on its path, as an installed command is.
+        call = [sys.executable, "-P", "-m", "validation", *words]
+        return subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
+
+    law = "--law=rough:SquareRoot"
+    assert tippedisk("simulate", f"{law},coefficient=0.2", "--end=0.1", "--out=own.npz").stdout
+    with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
+        load_run(tmp_path / "own.npz", Trajectory)
+    # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
+    assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
+    again = tippedisk("scenario", "own.npz", law).stdout
+    assert 'law = "rough:SquareRoot"' in again
+    assert "coefficient = 0.2" in again
+    (tmp_path / "own.toml").write_text(again)
+    assert tippedisk("scenario", "own.toml").stdout == again
+    assert tippedisk("show", "own.npz", law, "--plot=own.png").returncode == 0
+    cases = ("law=tanh,rough:SquareRoot", "--scenario=own.toml", "--end=0.1", "--workers=1")
+    assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"

@@ -1,0 +1,130 @@
+"""Calls that are nearly right are taken, or told in one line how they would be right.
+
+Numbers that look as if they were meant in another unit are taken, with a warning.
+"""
+
+# Wrong on purpose.
+# mypy: disable-error-code="arg-type, call-arg, index, dict-item"
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbs_models
+from analysis import (
+    LAWS,
+    MODELS,
+    Ensemble,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    load_scenario,
+    scenario_text,
+    simulate,
+)
+from analysis.problem.values import UnitWarning
+from mbs_models import Scene
+from tests.calls import printed
+from tests.validation.cli.test_refusals import RING
+from validation import cli
+from validation.sweeps.axes import axis_from_text
+
+TIMES = [0.0, 0.01]
+UPRIGHT = Scenario(start=Start.stationary(31.0))
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda given: mbs_models.simulate(given, TIMES, step=1e-3).coordinates,
+        lambda given: mbs_models.acceleration(given)[0],
+        mbs_models.eigenvalues,
+        mbs_models.state_matrix,
+        mbs_models.stock_eigenvalues,
+    ],
+)
+def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any]) -> None:
+    np.testing.assert_array_equal(call(UPRIGHT), call(Scene(UPRIGHT)))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: simulate(Scenario, TIMES), r"^scenario .* got the class: write Scenario\(\)$"),
+        (lambda: MODELS[5], r"^.MODELS holds 1, 2, 3, 4, and no 5.$"),
+        (lambda: SmoothCoulomb(mu=0.3), r"^SmoothCoulomb takes .* did you mean coefficient\?$"),
+        (lambda: Start(spn=3.0), r"^Start takes beta, .*, and no spn; did you mean spin\?$"),
+        (lambda: Ensemble(scenario=Scenario(), fields={"spn": [1.0]}), r"did you mean spin\?$"),
+        (lambda: simulate(Scenario(), TIMES, method="DOP835"), r"did you mean DOP853\?$"),
+        (lambda: Start(gamma=" -22.5 deg"), r"write np.radians\(-22.5\)$"),
+        (lambda: LAWS.find("smooth-columb"), r"did you mean smooth-coulomb\?$"),
+        (lambda: Scenario.from_values({"start": {"spn": 3.0}}), r"^spn .* mean spin\?$"),
+        (lambda: axis_from_text("viscous=1:2:3"), r"did you mean viscosity or rolling_viscous\?$"),
+    ],
+)  # fmt: skip
+def test_one_line_says_what_is_right(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises((ValueError, TypeError, KeyError), match=message) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+
+
+def test_negative_values_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
+    for written, read in {"-1e-1": "-0.1", "-90deg": '"-pi/2"', "-pi/2": '"-pi/2"'}.items():
+        assert f"\ngamma = {read}  # rad" in printed(capsys, "scenario --gamma", written)
+
+
+def test_script_without_guard_is_told_so_and_gets_nothing(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from analysis import Scenario, simulate_many\n"
+        "runs = simulate_many([Scenario()] * 4, [0.0, 0.01], method='DOP853', workers=2)\n"
+        "print(runs)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr.count("Traceback") == 1
+    assert done.stderr.splitlines()[-1].endswith(
+        'which must do so below `if __name__ == "__main__":`, or with workers=1'
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--gamma=-90 --alpha 1", "gamma is in rad, and above a turn; degrees are written with"),
+        (RING.replace("0.05", "40", 1), "radius is in m, and above 1 m"),
+        ("--gamma 450deg --alpha 10*pi", ""),
+    ],
+)
+def test_units_that_are_in_doubt_are_warned_of_once(
+    words: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["scenario", *words.split()]) == 0
+    shown = capsys.readouterr()
+    lines = shown.err.splitlines()
+    assert len(lines) == bool(said)
+    assert all(line.startswith(f"tippedisk scenario: {said}") for line in lines)
+    assert "[start]" in shown.out
+
+
+def test_units_of_a_file_and_of_an_axis_are_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
+    assert cli.main(["scenario", str(path)]) == 0
+    assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
+    with pytest.warns(UnitWarning, match="^gamma is in rad, and above a turn"):
+        assert load_scenario(path).start.gamma == 90.0  # type: ignore[union-attr]
+    out = str(tmp_path / "out.db")
+    # Refused before anything runs.
+    assert cli.main(["sweep", "gamma=0,90,180", "--most", "1", "--out", out]) == 2
+    assert capsys.readouterr().err.count("gamma is in rad, and above a turn") == 1

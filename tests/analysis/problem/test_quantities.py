@@ -1,0 +1,208 @@
+"""Every quantity is declared once: types, files, options, axes, changes and refusals know it."""
+
+import re
+from dataclasses import asdict, fields, replace
+from math import inf
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    LAWS,
+    MODELS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Ensemble,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Stribeck,
+    load_scenario,
+    scenario_text,
+)
+from analysis.problem.disk import STEEL_RING
+from analysis.problem.names import ArgumentError, full_name
+from analysis.problem.plain_data import KINDS, told
+from analysis.problem.quantities import QUANTITIES, RING, Quantity, default
+from analysis.problem.variations import changed
+from tests.calls import printed, run
+from tests.scenario_texts import with_key
+from validation.sweeps.axes import axis_from_text
+
+EVERY = pytest.mark.parametrize("quantity", QUANTITIES.values(), ids=list(QUANTITIES))
+
+
+def home(quantity: Quantity) -> Scenario:
+    """A scenario in which a quantity has a place."""
+    if quantity.table == "friction":
+        laws = [law for law in LAWS.values() if hasattr(law, quantity.name)]
+        return Scenario(friction=laws[0]() if laws else LAWS["tanh"]())
+    if quantity.name in ("other_radius", "long_axis"):
+        return changed(Scenario(), {"disk.body": "ellipse"})
+    if quantity.table == "disk" and quantity.name not in (*RING, "name"):
+        return Scenario(disk=ROUNDED_STEEL_DISK)
+    soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"
+    return Scenario.rest() if soft else Scenario()
+
+
+def other(quantity: Quantity, scenario: Scenario) -> float | str:
+    """Another value, near that of a scenario if there is one."""
+    if quantity.choices:
+        return "contact" if quantity.key == "constraints" else quantity.choices[-1]
+    now = told(getattr(scenario, quantity.table)).get(quantity.name)
+    return 1.01 * now if now else 1e-6
+
+
+def beyond(quantity: Quantity) -> list[float | str]:
+    """Values that are out of range."""
+    if quantity.choices:
+        return ["glue"]
+    found: list[float | str] = [float("nan")]
+    if quantity.least > -inf:
+        found.append(quantity.least if quantity.is_above else 2.0 * quantity.least - 1.0)
+    if quantity.most < inf:
+        found.append(quantity.most if quantity.is_below else 2.0 * quantity.most)
+    return found
+
+
+def test_every_number_of_a_data_type_is_declared_with_its_default() -> None:
+    kinds = {**KINDS, "disk": Disk, "start": Start}
+    for table, kind in kinds.items():
+        for field in fields(kind):
+            assert f"{table}.{field.name}" in QUANTITIES
+            if isinstance(field.default, float):
+                assert default(f"{table}.{field.name}") == field.default
+    for law in LAWS.values():
+        for field in fields(law):
+            assert field.default == default(f"friction.{field.name}")
+
+
+@EVERY
+def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quantity) -> None:
+    assert full_name(quantity.key) == full_name(quantity.name) == quantity.key
+    assert quantity.unit is None or full_name(quantity.flag.lstrip("-")) == quantity.key
+    assert sum(each.flag == quantity.flag for each in QUANTITIES.values()) == 1
+    if quantity.choices:
+        values = ",".join(str(each).lower() for each in quantity.choices)
+        assert axis_from_text(f"{quantity.key}={values}").size == len(quantity.choices)
+    else:
+        assert axis_from_text(f"{quantity.key}=0.1:0.2:3").at(0) == 0.1
+    text = scenario_text(home(quantity))
+    assert max(map(len, text.split("\n"))) <= 99
+    if quantity.table and quantity.key != "disk.name":
+        comment = re.escape(quantity.comment)
+        assert re.search(rf"^(# )?{quantity.name} = \S.*  # {comment}$", text, re.MULTILINE)
+    else:
+        assert f"{quantity.name} = " in text
+
+
+def test_every_quantity_is_told_with_what_it_means(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = " ".join(printed(capsys, "scenario --help").split())
+    page = (Path(__file__).parents[3] / "docs" / "scenario.md").read_text(encoding="utf-8")
+    rows = [row.split(" | ") for row in page.split("\n") if row.startswith("| `")]
+    for quantity, row in zip(QUANTITIES.values(), rows, strict=True):
+        assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
+        allowed = f" ({quantity.allowed})" if quantity.allowed else ""
+        told = (quantity.unit or "", quantity.shown_default, f"{quantity.meaning}{allowed} |")
+        assert row == [f"| `{quantity.key}`", f"`{quantity.flag}`", *told]
+
+
+@EVERY
+def test_an_option_changes_its_quantity_and_nothing_else(
+    quantity: Quantity, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario, path = home(quantity), tmp_path / "my.toml"
+    path.write_text(scenario_text(scenario))
+    value = other(quantity, scenario)
+    words = [f"{quantity.flag}={value}"]
+    if quantity.is_switch:
+        words = [quantity.flag.replace("--", "--no-")]
+    shown = printed(capsys, "scenario", str(path), *words)
+    assert shown == scenario_text(changed(scenario, {quantity.key: value}))
+    assert quantity.is_switch or value == "contact" or shown != scenario_text(scenario)
+
+
+@EVERY
+def test_what_is_out_of_range_is_refused_by_name(
+    quantity: Quantity, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenario, path = home(quantity), tmp_path / "my.toml"
+    text = scenario_text(scenario)
+    for value in beyond(quantity):
+        with pytest.raises((ArgumentError, KeyError)) as refused:
+            changed(scenario, {quantity.key: value})
+        assert quantity.name in str(refused.value) or quantity.key == "model"
+        path.write_text(text)
+        assert run("scenario", str(path), f"{quantity.flag}={value}") == 2
+        said = capsys.readouterr().err.splitlines()[-1]
+        named = rf"(argument )?{quantity.flag}(/--no\S*)?"
+        assert re.fullmatch(rf"tippedisk scenario: error: {named}: .*", said)
+        if quantity.table and quantity.key != "disk.name":
+            literal = f'"{value}"' if isinstance(value, str) else str(value)
+            path.write_text(with_key(text, quantity.table, quantity.name, literal))
+            with pytest.raises(ValueError, match=rf"my\.toml, line \d+: .*{quantity.name} ") as at:
+                load_scenario(path)
+            line = int(str(at.value).partition("line ")[2].partition(":")[0])
+            assert path.read_text().split("\n")[line - 1] == f"{quantity.name} = {literal}"
+
+
+# --- Quantities that vary ------------------------------------------------------------------------
+
+PAPER = Scenario(friction=SmoothCoulomb(smoothing=0.05))
+TWICE = asdict(STEEL_DISK)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"start.spin": 12.0}, replace(PAPER, start=Start(spin=12.0))),
+        ({"model": 4}, replace(PAPER, constraints=MODELS[4])),
+        ({"constraints": "contact+fixed-cog"}, replace(PAPER, constraints=MODELS[2])),
+        (
+            {"friction.load": "contact"},
+            replace(PAPER, friction=replace(PAPER.friction, load="contact")),
+        ),
+        (
+            {"friction.static": 0.6, "friction.law": "stribeck"},
+            replace(PAPER, friction=Stribeck(static=0.6)),
+        ),
+        (
+            {"disk.eccentricity": 2e-3, "disk.name": "steel-rounded"},
+            replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, eccentricity=2e-3)),
+        ),
+        (
+            {"disk.hole_radius": 0.01},
+            replace(PAPER, disk=Disk.ring(**(STEEL_RING | {"hole_radius": 0.01}))),
+        ),
+        (
+            {f"disk.{name}": 2.0 * value for name, value in TWICE.items()},
+            replace(PAPER, disk=Disk(**{name: 2.0 * value for name, value in TWICE.items()})),
+        ),
+    ],
+)
+def test_case_is_the_scenario_with_its_fields_changed(changes: Any, expected: Scenario) -> None:
+    assert changed(PAPER, changes) == expected
+
+
+ROUNDED = replace(PAPER, disk=ROUNDED_STEEL_DISK)
+TOLD = replace(PAPER, start=PAPER.initial_state)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "names", "message"),
+    [
+        (PAPER, "contact.stiffness", "needs a penalty contact"),
+        (PAPER, "friction.static", r"static is unknown here; .* takes law, .*coefficient"),
+        (PAPER, "disk.radius disk.mass", "mass is unknown here; .*; or radius, mass"),
+        (ROUNDED, "disk.radius", "radius varies a ring alone"),
+        (TOLD, "start.spin", "the start is told by its coordinates and"),
+    ],
+)
+def test_fields_that_do_not_vary_in_a_scenario_are_refused(
+    scenario: Scenario, names: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        Ensemble(scenario=scenario, fields=dict.fromkeys(names.split(), np.array([0.04, 0.05])))

@@ -1,0 +1,200 @@
+"""What a scenario and its parts accept, refuse and compute; constraints, and starts under them."""
+
+import re
+from dataclasses import asdict, fields, replace
+from inspect import signature
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import (
+    COORDINATES,
+    DISKS,
+    GRAVITY,
+    LEVELS,
+    MODELS,
+    MULTIPLIERS,
+    POSSIBLE_SETS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    ConstraintSet,
+    Disk,
+    Level,
+    PenaltyContact,
+    Scenario,
+    Start,
+    State,
+    Table,
+    ViscousFriction,
+    multiplier_names,
+)
+from analysis.mechanics import constraints as rows
+from analysis.mechanics import paper
+from analysis.problem.constraints import DEMANDS
+from tests.helpers import (
+    all_sets,
+    model,
+    random_scenario,
+)
+
+levels = pytest.mark.parametrize("level", LEVELS)
+seeds = pytest.mark.parametrize("seed", range(4))
+
+
+def shifted(start: State, field: str, index: int, amount: float) -> State:
+    values = list(getattr(start, field))
+    values[index] += amount
+    return replace(start, **{field: tuple(values)})
+
+
+def test_all_sets_but_the_one_without_freedom_are_possible() -> None:
+    assert len(POSSIBLE_SETS) == len(set(POSSIBLE_SETS)) == 2**4 - 1
+    assert set(MODELS.values()) <= set(POSSIBLE_SETS)
+
+
+@all_sets
+def test_every_possible_set_has_independent_constraints(constraints: ConstraintSet) -> None:
+    for seed in range(20):
+        scenario, z, _ = random_scenario(constraints, seed)
+        directions = paper.constraint_directions(constraints, scenario.disk, z)
+        assert np.min(np.linalg.svd(directions, compute_uv=False)) > 1e-2
+
+
+def test_models_add_their_constraints_one_after_another_in_any_order() -> None:
+    expected = [name for name in MULTIPLIERS if name != "lateral_force"]
+    for level, count in zip(LEVELS, (1, 3, 4, 5), strict=True):
+        assert list(multiplier_names(MODELS[level])) == expected[:count]
+        assert Scenario(constraints=MODELS[level][::-1]) == model(level)
+
+
+@all_sets
+@seeds
+def test_start_keeps_all_that_is_free(constraints: ConstraintSet, seed: int) -> None:
+    scenario, z, u = random_scenario(constraints, seed)
+    rows.check_admissible(scenario, scenario.initial_state, tolerance=1e-13)
+    # Constraints do not look at alpha.
+    rows.check_admissible(scenario, shifted(scenario.initial_state, "coordinates", 3, 2.0))
+    asked = {name: value for name, value in asdict(scenario.start).items() if value is not None}
+    got = dict(zip(COORDINATES, z, strict=True)) | {
+        f"{name}_rate": rate for name, rate in zip(COORDINATES, u, strict=True)
+    }
+    got["spin"] = u[3]
+    assert {name: got[name] for name in asked} == asked
+
+
+@levels
+def test_default_start_is_table_3_made_consistent(level: Level) -> None:
+    start = model(level).initial_state
+    eccentricity = 0.0 if level == 1 else STEEL_DISK.eccentricity
+    place = (-eccentricity * np.sin(0.1), 0.0, 0.045, 0.0, pi / 2, -pi / 2 + 0.1)
+    np.testing.assert_allclose(start.coordinates, place, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(start.rates, (0, 0, 0, 40, 0, 0), rtol=0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "index"),
+    [("normal_force", 2), ("cog_force_x", 0), ("cog_force_y", 1), ("tangential_force", 3)],
+)
+def test_broken_constraint_is_named_with_its_amount(name: str, index: int) -> None:
+    beta, gamma = 1.0, 0.3
+    scenario = model(3, start=Start(beta=beta, gamma=gamma, spin=0.5))
+    # Turning faster about the COG moves the contact point at its distance from the axis.
+    lever = (STEEL_DISK.radius + STEEL_DISK.eccentricity * np.sin(gamma)) * np.cos(beta)
+    amounts = {"velocity level": ("rates", 2e-6, "m/s")}
+    if name == "tangential_force":
+        amounts = {"velocity level": ("rates", lever * 2e-6, "m/s")}
+    else:
+        amounts["position level"] = ("coordinates", 2e-6, "m")
+    label = re.escape(DEMANDS[name])
+    for level, (field, amount, unit) in amounts.items():
+        broken = shifted(scenario.initial_state, field, index, 2e-6)
+        said = rf"'{label}' of Model 3 on {level} by {amount:.3e} {unit}, allowed is 1\.0e-09$"
+        with pytest.raises(ValueError, match=said):
+            rows.check_admissible(scenario, broken)
+
+
+def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
+    for field, allowed in (("coordinates", 1e-6), ("rates", 2e-8)):
+        start = shifted(Start(spin=50.0).state(MODELS[1], STEEL_DISK), field, 2, 1e-6)
+        rows.check_admissible(Scenario(), start, tolerance=1.01 * allowed)
+        with pytest.raises(ValueError, match=r"allowed is 9\.9e-07"):
+            rows.check_admissible(Scenario(), start, tolerance=0.99 * allowed)
+
+
+# --- Disk, table and contact -------------------------------------------------------------------
+
+
+def test_named_disks_are_the_unrounded_ring_and_table_1() -> None:
+    assert DISKS == {"steel": STEEL_DISK, "steel-rounded": ROUNDED_STEEL_DISK}
+    unrounded = (0.045, 0.4354247, 2.5e-3, 2.485550e-4, 2.267837e-4, 4.680816e-4)
+    exact, printed = asdict(STEEL_DISK), asdict(ROUNDED_STEEL_DISK)
+    assert [*exact.values()][:6] == pytest.approx(unrounded, rel=2e-7)
+    assert printed == pytest.approx({name: float(f"{x:.2e}") for name, x in exact.items()})
+
+
+def test_data_types_show_their_fields_to_help() -> None:
+    for kind in (Scenario, Disk, ViscousFriction):
+        assert [*signature(kind).parameters] == [each.name for each in fields(kind)]
+
+
+def test_weight_is_mass_times_what_presses_of_gravity() -> None:
+    assert GRAVITY == 9.81
+    assert Scenario().weight == STEEL_DISK.mass * GRAVITY
+    table = Table(gravity=2.0, inclination=pi / 6, downhill=pi / 2)
+    np.testing.assert_allclose(table.vector, (0.0, 1.0, -np.sqrt(3.0)), atol=1e-15)
+    assert table.pressing == pytest.approx(np.sqrt(3.0))
+    assert Scenario(table=table).weight == STEEL_DISK.mass * table.pressing
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_disk_refuses_inertia_above_the_triangle_bound(axis: str) -> None:
+    name, about_cog = f"inertia_{axis}", STEEL_DISK.inertia_about_cog
+    slack = sum(about_cog) - 2 * about_cog["xyz".index(axis)]
+    bound = getattr(STEEL_DISK, name) + slack
+    # A lamina lies on the bound.
+    assert replace(STEEL_DISK, **{name: bound}).mass == STEEL_DISK.mass
+    with pytest.raises(ValueError, match=f"^{name} must leave principal moments about the COG"):
+        replace(STEEL_DISK, **{name: bound * (1 + 1e-9)})
+
+
+SOFT = PenaltyContact(stiffness=1e5)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "kind"),
+    [
+        ("disk", 3, "a Body"),
+        ("friction", "stick", "a FrictionLaw"),
+        ("table", None, "a Table"),
+        ("contact", 1e6, "a PenaltyContact"),
+        ("start", (1, 2), "a Start or a State"),
+    ],
+)
+def test_scenario_refuses_what_is_of_another_kind(name: str, value: Any, kind: str) -> None:
+    with pytest.raises(ValueError, match=f"^{name} must be {kind}, got {re.escape(repr(value))}"):
+        Scenario(**{name: value})
+
+
+def test_replacing_one_field_of_a_scenario_changes_all_that_follows_from_it() -> None:
+    plain = Scenario()
+    soft, held = replace(plain, contact=SOFT), replace(plain, constraints=MODELS[2])
+    heavy = replace(soft, table=Table(gravity=2 * GRAVITY))
+    other = replace(held, disk=replace(STEEL_DISK, eccentricity=0.001))
+    sunk = plain.weight / SOFT.stiffness
+    places = {soft: (0.0, 0.045 - sunk), heavy: (0.0, 0.045 - 2 * sunk)}
+    places |= {held: (-0.0025 * np.sin(0.1), 0.045), other: (-0.001 * np.sin(0.1), 0.045)}
+    for scenario, place in places.items():
+        assert scenario.initial_state.coordinates[:3:2] == pytest.approx(place, rel=1e-9)
+    assert replace(soft, contact=None) == plain
+    with pytest.raises(ValueError, match=r"^gamma_rate must be .* in Model 3"):
+        replace(replace(plain, start=Start(gamma_rate=3.0)), constraints=MODELS[3])
+
+
+def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
+    sharp = Scenario(contact=SOFT, start=Start(height=0.005))
+    assert sharp.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)
+    rounded = Scenario.rest(start=Start(beta=0.3, height=0.005))
+    reach = np.hypot(0.045 * np.sin(0.3), 2e-4 * np.cos(0.3))
+    assert rounded.initial_state.coordinates[2] == pytest.approx(0.005 + reach, rel=1e-12)

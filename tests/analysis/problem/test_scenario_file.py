@@ -1,0 +1,313 @@
+"""Scenarios as TOML files."""
+
+import re
+import sys
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from analysis import (
+    DISKS,
+    LOADS,
+    MODELS,
+    POSSIBLE_SETS,
+    ROUNDED_STEEL_DISK,
+    STEEL_DISK,
+    Disk,
+    Dissipation,
+    PenaltyContact,
+    Scenario,
+    Start,
+    State,
+    Stribeck,
+    Table,
+    TanhCoulomb,
+    load_scenario,
+    scenario_text,
+)
+from analysis.problem.quantities import SECTIONS
+from analysis.problem.scenario_file import LARGEST_FILE
+from analysis.problem.values import angle, spelled_angle
+from tests.helpers import TILTED
+from tests.scenario_texts import with_key
+from tests.wayward_law import Own
+
+QUICK = settings(
+    max_examples=100,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+
+
+def reals(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high, allow_nan=False)
+
+
+AMOUNT = reals(0.0, 1.0)
+LOAD = st.sampled_from(LOADS)
+TEXT = st.text(st.characters(exclude_categories=["Cs"]))
+ANGLES = reals(-7.0, 7.0) | st.sampled_from((pi / 2, pi / 90, -pi / 2 + 0.1))
+IDEAL = st.builds(
+    Scenario,
+    constraints=st.sampled_from([*POSSIBLE_SETS, *TILTED]),
+    disk=st.sampled_from([*DISKS.values()]) | st.builds(Disk.ring, radius=reals(0.04, 2.0)),
+    friction=st.builds(TanhCoulomb, load=LOAD, coefficient=AMOUNT)
+    | st.builds(Own, load=LOAD, strength=AMOUNT, kind=TEXT),
+    table=st.builds(Table, inclination=reals(0.0, 1.5), downhill=ANGLES),
+    start=st.builds(Start, beta=reals(0.1, 3.0), gamma=ANGLES, spin=reals(-1e5, 1e5)),
+)
+FREE = st.builds(
+    Scenario,
+    start=st.builds(Start, beta_rate=st.none() | reals(-10.0, 10.0), x=st.none() | AMOUNT)
+    | st.builds(
+        State,
+        coordinates=st.tuples(*[reals(-1.0, 1.0)] * 4, reals(0.1, 3.0), ANGLES),
+        rates=st.tuples(*[reals(-1e3, 1e3)] * 6),
+    ),
+)
+COMPLIANT = st.builds(
+    Scenario,
+    contact=st.builds(PenaltyContact, stiffness=reals(1e5, 1e9), bilateral=st.booleans()),
+    dissipation=st.builds(Dissipation, pivoting=AMOUNT, air_drag=AMOUNT),
+    start=st.builds(Start, height=st.none() | AMOUNT),
+)
+
+
+@pytest.mark.filterwarnings("ignore::analysis.problem.values.UnitWarning")
+@QUICK
+@given(IDEAL | FREE | COMPLIANT)
+def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text(scenario_text(scenario), encoding="utf-8")
+    assert load_scenario(path) == scenario
+
+
+@pytest.mark.parametrize("level", [1, 4])
+def test_taking_in_what_was_left_out_changes_nothing_or_is_the_contact_of_the_way_to_rest(
+    level: Any, tmp_path: Path
+) -> None:
+    scenario = Scenario(constraints=MODELS[level], start=Start(beta=1.2, gamma=0.3))
+    text, path = scenario_text(scenario), tmp_path / "my.toml"
+    contact, others, start = (text.index(each) for each in ("# [cont", "# What else", "[start]"))
+
+    def taken_in(begin: int, end: int) -> Scenario:
+        bare = re.sub(r"^# (?=\[|\w+ =)", "", text[begin:end], flags=re.MULTILINE)
+        path.write_text(text[:begin] + bare + text[end:])
+        return load_scenario(path)
+
+    full = taken_in(start, len(text))
+    assert isinstance(full.start, Start)
+    assert None not in (full.start.x, full.start.gamma_rate, full.start.height)
+    assert full.initial_state == scenario.initial_state
+    if level == 1:
+        assert taken_in(contact, others).contact == Scenario.rest().contact
+
+
+def test_short_file_holds_what_it_must_and_angles_may_be_text(tmp_path: Path) -> None:
+    text = """format = 1\nmodel = 3\ndisk.name = "steel-rounded"\n[friction]
+[table]\ninclination = "2deg"\ndownhill = "pi/2"\n[start]\nbeta = "80 deg"\n"""
+    path = tmp_path / "my.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    assert load_scenario(path) == Scenario(
+        constraints=MODELS[3],
+        disk=ROUNDED_STEEL_DISK,
+        table=Table(inclination=pi / 90, downhill=pi / 2),
+        start=Start(beta=80 * pi / 180),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("pi/2", pi / 2),
+        ("-pi/2 + 0.1", -pi / 2 + 0.1),
+        ("2*pi/3 - 45 deg", 2 * pi / 3 - 45 * pi / 180),
+        ("2pi/3", 2 * pi / 3),
+        ("1E-3", 1e-3),
+        ("+.5", 0.5),
+    ],
+)
+def test_angle_is_a_sum_of_products(text: str, value: float) -> None:
+    assert angle("beta", text) == value
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x", "--1", "1 2", "deg", "pi pi", "3-", "nan", "1_0", "١", "1/0", "1e400", "(1)"]
+)
+def test_what_is_no_angle_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"beta must be (an angle|finite|a finite number)"):
+        angle("beta", text)
+
+
+@given(ANGLES)
+def test_angle_is_spelled_exactly_or_not_at_all(value: float) -> None:
+    text = spelled_angle(value)
+    assert text is None or angle("beta", text) == value
+
+
+TOP = f"a scenario holds format, model, constraints, {', '.join([*SECTIONS][1:])}"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("format = 1\nmodel = \n", 2, "not TOML: Invalid value"),
+        ('format = 1\nlaw = """\n\n', 2, "not TOML: "),
+        ("a = " + "[" * 5000, 1, "not TOML: nested too deeply"),
+        ("format = 1\nmodel = 1\ndisk = 3\n", 3, "disk must be a table, got 3"),
+        ("format = 1\nmodel = 1\n[disk]\n\"name\" = 'gold'\n", 4, "name must be one of steel"),
+        ("format = 1\nspim = 1", 2, f"unknown key 'spim'; {TOP}; did you mean spin?"),
+        ("format = 1\nmodel = 1\n[[disk]]\nname = 'steel'\n", 3, "disk must be a table, got ["),
+    ],
+)
+def test_text_that_is_no_scenario_is_refused_with_its_line(
+    text: str, line: int, message: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=re.escape(f"my.toml, line {line}: {message}")):
+        load_scenario(path)
+
+
+def test_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "my.toml"
+    for content, message in (
+        (b"PK\x03\x04\xff\xfe", "is no TOML: not text in UTF-8"),
+        (b"#" * (LARGEST_FILE + 1), "is too large: more than 1000000 bytes"),
+    ):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=message):
+            load_scenario(path)
+
+
+def test_file_runs_the_module_of_its_law_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own_law.py").write_text(
+        "from tests.wayward_law import Own\n\nclass Rough(Own):\n    pass\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    path, law = tmp_path / "my.toml", '"own_law:Rough"'
+    short = 'format = 1\nmodel = 1\ndisk.name = "steel"\ntable = {}\n'
+    path.write_text(f"{short}friction = {{}}\nstart.gamma = {law}\n")
+    with pytest.raises(ValueError, match="gamma must be an angle"):
+        load_scenario(path)
+    assert "own_law" not in sys.modules
+    path.write_text(f"{short}start = {{}}\nfriction.law = {law}\n")
+    try:
+        assert type(load_scenario(path).friction).__module__ == "own_law"
+    finally:
+        sys.modules.pop("own_law", None)
+
+
+def test_law_that_toml_cannot_hold_is_refused() -> None:
+    law = Own(kind={1})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"kind cannot be written to a scenario's file"):
+        scenario_text(replace(Scenario(), disk=STEEL_DISK, friction=law))
+
+
+# --- Refusals of the data types, each reachable from a file, with key and line -------------------
+
+PAPER = Scenario()
+SOFT = Scenario.rest()
+ROUNDED = Scenario(disk=ROUNDED_STEEL_DISK)
+STATE = Scenario(start=State(coordinates=(0.0, 0.0, 0.045, 0.0, 1.5, 0.1), rates=(0.0,) * 6))
+SLIP_FREE = Scenario(constraints=("contact", "no-slip-along", "no-slip-across"))
+HELD = Scenario(constraints=("contact", "fixed-cog", "no-slip-across"))
+
+REFUSED: list[tuple[Scenario, str, str, str]] = [
+    # What the file itself says: keys with their values, the message, and the key to blame.
+    (PAPER, "format = 2", "format 2 is newer than this version", "format"),
+    (PAPER, "format =", "format is missing; it must be 1", ""),
+    (PAPER, "model =", "model or constraints is missing; model = 1", ""),
+    (PAPER, "model = 5", "model must be one of 1, 2, 3, 4, got '5'", "model"),
+    (PAPER, 'constraints = ["contact"]', "constraints do not go together with", "constraints"),
+    (PAPER, "radius = 0.1", "radius must stand in the table [disk]", "radius"),
+    (PAPER, "colour = 3", "unknown key 'colour'; a scenario holds format, model", "colour"),
+    (PAPER, "disk.colour = 3", "colour is unknown here; [disk] takes name; or radius", "colour"),
+    (PAPER, "disk.density =", "[disk] lacks density", "[disk]"),
+    (ROUNDED, 'disk.name = "steel"', "radius is unknown here; [disk] takes name; or", "radius"),
+    (PAPER, "start.coordinates = [1]", "beta is unknown here; [start] takes coord", "beta"),
+    (STATE, "start.rates =", "[start] lacks rates", "[start]"),
+    (SOFT, "contact.stiffness =", "[contact] lacks stiffness", "[contact]"),
+    # Values of the wrong kind, among them wrong units.
+    (PAPER, 'disk.radius = "45mm"', "radius must be a number in m, got '45mm'", "radius"),
+    (PAPER, "disk.radius = 1" + 400 * "0", "radius must be a finite number, got one", "radius"),
+    (PAPER, 'table.inclination = "2 grad"', "inclination must be an angle", "inclination"),
+    (PAPER, "friction.law = []", "law must be text, got []", "law"),
+    (PAPER, 'friction.law = ".x:Law"', "friction law '.x:Law' cannot be loaded", "law"),
+    (STATE, "start.rates = [1]", "rates must hold 6 numb", "rates"),
+    (STATE, 'start.coordinates = [0, 0, 0, 0, 0, "pi"]', "coordinates[gamma] must", "coordinates"),
+    # Values that do not fit each other.
+    (PAPER, "disk.hole_distance = 1", "hole_distance + hole_radius must be", "hole_distance"),
+    (ROUNDED, "disk.eccentricity = 1", "eccentricity must lie in [0, radius)", "eccentricity"),
+    (ROUNDED, "disk.inertia_y = 1e-9", "inertia_y must leave principal", "inertia_y"),
+    (ROUNDED, "disk.inertia_z = 1", "inertia_z must leave principal", "inertia_z"),
+    (PAPER, "friction.smoothing = 1e-12; friction.coefficient = 1e8",
+     "smoothing must be at least coefficient / 1e+12", "smoothing"),
+    (Scenario(friction=Stribeck()), "friction.static = 0.1", "kinetic must not exceed", "kinetic"),
+    (PAPER, "start.beta = 1e-9", "beta must keep 1e-06 rad from 0 and pi", "beta"),
+    (STATE, "start.coordinates = [0, 0, 0, 0, 4, 0]", "beta must lie in the open", "[start]"),
+    (PAPER, "start.height = 0.1", "height must be 0 or left out on an ideal", "height"),
+    (PAPER, "dissipation.pivoting = 1e-4", "dissipation acts on a penalty", "[dissipation]"),
+    (SOFT, "model = 2", "contact must be left out, or constraints be", "[contact]"),
+    (SOFT, "contact.stiffness = 1.0", "stiffness must be at least weight", "stiffness"),
+    (SOFT, "contact.half_thickness = 1e-12", "half_thickness must be 0 or", "half_thickness"),
+    (SOFT, "contact.half_thickness = 0.1", "half_thickness must not ex", "half_thickness"),
+    # Starts that break a constraint.
+    *((PAPER, f"model = 2; start.{name} = 1", f"{name} must be", name)
+      for name in ("x", "y_rate")),
+    (PAPER, "model = 3; start.gamma_rate = 5", "gamma_rate must be -2.44929e-15 in Model 3",
+     "gamma_rate"),
+    (SLIP_FREE, "start.x_rate = 1", "x_rate must be", "x_rate"),
+    (HELD, "start.beta_rate = 1", "beta_rate must be", "beta_rate"),
+    # Sets of constraints that are none.
+    *((HELD, f"constraints = {given}", f"constraints must {fault}", "constraints")
+      for given, fault in (
+        ('["contact", "glue"]', "be one of contact, "),
+        ('["contact", "contact"]', "name each constraint once"),
+        ('["fixed-cog"]', "hold 'contact': without it"),
+        ('"contact"', "be a list of names, got 'contact'"),
+        ('["contact", "fixed-cog", "no-slip-along", "no-slip-across", "constant-spin"]',
+         "leave the disk a freedom"),
+    )),
+]  # fmt: skip
+
+
+def refusal(text: str, folder: Path) -> tuple[str, str]:
+    """Message that refuses a text, and the line it names."""
+    path = folder / "my.toml"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"my\.toml, line \d+: ") as found:
+        load_scenario(path)
+    message = re.fullmatch(r".*my\.toml, line (\d+): (.*)", str(found.value))
+    assert message is not None
+    return message[2], text.split("\n")[int(message[1]) - 1]
+
+
+@pytest.mark.parametrize(
+    ("scenario", "entries", "message", "place"), REFUSED, ids=[each[1][:60] for each in REFUSED]
+)
+def test_refusal_names_key_and_line(
+    scenario: Scenario, entries: str, message: str, place: str, tmp_path: Path
+) -> None:
+    text = scenario_text(scenario)
+    for entry in entries.split("; "):
+        name, _, literal = entry.partition(" =")
+        table, _, key = name.rpartition(".")
+        text = with_key(text, table, key, literal.strip() or None)
+    said, line = refusal(text, tmp_path)
+    assert said.startswith(message)
+    assert line.startswith(place)
+
+
+@pytest.mark.parametrize("table", [name for name, each in SECTIONS.items() if each.needed])
+def test_missing_table_is_named_with_the_shortest_way_to_it(table: str, tmp_path: Path) -> None:
+    text = re.sub(rf"\[{table}\]\n(.*\n)*?(?=\n|\Z)", "", scenario_text(PAPER))
+    said, _ = refusal(text, tmp_path)
+    assert said == f"the table [{table}] is missing; {SECTIONS[table].needed}"
