@@ -1,17 +1,5 @@
 """The public names of `analysis`."""
 
-from analysis.models.balance import (
-    constraint_drift,
-    contact_forces,
-    energies,
-    energy_residual,
-    power,
-)
-from analysis.models.ensemble import Outcome, simulate_many
-from analysis.models.forms import FORMS, Form
-from analysis.models.outcomes import outcomes
-from analysis.models.simulation import simulate
-from analysis.models.trajectories import Trajectories
 from analysis.motion.endings import CONDITIONS, Condition, Ending, StopWhen
 from analysis.motion.inversion import Inversion, Inversions
 from analysis.motion.outcomes import OutcomeTable
@@ -62,7 +50,19 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.scenario_file import load_scenario, scenario_text
 from analysis.problem.start import COORDINATES, MOTIONS, FlatError, Motion, Start, State
 from analysis.problem.variations import Ensemble
-from analysis.rest.to_rest import REST_METHODS, RestMethod, simulate_to_rest
+from analysis.simulation.balance import (
+    constraint_drift,
+    contact_forces,
+    energies,
+    energy_residual,
+    power,
+)
+from analysis.simulation.ensemble import Outcome, simulate_many
+from analysis.simulation.forms import FORMS, Form
+from analysis.simulation.outcomes import outcomes
+from analysis.simulation.simulate import simulate
+from analysis.simulation.to_rest import REST_METHODS, RestMethod, simulate_to_rest
+from analysis.simulation.trajectories import Trajectories
 from analysis.solve.stepping import METHODS, Method
 from analysis.solve.watch import Progress
 

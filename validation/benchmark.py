@@ -31,8 +31,8 @@ from analysis import (
     Trajectory,
     simulate_many,
 )
-from analysis.compiled.library import is_installed
 from analysis.problem.checks import Array
+from analysis.simulation.compiled.library import is_installed
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from analysis import Form, Scenario
-from analysis.compiled import systems
-from analysis.compiled.code import kinks
-from analysis.compiled.ensemble import simulate_compiled
-from analysis.compiled.library import heyoka
-from analysis.models.request import Request
 from analysis.problem.checks import Array
+from analysis.simulation.compiled import systems
+from analysis.simulation.compiled.code import kinks
+from analysis.simulation.compiled.ensemble import simulate_compiled
+from analysis.simulation.compiled.library import heyoka
+from analysis.simulation.request import Request
 
 
 def single(

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from analysis.compiled.library import require_heyoka
 from analysis.problem.checks import whole
+from analysis.simulation.compiled.library import require_heyoka
 from validation.commands.options import checked_end, output_folder
 from validation.commands.output import Result, save
 from validation.kit.progress import duration, say

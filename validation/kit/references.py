@@ -12,9 +12,9 @@ import numpy as np
 
 import analysis
 from analysis import Method, Scenario, Trajectory
-from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.motion.endings import FLAT, StopWhen
 from analysis.problem.checks import Array
+from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.solve.to_tolerance import error_at_ending
 from mbs_models import EngineError, Integrator
 from validation.kit.limits import largest

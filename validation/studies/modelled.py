@@ -1,8 +1,8 @@
 """What is modelled: values for the text, and the formulations with the models that they build."""
 
 from analysis import LEVELS, MODELS, Scenario
-from analysis.models.forms import FORMS
 from analysis.problem.disk import STEEL_RING
+from analysis.simulation.forms import FORMS
 from mbs_models import FORMULATIONS, Scene, formulations
 from validation.page.content import Content, Rows
 from validation.study import Row, Study, equal

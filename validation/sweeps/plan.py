@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
-from analysis.models.forms import default_form, pose
-from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.motion.endings import check_condition_name
 from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array, choice, positive, whole, within
 from analysis.problem.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.problem.names import ArgumentError
+from analysis.simulation.forms import default_form, pose
+from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from validation.parser.runs import ACCURACIES, OPTIONS, RunOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.outcomes import series_named

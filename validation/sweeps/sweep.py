@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from analysis import CONSTRAINTS, Scenario, multiplier_names
-from analysis.compiled.library import require_heyoka
 from analysis.motion.trajectory import versions
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import is_own, own_object
 from analysis.problem.variations import changed, check_fields
+from analysis.simulation.compiled.library import require_heyoka
 from validation.kit.sources import behind, digest
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan

@@ -14,7 +14,7 @@ from analysis.mechanics.recorded import solver
 from analysis.problem.checks import Array
 from analysis.problem.contact import CAUSES
 from analysis.problem.elementary import cos, sin
-from analysis.rest.to_rest import start_vector
+from analysis.simulation.to_rest import start_vector
 from tests.helpers import assert_close, derivative
 
 HALF = 2e-3

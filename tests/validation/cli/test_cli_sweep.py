@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from analysis import MODELS, Scenario
-from analysis.compiled import library
+from analysis.simulation.compiled import library
 from tests.calls import Capture, refusal, run
 from tests.sweeps import sweep
 from validation.sweeps.results import Results

@@ -11,7 +11,7 @@ import pandas as pd
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
 from analysis.motion.sampled import SOURCES
-from analysis.rest.stationary_rolling import (
+from analysis.stability.stationary_rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,

@@ -12,17 +12,17 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from analysis.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
-from analysis.compiled.library import CannotCompileError
-from analysis.models.request import Request
-from analysis.models.simulation import run_member
-from analysis.models.trajectories import Trajectories
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import ToleranceError, function, instance, whole
 from analysis.problem.limits import check_storage
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from analysis.problem.variations import Ensemble, one_by_one
+from analysis.simulation.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
+from analysis.simulation.compiled.library import CannotCompileError
+from analysis.simulation.request import Request
+from analysis.simulation.simulate import run_member
+from analysis.simulation.trajectories import Trajectories
 from analysis.solve.stepping import Method
 from analysis.solve.workers import Pool
 

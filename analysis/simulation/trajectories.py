@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from analysis.compiled.ensemble import CompiledPart
 from analysis.motion.files import AnyArray
 from analysis.motion.inversion import Inversions, inversions
 from analysis.motion.quantities import InCoordinates, lowest
@@ -15,6 +14,7 @@ from analysis.motion.trajectory import Samples, Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.problem.variations import Ensemble
+from analysis.simulation.compiled.ensemble import CompiledPart
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

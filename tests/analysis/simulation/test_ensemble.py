@@ -28,10 +28,10 @@ from analysis import (
     simulate_many,
     simulate_to_rest,
 )
-from analysis.compiled import code
-from analysis.models import ensemble as many
 from analysis.motion.outcomes import DONE, OUTCOMES, Row
 from analysis.problem.variations import changed
+from analysis.simulation import ensemble as many
+from analysis.simulation.compiled import code
 from tests.helpers import TILTED, assert_close, model, not_none
 from tests.sweeps import sweep
 from validation.sweeps.case import run_chunk

@@ -18,7 +18,7 @@ from analysis import (
     Table,
     simulate,
 )
-from analysis.rest.stationary_rolling import (
+from analysis.stability.stationary_rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,

@@ -5,14 +5,14 @@ from math import inf
 
 import numpy.typing as npt
 
-from analysis.compiled.ensemble import simulate_compiled
-from analysis.models.forms import Form, default_form, pose
-from analysis.models.request import Request, trajectory
 from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import choice, instance
 from analysis.problem.friction import check_slipping
 from analysis.problem.scenario import Scenario
+from analysis.simulation.compiled.ensemble import simulate_compiled
+from analysis.simulation.forms import Form, default_form, pose
+from analysis.simulation.request import Request, trajectory
 from analysis.solve.stepping import METHODS, Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
 from analysis.solve.watch import Progress

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from analysis.compiled.code import Code
-from analysis.compiled.library import heyoka
-from analysis.compiled.systems import ALIVE, REASON, SINGULAR, WHEN
 from analysis.motion.endings import TIME_LIMIT
 from analysis.motion.files import AnyArray
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
+from analysis.simulation.compiled.code import Code
+from analysis.simulation.compiled.library import heyoka
+from analysis.simulation.compiled.systems import ALIVE, REASON, SINGULAR, WHEN
 from analysis.solve.to_tolerance import RUNNING, Runs
 from analysis.solve.watch import Watch, intervals
 

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 
 import numpy.typing as npt
 
-from analysis.compiled.library import is_installed
-from analysis.models.forms import FORMS, Form, default_form
 from analysis.motion.endings import (
     CONTACT_WOULD_PULL,
     FLAT,
@@ -22,6 +20,8 @@ from analysis.problem.elementary import sin
 from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, Effort
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
+from analysis.simulation.compiled.library import is_installed
+from analysis.simulation.forms import FORMS, Form, default_form
 from analysis.solve.effort import simulation_effort
 from analysis.solve.stepping import METHODS, Method, Run
 from analysis.solve.to_tolerance import tighter_and_tighter

@@ -17,10 +17,10 @@ from analysis import (
 )
 from analysis.mechanics import paper
 from analysis.mechanics.recorded import accelerations
-from analysis.models import balance
 from analysis.problem.checks import Array
 from analysis.problem.constraints import PRESCRIBED, multiplier_names
 from analysis.problem.start import COORDINATES
+from analysis.simulation import balance
 from tests.helpers import (
     all_sets,
     angular_velocity,

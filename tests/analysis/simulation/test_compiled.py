@@ -29,18 +29,18 @@ from analysis import (
     simulate,
     simulate_many,
 )
-from analysis.compiled import code, library, systems
-from analysis.compiled.ensemble import simulate_compiled
-from analysis.compiled.runs import integrate
-from analysis.compiled.systems import SIGN, Structure
 from analysis.mechanics import reduced
 from analysis.mechanics.attitude import EulerTurning, paper_of
 from analysis.mechanics.recorded import solver
-from analysis.models import request
-from analysis.models.forms import pose
-from analysis.models.request import Request
 from analysis.problem.checks import Array
 from analysis.problem.quantities import LOADS
+from analysis.simulation import request
+from analysis.simulation.compiled import code, library, systems
+from analysis.simulation.compiled.ensemble import simulate_compiled
+from analysis.simulation.compiled.runs import integrate
+from analysis.simulation.compiled.systems import SIGN, Structure
+from analysis.simulation.forms import pose
+from analysis.simulation.request import Request
 from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table

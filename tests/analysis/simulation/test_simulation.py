@@ -24,10 +24,10 @@ from analysis import (
     simulate,
 )
 from analysis.mechanics import reduced
-from analysis.models import balance
-from analysis.models.forms import pose
-from analysis.models.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.problem.checks import Array
+from analysis.simulation import balance
+from analysis.simulation.forms import pose
+from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 from tests.helpers import all_sets, assert_close, model, mostly_slow, not_none

@@ -10,18 +10,18 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from analysis.compiled import systems
-from analysis.compiled.code import Code, code_for
-from analysis.compiled.runs import Group, integrate
-from analysis.compiled.systems import SIGN
 from analysis.mechanics import recorded
-from analysis.models.forms import check_form, default_form, pose
-from analysis.models.request import Request, trajectory
 from analysis.motion.trajectory import Samples, Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows, in_columns
 from analysis.problem.scenario import Scenario
 from analysis.problem.variations import Ensemble, one_by_one
+from analysis.simulation.compiled import systems
+from analysis.simulation.compiled.code import Code, code_for
+from analysis.simulation.compiled.runs import Group, integrate
+from analysis.simulation.compiled.systems import SIGN
+from analysis.simulation.forms import check_form, default_form, pose
+from analysis.simulation.request import Request, trajectory
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import pulls_at_start
 from analysis.solve.to_tolerance import Runs, agree, estimated_errors

@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 from scipy.integrate import simpson
 
-from analysis.models.balance import energies
-from analysis.models.trajectories import Trajectories
 from analysis.motion.endings import TIME_LIMIT
 from analysis.motion.inversion import STAYING, inversions
 from analysis.motion.outcomes import DONE, OutcomeTable, failed, failure
@@ -17,6 +15,8 @@ from analysis.problem.checks import Array
 from analysis.problem.constraints import multiplier_names, prescribed
 from analysis.problem.contact import CAUSES
 from analysis.problem.start import COORDINATES
+from analysis.simulation.balance import energies
+from analysis.simulation.trajectories import Trajectories
 
 
 def outcomes(

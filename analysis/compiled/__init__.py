@@ -1,1 +1,0 @@
-"""Compiled runs with Taylor's method, by heyoka (extra `fast`), of the equations in `models`."""

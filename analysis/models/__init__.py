@@ -1,1 +1,0 @@
-"""Equations of motion of all models, and their simulation."""

@@ -1,0 +1,1 @@
+"""In-house simulation: equations of motion as initial value problems, of one run or of many."""
