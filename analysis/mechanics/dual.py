@@ -1,6 +1,7 @@
 """Dual numbers: values that carry their derivative in one direction, exact to rounding."""
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -59,6 +60,12 @@ class Dual:
     def __rtruediv__(self, other: Any) -> "Dual":
         return dual(other) / self
 
+    def __lt__(self, other: Any) -> Any:
+        return self.value < plain(other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self.value > plain(other)
+
     def __pow__(self, exponent: float) -> "Dual":
         slope = exponent * self.value ** (exponent - 1)
         return Dual(self.value**exponent, slope * self.change)
@@ -97,8 +104,10 @@ def derivatives(function: Callable[[Sequence[Any]], Iterable[Any]], place: Array
 
 
 def _sqrt(x: Dual) -> Dual:
+    """Its derivative at zero, where there is none, is taken to be zero."""
     root = sqrt(x.value)
-    return Dual(root, x.change / (2.0 * root))
+    is_zero = isinstance(root, float) and root == 0.0
+    return Dual(root, x.change / (math.inf if is_zero else 2.0 * root))
 
 
 def _hypot(x: Any, y: Any) -> Dual:
@@ -131,3 +140,28 @@ elementary.register(
         hypot=_hypot,
     ),
 )
+
+
+Functions = Mapping[str, Callable[..., Any]]
+"""Functions of one kind of numbers by their names in recorded code; see `Recorder.code`."""
+
+
+def of_floats(law: Any) -> Functions:
+    """Functions of floats for a body that a friction law acts on."""
+    return {"speed": math.hypot, "per_speed": law.per_speed}
+
+
+def of_duals(law: Any) -> Functions:
+    """Functions of dual numbers; at no slip, whose size has no derivative, friction has its slope.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+    """
+
+    def per_speed(speed: Dual) -> Dual:
+        slope = law.per_speed_slope(speed.value)
+        return Dual(law.per_speed(speed.value), slope * speed.change)
+
+    usual: Functions = {"sin": sin, "cos": cos, "sqrt": sqrt, "hypot": hypot}
+    return {**usual, "speed": hypot, "per_speed": per_speed}

@@ -1,6 +1,5 @@
 """A body on a table that yields, for numbers of any kind, and its equations as code."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -11,7 +10,7 @@ import numpy as np
 
 from analysis.mechanics.attitude import Chart, EulerAngles, Frame, Moving, Quaternion
 from analysis.mechanics.constraints import Direction, at_point
-from analysis.mechanics.dual import rate
+from analysis.mechanics.dual import Functions, of_floats, rate
 from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, add, cross, dot, scaled
 from analysis.mechanics.newton_euler import (
     Friction,
@@ -182,12 +181,12 @@ class YieldingTable:
         }
 
 
-Solver = Callable[..., tuple[float, ...]]
-"""From the floats of a state to its time derivative and what else follows from it."""
+Solver = Callable[..., tuple[Any, ...]]
+"""From the numbers of a state to its time derivative and what else follows from it."""
 
 
-def free_solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
-    """Function from a state in Euler angles, 12 floats, to its derivative and the normal force.
+def free_solver(scenario: Scenario, chart: type[EulerAngles], functions: Functions) -> Solver:
+    """Function from a state in Euler angles, 12 numbers, to its derivative and the normal force.
 
     Parameters
     ----------
@@ -195,13 +194,15 @@ def free_solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> S
         With a penalty contact.
     chart : EulerAngles or EulerTurning
         What a state holds.
+    functions : mapping
+        Of the numbers.
     """
 
     def results(table: YieldingTable, state: list[Symbol]) -> list[Any]:
         derivative, touch, _ = table.derivative(chart, state)
         return [*derivative, touch.force]
 
-    return _recorded(scenario, 12, results)
+    return _recorded(scenario, 12, results, functions)
 
 
 class FreeBody:
@@ -228,7 +229,7 @@ class FreeBody:
             found, _, powers = table.derivative(Quaternion, state)
             return [*found, *powers]
 
-        self._derivative = _recorded(scenario, 13, derivative)
+        self._derivative = _recorded(scenario, 13, derivative, of_floats(scenario.friction))
         forces = _forces(scenario)
         spring, normal_force = (
             np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force")
@@ -248,6 +249,7 @@ def _recorded(
     scenario: Scenario,
     size: int,
     results: Callable[[YieldingTable, list[Symbol]], list[Any]],
+    functions: Functions,
 ) -> Solver:
     """Code of results from a state of this size, with the numbers of a scenario in it."""
     is_simple = scenario.friction.is_simple
@@ -260,8 +262,7 @@ def _recorded(
     spring, normal_force = (partial(call, name) for name in ("spring", "normal_force"))
     table = YieldingTable(scenario, spring, normal_force, friction)
     code = recorder.code(results(table, recorder.variables))
-    law = scenario.friction.per_speed
-    solver: Solver = code(speed=math.hypot, per_speed=law, **_forces(scenario))
+    solver: Solver = code(**functions, **_forces(scenario))
     return solver
 
 
@@ -280,20 +281,20 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
     contact, weight, law = scenario.penalty_contact, scenario.weight, scenario.friction
     by_weight = law.load == "weight"
 
-    def spring(gap: float) -> float:
+    def spring(gap: Any) -> Any:
         return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
 
-    def normal_force(gap: float, gap_rate: float) -> float:
+    def normal_force(gap: Any, gap_rate: Any) -> Any:
         force = -contact.stiffness * gap - contact.damping * gap_rate
         lifted = not contact.bilateral and (gap > 0.0 or force < 0.0)
         return 0.0 if lifted else force
 
-    def load(force: float) -> float:
+    def load(force: Any) -> Any:
         if by_weight and (force > 0.0 or contact.bilateral):
             return weight
         return max(0.0, force)
 
-    def force(along: float, across: float, normal: float) -> tuple[float, float]:
+    def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
         touches = normal > 0.0 or contact.bilateral
         return law.force(along, across, load(normal)) if touches else (0.0, 0.0)
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from math import hypot
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,12 +9,20 @@ import numpy as np
 from scipy.optimize import brentq
 
 from analysis.mechanics.attitude import EulerAngles, paper_of, state_of
-from analysis.mechanics.dual import Dual, derivatives, dual, plain, rate
+from analysis.mechanics.dual import (
+    Dual,
+    Functions,
+    derivatives,
+    dual,
+    of_duals,
+    of_floats,
+    plain,
+    rate,
+)
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.newton_euler import Structure, derivative
 from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
-from analysis.problem import elementary
 from analysis.problem.checks import Array
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
@@ -150,7 +157,11 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     return recorder, [*found, *multipliers]
 
 
-def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver:
+def solver(
+    scenario: Scenario,
+    chart: type[EulerAngles] = EulerAngles,
+    functions: Callable[[FrictionLaw], Functions] = of_floats,
+) -> Solver:
     """Function that gives the time derivative and the multipliers at one state after the other.
 
     An ideal contact that pulls (negative normal force) is no load: friction never gives energy.
@@ -161,63 +172,20 @@ def solver(scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> Solver
         With the ideal contact, or a penalty contact, whose force stands for the multipliers.
     chart : EulerAngles or EulerTurning
         What a state holds.
+    functions : callable
+        `of_floats` or `of_duals`, for states of that kind.
 
     Returns
     -------
     callable
         It raises `ArithmeticError` where `accelerations` does.
     """
+    law = scenario.friction
     if scenario.contact is not None:
-        return free_solver(scenario, chart)
-    return _bound(scenario, chart, speed=hypot, per_speed=scenario.friction.per_speed)
-
-
-def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
-    """Function that gives the Jacobian of the time derivative at one state after the other.
-
-    It is exact. At no slip, where the size of the slip has no derivative, friction has its slope.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        With the ideal contact.
-
-    Returns
-    -------
-    callable
-        From a state, shape (12,), to the derivatives, shape (12, 12). It raises `ArithmeticError`
-        where `accelerations` does.
-    """
-    solve = dual_solver(scenario)
-    return lambda state: derivatives(lambda moving: solve(*moving)[:12], state)
-
-
-def dual_solver(scenario: Scenario) -> Callable[..., tuple[Any, ...]]:
-    """The function of `solver` for dual numbers; the scenario is one with the ideal contact."""
-    law = scenario.friction
-
-    def per_speed(speed: Dual) -> Dual:
-        slope = law.per_speed_slope(speed.value)
-        return Dual(law.per_speed(speed.value), slope * speed.change)
-
-    return _bound(
-        scenario,
-        EulerAngles,
-        sin=elementary.sin,
-        cos=elementary.cos,
-        speed=elementary.hypot,
-        per_speed=per_speed,
-    )
-
-
-def _bound(
-    scenario: Scenario, chart: type[EulerAngles], **functions: Any
-) -> Callable[..., tuple[Any, ...]]:
-    """Code of a scenario, which is named where it cannot be run."""
-    law = scenario.friction
+        return free_solver(scenario, chart, functions(law))
     contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
     code = formula(Structure.of(scenario, chart))(
-        *numbers(scenario), force=law.force, contact_load=contact_load, **functions
+        *numbers(scenario), force=law.force, contact_load=contact_load, **functions(law)
     )
 
     def solve(*state: Any) -> tuple[Any, ...]:
@@ -232,6 +200,25 @@ def _bound(
             ) from error
 
     return solve
+
+
+def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
+    """Function that gives the Jacobian of the time derivative at one state after the other.
+
+    It is exact, see `of_duals`.
+
+    Parameters
+    ----------
+    scenario : Scenario
+
+    Returns
+    -------
+    callable
+        From a state, shape (12,), to the derivatives, shape (12, 12). It raises `ArithmeticError`
+        where `accelerations` does.
+    """
+    solve = solver(scenario, functions=of_duals)
+    return lambda state: derivatives(lambda moving: solve(*moving)[:12], state)
 
 
 def _contact_load(alone: Any, added: Any) -> Any:

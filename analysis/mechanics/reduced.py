@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.mechanics.dual import Functions, derivatives, of_duals, of_floats
 from analysis.mechanics.penalty import Solver
 from analysis.mechanics.recorded import NUMBERS, disk_of, numbers
 from analysis.mechanics.recorder import Recorder, call
@@ -14,6 +15,7 @@ from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS, demanded
 from analysis.problem.elementary import cos, sin
+from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
 
 
@@ -46,8 +48,12 @@ def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
     return recorder.code([rate, -spin * directions[1], second, force, *slips])
 
 
-def solver(scenario: Scenario, spin: float) -> Solver:
-    """Function from beta, gamma and the rate of beta to what `formula` tells, 5 floats.
+def solver(
+    scenario: Scenario,
+    spin: float,
+    functions: Callable[[FrictionLaw], Functions] = of_floats,
+) -> Solver:
+    """Function from beta, gamma and the rate of beta to what `formula` tells, 5 numbers.
 
     Parameters
     ----------
@@ -56,20 +62,23 @@ def solver(scenario: Scenario, spin: float) -> Solver:
         constraints nor `friction.load` is looked at.
     spin : float
         Constant spinning speed in rad/s (paper: Omega).
+    functions : callable
+        `of_floats` or `of_duals`, for states of that kind.
     """
     law, weight = scenario.friction, scenario.weight
+    given = functions(law)
 
-    def friction(slip: float) -> float:
+    def friction(slip: Any) -> Any:
         _, across = law.force(0.0, slip, weight)
-        return float(-across / weight)
+        return -across / weight
 
     if law.is_simple:
-        per_speed = law.per_speed
+        speed, per_speed = given["speed"], given["per_speed"]
 
-        def friction(slip: float) -> float:
-            return per_speed(abs(slip)) * slip
+        def friction(slip: Any) -> Any:
+            return per_speed(speed(0.0, slip)) * slip
 
-    found: Solver = formula()(*numbers(scenario), spin, friction=friction)
+    found: Solver = formula()(*numbers(scenario), spin, friction=friction, **given)
     return found
 
 
@@ -79,6 +88,12 @@ def right_hand_side(
     """Time derivative of states x = (beta, gamma, beta_rate), Eqs. (102), (109), for SciPy."""
     solve = solver(scenario, spin)
     return lambda _, x: solve(*x.tolist())[:3]
+
+
+def jacobian(scenario: Scenario, spin: float) -> Callable[[Array], Array]:
+    """Exact Jacobian of these time derivatives at one state, shape (3,), after the other."""
+    solve = solver(scenario, spin, of_duals)
+    return lambda x: derivatives(lambda moving: solve(*moving)[:3], x)
 
 
 def acceleration_from(

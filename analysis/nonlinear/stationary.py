@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, places, velocities
-from analysis.mechanics.dual import derivatives
+from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.nonlinear.continuation import Curve
@@ -220,7 +220,7 @@ def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> 
     place : sequence of 4 numbers
         x / r, y / r, beta and gamma.
     solve : callable
-        That of `recorded.solver`, or `recorded.dual_solver`.
+        That of `recorded.solver`.
     """
     x, y, beta, gamma = place
     disk, held = scenario.disk, scenario.constraints
@@ -247,7 +247,7 @@ def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
 
 def _slopes(scenario: Scenario, spin: float, place: Array) -> Array:
     """Its Jacobian by the place, shape (k, 4)."""
-    solve = recorded.dual_solver(scenario)
+    solve = recorded.solver(scenario, functions=of_duals)
     return derivatives(lambda moving: _balance(scenario, spin, moving, solve), place)
 
 

@@ -127,6 +127,7 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
         lambda states: states[..., 4:6],
         _in_states(conditions, to_paper),
         slip if scenario.rubs and len(slips) == 1 else None,
+        jacobian=partial(recorded.jacobian, scenario),
     )
     return PosedForm(problem, expand)
 
@@ -151,6 +152,11 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
     # Conditions may ask for alpha.
     begin = np.append(begin, [alpha] * bool(conditions))
 
+    def jacobian() -> Callable[[Array], Array]:
+        # Nothing depends on alpha, whose rate is held.
+        by_motion, beside = reduced.jacobian(scenario, spin), (0, begin.size - 3)
+        return lambda state: np.pad(by_motion(state[:3]), (beside, beside))
+
     problem = InitialValueProblem(
         (lambda t, state: (*derivative(t, state[:3]), spin)) if conditions else derivative,
         begin,
@@ -160,6 +166,7 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
         lambda states: states[..., :2],
         _in_states(conditions, to_paper),
         (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
+        jacobian=jacobian,
     )
     return PosedForm(problem, expand)
 

@@ -50,8 +50,9 @@ def simulate(
         Index-1 system (80), (79) or (92); the minimal coordinates (102) of Model 4; or the
         Newton-Euler equations of a free body on a penalty contact. By default that of the contact.
     method : {"DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"}
-        Of SciPy; Radau, BDF and LSODA are for stiff problems. Or Taylor's method, compiled,
-        tens of times as fast from the second run on (extra `fast`; ideal contact only).
+        Of SciPy; Radau, BDF and LSODA are for stiff problems, and the first two are given exact
+        Jacobians, which the steepest friction needs. Or Taylor's method, compiled, tens of times
+        as fast from the second run on (extra `fast`; ideal contact only).
     tolerance : float, optional
         Largest error in beta and gamma in rad at any one time, and in s of the time of an ending;
         1e-8 if neither tolerance is given.

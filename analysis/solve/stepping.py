@@ -26,6 +26,10 @@ STILL = 1e-9
 """Slip in m/s that has no sign."""
 
 
+_IMPLICIT = ("Radau", "BDF")
+"""Methods that are given a Jacobian. LSODA makes its own, which for most is faster."""
+
+
 class SolverError(ArithmeticError):
     """A solver has given up."""
 
@@ -59,6 +63,9 @@ class InitialValueProblem:
         right-hand side; friction may bend within less than usual.
     absolute : float
         Absolute over relative tolerance of a step.
+    jacobian : callable, optional
+        Makes the function from a state to the exact Jacobian of a right-hand side that does not
+        depend on time, shape (n, n); without it, differences are taken.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
@@ -71,6 +78,7 @@ class InitialValueProblem:
     slip: Callable[[Array], float] | None = None
     difference: float = 1e-8
     absolute: float = 1.0
+    jacobian: Callable[[], Callable[[Array], Array]] | None = None
 
     def with_steps_up_to(self, part: float) -> "InitialValueProblem":
         """The same problem with this part of its longest step."""
@@ -143,19 +151,10 @@ def integrate(
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
+    given = {"jac": _jacobian(problem)} if method in _IMPLICIT else {}
 
     def solver(*span: Any, **first: Any) -> Any:
-        started.append(
-            getattr(solvers, method)(
-                problem.right_hand_side,
-                *span,
-                rtol=local_tolerance,
-                atol=problem.absolute * local_tolerance,
-                max_step=problem.longest_step,
-                **first,
-                **_jacobian(problem, method),
-            )
-        )
+        started.append(_solver(problem, method, local_tolerance, *span, **given, **first))
         return started[-1]
 
     ended: str | None = None
@@ -181,10 +180,24 @@ def integrate(
     return Run(
         reached,
         np.array(states),
-        sum(map(_evaluations, started)),
+        sum(_evaluations(problem, each) for each in started),
         ended,
         lookout.pulling(reached[-1]),
         watch.steps - begun,
+    )
+
+
+def _solver(
+    problem: InitialValueProblem, method: Method, local_tolerance: float, *span: Any, **more: Any
+) -> Any:
+    """SciPy's solver for a time, a state and a last time."""
+    return getattr(solvers, method)(
+        problem.right_hand_side,
+        *span,
+        rtol=local_tolerance,
+        atol=problem.absolute * local_tolerance,
+        max_step=problem.longest_step,
+        **more,
     )
 
 
@@ -239,22 +252,23 @@ def _step(solver: Any) -> Step:
     return Step(solver)
 
 
-def _evaluations(solver: Any) -> int:
-    """Evaluations of the right-hand side, those for `_jacobian` among them."""
-    jacobians = solver.njev if isinstance(solver, (solvers.BDF, solvers.Radau)) else 0
-    return int(solver.nfev + jacobians * (1 + solver.n))
+def _evaluations(problem: InitialValueProblem, solver: Any) -> int:
+    """Evaluations of the right-hand side, those for differences among them."""
+    by_differences = problem.jacobian is None and type(solver).__name__ in _IMPLICIT
+    return int(solver.nfev + by_differences * solver.njev * (1 + solver.n))
 
 
-def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
-    """Jacobian of the right-hand side by forward differences, for the methods that take one.
+def _jacobian(problem: InitialValueProblem) -> Callable[[float, Array], Array]:
+    """Jacobian of the right-hand side from time and state, by forward differences at need.
 
     SciPy's own widens its steps for ever along coordinates that the right-hand side does not
     depend on, such as alpha, until they overflow.
     """
-    if method not in {"Radau", "BDF"}:
-        return {}
+    if problem.jacobian is not None:
+        exact = problem.jacobian()
+        return lambda _, state: exact(state)
 
-    def jacobian(moment: float, state: Array) -> Array:
+    def by_differences(moment: float, state: Array) -> Array:
         base = np.asarray(problem.right_hand_side(moment, state))
         columns = []
         for index, value in enumerate(state):
@@ -264,7 +278,7 @@ def _jacobian(problem: InitialValueProblem, method: Method) -> dict[str, Any]:
             columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
         return np.column_stack(columns)
 
-    return {"jac": jacobian}
+    return by_differences
 
 
 def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:

@@ -1,0 +1,69 @@
+"""Stiff runs: implicit methods are given the exact Jacobian of the equations in every form."""
+
+import numpy as np
+import pytest
+
+from analysis import (
+    MODELS,
+    AnisotropicCoulomb,
+    Dissipation,
+    PenaltyContact,
+    PowerLawCoulomb,
+    Scenario,
+    SmoothCoulomb,
+    Stribeck,
+    simulate,
+)
+from analysis.problem.checks import Array
+from analysis.simulation.forms import pose
+from analysis.solve.stepping import InitialValueProblem
+
+LOSSES = Dissipation(rolling_dry=0.01, rolling_viscous=0.01, pivoting=1e-3, air_drag=1.0)
+SOFT = PenaltyContact(stiffness=1e6, damping=300.0, half_thickness=1e-3)
+
+
+def central(problem: InitialValueProblem, state: Array, step: float) -> Array:
+    """Jacobian by central differences."""
+
+    def rates(moved: Array) -> Array:
+        return np.array(problem.right_hand_side(0.0, moved))
+
+    moves = step * np.eye(state.size)
+    columns = [(rates(state + move) - rates(state - move)) / (2.0 * step) for move in moves]
+    return np.column_stack(columns)
+
+
+@pytest.mark.parametrize(
+    ("form", "scenario"),
+    [
+        ("index-1", Scenario(friction=Stribeck(load="contact"))),
+        ("index-1", Scenario(constraints=MODELS[2], friction=AnisotropicCoulomb())),
+        ("index-1", Scenario(constraints=MODELS[3], friction=PowerLawCoulomb(load="contact"))),
+        ("reduced", Scenario(constraints=MODELS[4])),
+        ("reduced", Scenario(constraints=MODELS[4], friction=AnisotropicCoulomb())),
+        ("free-body", Scenario(contact=SOFT, dissipation=LOSSES)),
+        ("free-body", Scenario(contact=SOFT, friction=PowerLawCoulomb(load="contact"))),
+    ],
+)
+def test_jacobian_is_that_of_central_differences(form: str, scenario: Scenario) -> None:
+    problem = pose(scenario, form, {}).problem
+    assert problem.jacobian is not None
+    exact, random = problem.jacobian(), np.random.default_rng(5)
+    for _ in range(3):
+        state = problem.start + 0.01 * random.normal(size=problem.start.size)
+        if form == "free-body":
+            # Neither lifted nor where the damper has just let go.
+            state[2] = problem.start[2] - 3e-4
+        coarse, fine = (central(problem, state, step) for step in (2e-7, 1e-7))
+        found = (4.0 * fine - coarse) / 3.0
+        np.testing.assert_allclose(exact(state), found, atol=1e-7 * np.max(np.abs(found)))
+
+
+def test_implicit_methods_follow_friction_that_sets_in_over_a_nanometre_a_second() -> None:
+    scenario = Scenario(friction=SmoothCoulomb(smoothing=1e-9))
+    times = np.linspace(0.0, 0.05, 6)
+    one, other = (
+        simulate(scenario, times, method=method, local_tolerance=1e-8)
+        for method in ("Radau", "BDF")
+    )
+    np.testing.assert_allclose(one.coordinates[:, 4:], other.coordinates[:, 4:], atol=1e-6)
