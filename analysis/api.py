@@ -50,7 +50,7 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.scenario_file import load_scenario, scenario_text
 from analysis.problem.start import COORDINATES, MOTIONS, FlatError, Motion, Start, State
 from analysis.problem.variations import Ensemble
-from analysis.simulation.balance import (
+from analysis.simulation.energies import (
     constraint_drift,
     contact_forces,
     energies,

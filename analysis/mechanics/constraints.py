@@ -95,7 +95,7 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
     return [every[name] for name in multiplier_names(constraints)]
 
 
-def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
+def position_residuals(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
     """Position-level residuals of Eqs. (66) and (83) in m, 1 or 3, from a state of `states`."""
     position, angles = state[:3], state[3:6]
     frame = EulerAngles.frame(angles)
@@ -107,12 +107,12 @@ def places(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
     return [height, *position[:2]] if "fixed-cog" in constraints else [height]
 
 
-def velocities(
+def velocity_residuals(
     constraints: ConstraintSet, disk: Any, state: Numbers, chart: type[EulerAngles] = EulerAngles
 ) -> list[Any]:
     """Velocity-level residuals in m/s, and rates that are held in rad/s, from a state of `states`.
 
-    Those of `places` are their rates, seen from the turning frame.
+    Those of `position_residuals` are their rates, seen from the turning frame.
     """
     moving = chart.moving(state)
     x, y, _ = moving.position
@@ -145,11 +145,11 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
     held, disk = scenario.constraints, scenario.disk
     moving = state_of(disk, state.coordinates, state.rates)
     checks = (
-        ("position", "m", places(held, disk, moving), tolerance),
+        ("position", "m", position_residuals(held, disk, moving), tolerance),
         (
             "velocity",
             "m/s",
-            velocities(held, disk, moving),
+            velocity_residuals(held, disk, moving),
             tolerance * max(1.0, abs(state.rates[3])),
         ),
     )

@@ -7,7 +7,7 @@ from analysis.problem.checks import choice, number
 from analysis.problem.elementary import sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.start import State
-from analysis.problem.user_modules import is_own, own_object, said
+from analysis.problem.user_modules import error_text, is_user_name, user_object
 
 CONTACT_WOULD_PULL = "contact would pull"
 TIME_LIMIT = "time limit"
@@ -124,20 +124,22 @@ def _try(name: str, condition: Condition, state: State) -> None:
     try:
         number("it", condition(state))
     except (Exception, SystemExit) as error:
-        fault = f"must say a number of a State: {said(error, ValueError)}"
+        fault = f"must say a number of a State: {error_text(error, ValueError)}"
         raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
 
 
 def check_condition_name(name: str) -> str:
     """Return the name of a condition; `ValueError` if it can be none. Imports nothing."""
-    return name if is_own(name) else choice("stop_when", name, [*CONDITIONS, "module:function"])
+    return (
+        name if is_user_name(name) else choice("stop_when", name, [*CONDITIONS, "module:function"])
+    )
 
 
 def _named(given: str | Condition) -> tuple[str, Condition]:
     """Name of a condition, which it gives as the reason, and the condition."""
     if isinstance(given, str) and check_condition_name(given) in CONDITIONS:
         return given, CONDITIONS[given]
-    condition = own_object("stop_when", given) if isinstance(given, str) else given
+    condition = user_object("stop_when", given) if isinstance(given, str) else given
     if not callable(condition):
         raise ValueError(f"stop_when must hold names or functions of a State, got {given!r}")
     return getattr(condition, "__name__", type(condition).__name__), condition

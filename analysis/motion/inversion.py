@@ -113,7 +113,7 @@ def inversions(
     if rose.size:
         risen = _Risen(times[rose], cog_directions[rose], rates[rose])
         outcomes[rose[risen.is_up_at_end]] = "not decided"
-        rows, found = risen.judged()
+        rows, found = risen.inversions()
         outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
         numbers[:, rose[rows]] = found
     return Inversions(outcomes, *numbers)
@@ -134,7 +134,7 @@ class _Risen:
         until = np.minimum(self._next_fall, self._ends[:, None])
         self._may_stay = high & (until - since >= STAYING)
 
-    def judged(self) -> tuple[Numbers, Array]:
+    def inversions(self) -> tuple[Numbers, Array]:
         """Rows that are inverted, and when, when that was lost, and both errors, shape (4, j)."""
         settled = np.full((4, len(self._times)), np.nan)
         rows = np.flatnonzero(self._may_stay.any(axis=1))

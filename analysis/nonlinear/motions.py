@@ -182,7 +182,7 @@ class PeriodicMotion:
         other = np.copysign(np.exp(self.log_strong / halves), sign * self.larger)
         return float((self.larger - multiplier) * (other - multiplier))
 
-    def told(self) -> dict[str, Any]:
+    def as_row(self) -> dict[str, Any]:
         """What tables and files tell of it, as plain data by names."""
         second = {
             "half_multiplier": self.larger,

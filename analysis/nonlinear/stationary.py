@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 
 from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
-from analysis.mechanics.constraints import SLIPS, places, velocities
+from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
@@ -229,8 +229,8 @@ def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> 
     state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
     ahead, across, _, *turning = solve(*state)[6:12]
     no_slips = tuple(each for each in SLIPS if each in held)
-    slips = velocities(no_slips, disk, state) if no_slips else []
-    away = places(held, disk, state)[1:] if "fixed-cog" in held else []
+    slips = velocity_residuals(no_slips, disk, state) if no_slips else []
+    away = position_residuals(held, disk, state)[1:] if "fixed-cog" in held else []
     return [
         *(each / (r * unit) for each in (ahead, across)),
         *(each / unit for each in turning),

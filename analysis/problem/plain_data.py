@@ -32,16 +32,16 @@ _DISK_FORMS = (
 Names = tuple[str, ...]
 
 
-def held(part: Any) -> dict[str, Any]:
+def fields_of(part: Any) -> dict[str, Any]:
     """Fields of a part by their names, as they are."""
     return {each.name: getattr(part, each.name) for each in fields(part)}
 
 
-def told(part: Any) -> dict[str, Any]:
+def as_plain(part: Any) -> dict[str, Any]:
     """Plain data of a part, to be stored; `made_part` makes it again."""
     if isinstance(part, Disk) and part.parts is not None:
         return part.parts.values()
-    values = held(part)
+    values = fields_of(part)
     if isinstance(part, FrictionLaw):
         return {"law": LAWS.name_of(type(part))} | values
     if isinstance(part, Body):

@@ -19,7 +19,7 @@ from analysis.problem.contact import Dissipation, PenaltyContact, Table
 from analysis.problem.disk import STEEL_DISK
 from analysis.problem.friction import FrictionLaw, SmoothCoulomb, check_answers
 from analysis.problem.names import ArgumentError
-from analysis.problem.plain_data import KINDS, made_part, told
+from analysis.problem.plain_data import KINDS, as_plain, made_part
 from analysis.problem.quantities import Level, default
 from analysis.problem.start import Start, State
 
@@ -229,7 +229,7 @@ class Scenario(Described):
         for name in (*KINDS, "start"):
             part = getattr(self, name)
             if part is not None:
-                values[name] = told(part)
+                values[name] = as_plain(part)
         return values
 
     @classmethod

@@ -16,12 +16,12 @@ _FOREIGN = ContextVar("_FOREIGN", default=False)
 """Whether names come from a file, which may be anybody's."""
 
 
-def is_own(name: Any) -> bool:
+def is_user_name(name: Any) -> bool:
     """Whether a name is that of something in a module of the user's own."""
     return isinstance(name, str) and ":" in name
 
 
-def own_object(what: str, name: str, argument: str = "") -> Any:
+def user_object(what: str, name: str, argument: str = "") -> Any:
     """Import what a name stands for, which runs its module.
 
     Parameters
@@ -45,7 +45,7 @@ def own_object(what: str, name: str, argument: str = "") -> Any:
     try:
         return getattr(import_module(module), attribute)
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
-        fault = f"cannot be loaded: {said(error, ImportError, AttributeError)}"
+        fault = f"cannot be loaded: {error_text(error, ImportError, AttributeError)}"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
 
 
@@ -90,10 +90,10 @@ class Kinds(Named[str, type[T]]):
             return self[name]
         if isinstance(name, type) and issubclass(name, self._base):
             return name
-        if not is_own(name):
+        if not is_user_name(name):
             fault = f"must be one of {', '.join(self)} or module:class, got {name!r}"
             raise ArgumentError(self._key, fault + nearest(name, self), self._what)
-        kind = own_object(self._what, name, self._key)
+        kind = user_object(self._what, name, self._key)
         if not isinstance(kind, type) or not issubclass(kind, self._base):
             fault = f"must be a class derived from {self._base.__name__}"
             raise ArgumentError(self._key, fault, f"{self._what} {name!r}")
@@ -120,7 +120,7 @@ class Kinds(Named[str, type[T]]):
         except ValueError:
             raise
         except (Exception, SystemExit) as error:
-            fault = f"cannot be made: {said(error, TypeError)}"
+            fault = f"cannot be made: {error_text(error, TypeError)}"
             subject = f"{self._what} {self.name_of(kind)!r}"
             raise ArgumentError(self._key, fault, subject) from error
 
@@ -131,9 +131,9 @@ class Kinds(Named[str, type[T]]):
             yield
         except (Exception, SystemExit) as error:
             subject = f"{self._what} {self.name_of(type(one))!r}:"
-            raise ArgumentError(self._key, said(error, ValueError), subject) from error
+            raise ArgumentError(self._key, error_text(error, ValueError), subject) from error
 
 
-def said(error: BaseException, *plain: type[Exception]) -> str:
+def error_text(error: BaseException, *plain: type[Exception]) -> str:
     """What an error says, with its kind unless that is one of these."""
     return str(error) if isinstance(error, plain) else f"{type(error).__name__}: {error}"

@@ -16,7 +16,7 @@ from analysis.problem.disk import DISKS, Disk
 from analysis.problem.elementary import DividedError, Members, Rows
 from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError, full_name
-from analysis.problem.plain_data import KINDS, held, made_part, maker
+from analysis.problem.plain_data import KINDS, fields_of, made_part, maker
 from analysis.problem.quantities import RING, SIX
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Start
@@ -99,7 +99,7 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = 
     if table == "friction":
         # The same law keeps what is not given anew.
         same = "law" not in given or LAWS.find(given["law"]) is type(part)
-        return {"law": type(part)} | (held(part) if same else {"load": part.load}) | given
+        return {"law": type(part)} | (fields_of(part) if same else {"load": part.load}) | given
     if table == "start" and not isinstance(part, Start):
         fault = "cannot change: the start is told by its coordinates and rates"
         raise ArgumentError(next(iter(given)), fault)
@@ -109,7 +109,7 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = 
             fault = f"needs a penalty contact, told by its stiffness, got {value}"
             raise ArgumentError(name, fault)
         part = PenaltyContact.damped(given["stiffness"], disk)
-    return held(part) | given
+    return fields_of(part) | given
 
 
 def _body(disk: Body, given: Numbers) -> Numbers:
@@ -123,7 +123,7 @@ def _body(disk: Body, given: Numbers) -> Numbers:
         return {each.name: getattr(disk, each.name) for each in fields(Body)} | given
     geometry = [name for name in RING if name in given]
     if not isinstance(disk, Disk) or not geometry or given.keys() >= {*SIX}:
-        return {"body": type(disk)} | held(disk) | given
+        return {"body": type(disk)} | fields_of(disk) | given
     ring = None if disk.parts is None else disk.parts.ring
     if ring is None:
         raise ArgumentError(

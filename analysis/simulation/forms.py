@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.attitude import paper_arrays, state_of
-from analysis.mechanics.constraints import SLIPS, check_admissible, velocities
+from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, choice
@@ -69,11 +69,11 @@ def _in_states(
 ) -> dict[str, Callable[[Array], float]]:
     """Conditions as functions of what is integrated."""
 
-    def says(condition: Condition, values: Array) -> float:
+    def evaluated(condition: Condition, values: Array) -> float:
         coordinates, rates = (tuple(each.tolist()) for each in to_paper(values))
         return condition(State(coordinates=coordinates, rates=rates))
 
-    return {reason: partial(says, condition) for reason, condition in conditions.items()}
+    return {reason: partial(evaluated, condition) for reason, condition in conditions.items()}
 
 
 def check_form(scenario: Scenario, form: str) -> None:
@@ -110,7 +110,7 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
     def slip(state: Array) -> float:
-        return float(velocities(slips, scenario.disk, state.tolist())[0])
+        return float(velocity_residuals(slips, scenario.disk, state.tolist())[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
         coordinates, rates = to_paper(states)

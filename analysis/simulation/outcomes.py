@@ -15,7 +15,7 @@ from analysis.problem.checks import Array
 from analysis.problem.constraints import multiplier_names, prescribed
 from analysis.problem.contact import CAUSES
 from analysis.problem.start import COORDINATES
-from analysis.simulation.balance import energies
+from analysis.simulation.energies import energies
 from analysis.simulation.trajectories import Trajectories
 
 

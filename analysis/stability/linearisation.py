@@ -30,7 +30,7 @@ from scipy.linalg import qr
 
 from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
-from analysis.mechanics.constraints import places, velocities
+from analysis.mechanics.constraints import position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives
 from analysis.problem.checks import Array, choice, float_array, within
 from analysis.problem.constraints import ConstraintSet
@@ -191,7 +191,10 @@ class Linearisation:
         """Derivatives of what the constraints hold, without units, shape (m, 12)."""
         held, disk = self._scenario.constraints, self._scenario.disk
         rows = derivatives(
-            lambda moving: [*places(held, disk, moving), *velocities(held, disk, moving)],
+            lambda moving: [
+                *position_residuals(held, disk, moving),
+                *velocity_residuals(held, disk, moving),
+            ],
             self.state(spin),
         )
         result: Array = rows * self._units / disk.radius

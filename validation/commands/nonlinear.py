@@ -118,10 +118,10 @@ def _motions(rows: Sequence[Motion], family: Family | None = None, **told: Any) 
 
 def _whole(family: Family) -> Result:
     """A family, what happens along it, and where it begins."""
-    rows, kind = [each.told() for each in family.motions], family.motions[0].kind
+    rows, kind = [each.as_row() for each in family.motions], family.motions[0].kind
     found = events(family)
     shown = [tables.motion_table(rows, kind), tables.event_table(found, family.motions)]
-    more: dict[str, Any] = {"events": [{"kind": what, **each.told()} for what, each in found]}
+    more: dict[str, Any] = {"events": [{"kind": what, **each.as_row()} for what, each in found]}
     if kind == "rotating":
         more["connection"] = family.begins
     elif kind == "symmetric":
@@ -142,7 +142,7 @@ def _whole(family: Family) -> Result:
 def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
     found = [families.cycle_at(scenario, spin) for spin in counted(spins, "spins")]
     named = [(f"{cycle.spin:.6g} rad/s", cycle.whole[1]) for cycle in found]
-    rows: list[Motion] = [each.told() for each in found]
+    rows: list[Motion] = [each.as_row() for each in found]
     table = tables.motion_table(rows)
     return _motions(rows, tables=[table], draw=lambda: _figures().portrait(named))
 
@@ -156,7 +156,7 @@ def _over(
     held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
     rows: list[Motion] = [
-        {axis.field: value, **each.told()}
+        {axis.field: value, **each.as_row()}
         for value, each in zip(axis.grid, found.motions, strict=False)
     ]
     first = (axis.field, _head(axis))
@@ -198,7 +198,7 @@ def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
 
     return Result(
         tables=[tables.connection_table(found, slow)],
-        values={**tables.told(found), "prediction": None if slow is None else slow.spin},
+        values={**tables.connection_row(found), "prediction": None if slow is None else slow.spin},
         draw=draw,
     )
 

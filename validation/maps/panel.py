@@ -93,7 +93,7 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
         side was to run it (`seen`), found the same inversion or face (`alike`), and how far off
         (`difference` in rad); `seconds` of processor time.
     """
-    outcome = judged(sweep.scenario, row, to_rest=to_rest)
+    outcome = became(sweep.scenario, row, to_rest=to_rest)
     if to_rest:
         alike = (row.get("face_end") or 0.0) * (row.get("other_face_end") or 0.0) > 0.0
     else:
@@ -110,7 +110,7 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
     }
 
 
-def judged(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
+def became(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
     """What became of the disk in a case: of its inversion, or which of its faces is up.
 
     A face is up for good once the disk cannot pass through standing on its rim any more, where
@@ -139,7 +139,7 @@ def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: in
         Of the store.
     pool : Pool
     to_rest : bool
-        See `judged`.
+        See `became`.
     levels : int
         How often cells are halved.
     """

@@ -83,7 +83,7 @@ class SlowPair:
             )
         return cls(scenario=ideal, spin=found[-1].spin, frequency=found[-1].frequency)
 
-    def over(self, spins: Array) -> tuple[Array, Array | None]:
+    def rates_at(self, spins: Array) -> tuple[Array, Array | None]:
         """Growth rate of the slow pair in 1/s, and frequency of a fast one in rad/s, shape (n,).
 
         At spins in rad/s, interpolated between 200 of them; no frequency if there is no fast pair.
@@ -143,7 +143,7 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     kept = (times >= inversion.time) & (times <= end)
     turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
     deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns
-    growth, fast = pair.over(spins)
+    growth, fast = pair.rates_at(spins)
     if fast is not None:
         for _ in range(2):
             deviation = _mean(times, deviation, 2.0 * np.pi / fast)
@@ -270,7 +270,7 @@ def delay_law(rates: npt.ArrayLike, delays: npt.ArrayLike) -> DelayLaw:
         raise ValueError("rates must be 3 or more, of disks that fall through the Hopf point")
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     pair = SlowPair.of(Scenario())
-    below, above = pair.over(pair.spin + np.array((-0.5, 0.5)))[0]
+    below, above = pair.rates_at(pair.spin + np.array((-0.5, 0.5)))[0]
     growths = np.exp(2.0 * y - x) * (below - above) / 2.0
     return DelayLaw(float(slope), float(np.sqrt(covariance[0, 0])), float(np.mean(growths)))
 

@@ -1,6 +1,6 @@
 """Tables of periodic motions, of their birth and of their end.
 
-A motion is told by a row: what `PeriodicMotion.told` says, or what a study has kept of it.
+A motion is told by a row: what `PeriodicMotion.as_row` says, or what a study has kept of it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -162,7 +162,7 @@ def ends(scenario: Scenario) -> dict[str, Any]:
     """Where the cycles of a scenario begin and end, and why not where they do not."""
     slow, connection, reason = prediction(scenario), None, None
     try:
-        connection = told(heteroclinic_connection(scenario))
+        connection = connection_row(heteroclinic_connection(scenario))
     except NoConnectionError as error:
         reason = str(error)
     return {
@@ -173,6 +173,6 @@ def ends(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def told(found: Connection) -> dict[str, float]:
+def connection_row(found: Connection) -> dict[str, float]:
     """What files tell of a connection, as plain data by names."""
     return {**asdict(found), "saddle_index": found.saddle_index}

@@ -42,7 +42,7 @@ def cases() -> dict[str, Case]:
         for each in (bare, tree, free)
     ]
     idle += [(sensors, tree), *((part, free) for part in (sensors, *others)), (axes, tree)]
-    return {f"{part}: {told(each)}": (part, each) for part, each in idle}
+    return {f"{part}: {scene_name(each)}": (part, each) for part, each in idle}
 
 
 def scene(level: Level, formulation: Formulation) -> Scene:
@@ -50,7 +50,7 @@ def scene(level: Level, formulation: Formulation) -> Scene:
     return Scene(Scenario(constraints=MODELS[level]), formulation)
 
 
-def told(scene: Scene) -> str:
+def scene_name(scene: Scene) -> str:
     """Formulation, model and whether anything rubs."""
     friction = "with" if scene.scenario.rubs else "without"
     return f"{scene.built_as}, {scene.scenario.name}, {friction} friction"
@@ -80,7 +80,7 @@ def price(case: Case) -> list[Row]:
     return [
         {
             "part carried": part,
-            "scene": told(scene),
+            "scene": scene_name(scene),
             "with in ms": 1e3 * median(carried),
             "without in ms": 1e3 * median(left_out),
             "price in %": price,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from analysis.problem.checks import choice, whole
 from analysis.problem.names import ArgumentError
-from analysis.problem.user_modules import is_own, own_object
+from analysis.problem.user_modules import is_user_name, user_object
 from validation.kit.processes import Processes
 
 KINDS = ("processes", "dask", "mpi")
@@ -60,7 +60,7 @@ def open_pool(
     ValueError
         If there is no such executor, or what it needs is not installed or not started.
     """
-    if not is_own(executor):
+    if not is_user_name(executor):
         choice("executor", executor, (*KINDS, "module:function"))
     if scheduler is not None and executor != "dask":
         raise ArgumentError("scheduler", f"needs --executor dask, got {executor}")
@@ -80,7 +80,7 @@ def open_pool(
 
 
 def _own(name: str, workers: int) -> Pool:
-    make = own_object("executor", name)
+    make = user_object("executor", name)
     executor = make() if callable(make) else make
     if not isinstance(executor, Executor):
         raise ValueError(

@@ -75,7 +75,7 @@ class Store:
         identity = sha256(self._code.encode()).hexdigest()[:10]
         self._code_name = ":".join(filter(None, (commit(), identity)))
         self._tables = tables(sweep)
-        with told(self.path):
+        with plain_errors(self.path):
             self._file = sqlite3.connect(path, timeout=0.2, isolation_level=None)
             try:
                 # A transaction is always open: its lock keeps a second process from writing.
@@ -132,7 +132,7 @@ class Store:
 
     def count(self, status: str = "%") -> int:
         """Number of rows, all or those of a status."""
-        with told(self.path):
+        with plain_errors(self.path):
             found = self._file.execute("SELECT count(*) FROM cases WHERE status LIKE ?", (status,))
             return int(found.fetchone()[0])
 
@@ -147,7 +147,7 @@ class Store:
         """
         left = iter(numbers)
         while block := list(islice(left, _LOOK)):
-            with told(self.path):
+            with plain_errors(self.path):
                 found = self._file.execute(
                     "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND (status = ? OR ?)",
                     (min(block), max(block), DONE, not retry),
@@ -160,7 +160,7 @@ class Store:
         rows = [{**row, "code": self._code_name} for row in rows]
         kept = [{"number": row["number"], **row["series"]} for row in rows if "series" in row]
         held = {"cases": rows, "series": kept}
-        with told(self.path):
+        with plain_errors(self.path):
             for table, names in self._tables.items():
                 marks = ", ".join("?" * len(names))
                 self._file.executemany(
@@ -175,7 +175,7 @@ class Store:
 
     def commit(self) -> None:
         """Put all rows on the disk."""
-        with told(self.path):
+        with plain_errors(self.path):
             if self._file.in_transaction:
                 self._file.execute("COMMIT")
             self._file.execute("BEGIN IMMEDIATE")
@@ -197,7 +197,7 @@ def tables(sweep: Sweep) -> dict[str, dict[str, str]]:
 
 
 @contextmanager
-def told(path: Path) -> Iterator[None]:
+def plain_errors(path: Path) -> Iterator[None]:
     """Errors of SQLite as those that the command line tells in a line."""
     try:
         yield
@@ -225,7 +225,7 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
         raise FileNotFoundError(f"{path}: there is no such file")
     address = f"{place.absolute().as_uri()}?mode=ro"
     with (
-        told(place),
+        plain_errors(place),
         closing(sqlite3.connect(address, uri=True, timeout=_PATIENCE)) as file,
     ):
         try:

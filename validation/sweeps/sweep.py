@@ -13,7 +13,7 @@ import numpy as np
 from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.motion.trajectory import versions
 from analysis.problem.names import ArgumentError
-from analysis.problem.user_modules import is_own, own_object
+from analysis.problem.user_modules import is_user_name, user_object
 from analysis.problem.variations import changed, check_fields
 from analysis.simulation.compiled.library import require_heyoka
 from validation.kit.sources import behind, digest
@@ -91,8 +91,8 @@ class Sweep:
         """What the results depend on besides: versions, and digests of all sources."""
         # A law, a body and a condition may be of one's own.
         parts: list[Any] = [type(self.scenario.friction), type(self.scenario.disk)]
-        if is_own(self.plan.stop_when):
-            parts.append(own_object("stop_when", self.plan.stop_when))
+        if is_user_name(self.plan.stop_when):
+            parts.append(user_object("stop_when", self.plan.stop_when))
         files = [Path(str(sys.modules[each.__module__].__file__)) for each in parts]
         sources = {"sources": behind("validation.sweeps.case"), "own": digest(files)}
         return versions("exudyn", "numpy", "scipy") | sources

@@ -24,7 +24,7 @@ from analysis import (
 )
 from analysis.mechanics import paper
 from analysis.mechanics.attitude import paper_of, state_of
-from analysis.mechanics.constraints import SLIPS, velocities
+from analysis.mechanics.constraints import SLIPS, velocity_residuals
 from analysis.mechanics.dual import rate
 from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
@@ -55,7 +55,7 @@ PRODUCTS = 0.25
 def test_residuals_of_the_velocities_are_those_printed(constraints: ConstraintSet) -> None:
     scenario, z, u = random_scenario(constraints, 5)
     u = u + np.linspace(0.3, 0.8, 6)
-    found = velocities(constraints, scenario.disk, state_of(scenario.disk, z, u))
+    found = velocity_residuals(constraints, scenario.disk, state_of(scenario.disk, z, u))
     assert_close(found, paper.constraint_directions(constraints, scenario.disk, z) @ u)
 
 
@@ -174,7 +174,9 @@ def test_what_is_held_stays_as_it_is(constraints: ConstraintSet, load: Load) -> 
     scenario, z, u = random_scenario(constraints, 0, SmoothCoulomb(load=load))
     state = state_of(scenario.disk, z, u)
     change = solver(scenario)(*state)[:12]
-    held = rate(lambda moving: velocities(constraints, scenario.disk, moving), state, change)
+    held = rate(
+        lambda moving: velocity_residuals(constraints, scenario.disk, moving), state, change
+    )
     np.testing.assert_allclose(held, 0.0, rtol=0.0, atol=1e-12)
     if "held-tilt-rate" in constraints:
         assert abs(change[10]) < 1e-12

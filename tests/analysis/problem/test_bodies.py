@@ -27,7 +27,7 @@ from analysis import (
 from analysis.problem import bodies
 from analysis.problem.checks import Array
 from analysis.problem.elementary import sqrt
-from analysis.problem.plain_data import told
+from analysis.problem.plain_data import as_plain
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import eigenvalues
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
@@ -102,7 +102,7 @@ def test_a_body_is_the_same_again(body: Body, tmp_path: Path) -> None:
     )
     for again in copies:
         assert again == scenario
-        assert told(again.disk) == told(body)
+        assert as_plain(again.disk) == as_plain(body)
 
 
 def test_a_body_of_ones_own_is_told_by_an_option(capsys: pytest.CaptureFixture[str]) -> None:

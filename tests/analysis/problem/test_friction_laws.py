@@ -31,7 +31,7 @@ from analysis import (
     load_run,
 )
 from analysis.mechanics.recorded import accelerations, any_contact_load
-from analysis.problem.plain_data import told
+from analysis.problem.plain_data import as_plain
 from analysis.problem.user_modules import foreign_names
 from analysis.stability import spectra
 from mbs_models import Scene, formulations
@@ -164,7 +164,7 @@ def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -
     run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
     run.save(tmp_path / "run.npz")
     assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
-    assert LAWS.made(**told(law)) == law
+    assert LAWS.made(**as_plain(law)) == law
 
 
 def test_file_runs_no_module_that_it_names() -> None:

@@ -25,7 +25,7 @@ from analysis import (
 )
 from analysis.problem.disk import STEEL_RING
 from analysis.problem.names import ArgumentError, full_name
-from analysis.problem.plain_data import KINDS, told
+from analysis.problem.plain_data import KINDS, as_plain
 from analysis.problem.quantities import QUANTITIES, RING, Quantity, default
 from analysis.problem.variations import changed
 from tests.calls import printed, run
@@ -52,7 +52,7 @@ def other(quantity: Quantity, scenario: Scenario) -> float | str:
     """Another value, near that of a scenario if there is one."""
     if quantity.choices:
         return "contact" if quantity.key == "constraints" else quantity.choices[-1]
-    now = told(getattr(scenario, quantity.table)).get(quantity.name)
+    now = as_plain(getattr(scenario, quantity.table)).get(quantity.name)
     return 1.01 * now if now else 1e-6
 
 

@@ -21,11 +21,13 @@ from analysis import (
     Table,
     ToleranceError,
     Trajectory,
+    constraint_drift,
+    energies,
+    energy_residual,
     simulate,
 )
 from analysis.mechanics import reduced
 from analysis.problem.checks import Array
-from analysis.simulation import balance
 from analysis.simulation.forms import pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.solve.stepping import Run
@@ -104,7 +106,7 @@ def test_drift_is_the_largest_broken_constraint() -> None:
     places, speeds = run.coordinates.copy(), run.rates.copy()
     places[7, 1] -= 3e-3
     speeds[9, 2] += 5e-2
-    position, velocity = balance.constraint_drift(replace(run, coordinates=places, rates=speeds))
+    position, velocity = constraint_drift(replace(run, coordinates=places, rates=speeds))
     assert position[7] == pytest.approx(3e-3, rel=1e-9)
     assert velocity[9] == pytest.approx(5e-2, rel=1e-9)
     assert np.max(np.delete(position, 7)) < 1e-11
@@ -124,9 +126,9 @@ def test_energy_balance_closes_and_no_constraint_is_left_on_a_slope(
     scenario = Scenario(constraints=constraints, table=SLOPE, start=Start(beta=1.2))
     run = simulate(scenario, times, tolerance=1e-9)
     assert run.ending is None
-    kinetic, _ = balance.energies(run.scenario, run.coordinates, run.rates)
-    assert np.max(np.abs(balance.energy_residual(run))) < 1e-8 * np.max(kinetic)
-    position, velocity = balance.constraint_drift(run)
+    kinetic, _ = energies(run.scenario, run.coordinates, run.rates)
+    assert np.max(np.abs(energy_residual(run))) < 1e-8 * np.max(kinetic)
+    position, velocity = constraint_drift(run)
     assert np.max(position) < 1e-11
     assert np.max(velocity) < 1e-10
 

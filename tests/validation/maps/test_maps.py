@@ -19,7 +19,7 @@ from tests.helpers import not_none
 from tests.sweeps import direct
 from validation.maps import figures, problems
 from validation.maps import panel as room
-from validation.maps.panel import cell, judged, run_panel
+from validation.maps.panel import became, cell, run_panel
 from validation.maps.problems import PROBLEMS, critical_points, panels
 from validation.maps.refinement import refine
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
@@ -81,7 +81,7 @@ JUDGED: list[tuple[bool, dict[str, Any], str]] = [
 @pytest.mark.parametrize(("to_rest", "row", "expected"), JUDGED)
 def test_outcomes_are_told_apart(to_rest: bool, row: dict[str, Any], expected: str) -> None:
     done = {"status": "done", "ending": None}
-    assert judged(Scenario(), done | row, to_rest=to_rest) == expected
+    assert became(Scenario(), done | row, to_rest=to_rest) == expected
 
 
 def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
@@ -137,7 +137,7 @@ def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sweep = grid(levels=1)
-    monkeypatch.setattr(room, "judged", lambda _, row, **__: str(row["start.spin"] > 45.0))
+    monkeypatch.setattr(room, "became", lambda _, row, **__: str(row["start.spin"] > 45.0))
     path = tmp_path / "a.db"
     panel = run_panel(sweep, path, direct(), to_rest=False, levels=1)
     spins = panel.values[1][panel.places(panel.cells)[:, 1]]

@@ -15,13 +15,13 @@ def pair() -> SlowPair:
 
 
 def test_the_growth_rate_is_the_real_part_of_the_slow_pair(pair: SlowPair) -> None:
-    rates, fast = pair.over(np.array((25.0, 29.5, pair.spin, 40.0)))
+    rates, fast = pair.rates_at(np.array((25.0, 29.5, pair.spin, 40.0)))
     assert rates == pytest.approx([0.98801, 0.11146, 0.0, -1.93133], abs=2e-4)
     assert not_none(fast)[[0, -1]] == pytest.approx([20.423, 37.204], abs=2e-3)
     # Where the pair has become two real eigenvalues, it is that of the faster one.
     slow = np.array((2.0, 5.0))
     fastest = np.max(spectra.eigenvalues(Scenario(), slow).real, axis=1)
-    assert pair.over(slow)[0] == pytest.approx(fastest, abs=1e-3)
+    assert pair.rates_at(slow)[0] == pytest.approx(fastest, abs=1e-3)
 
 
 def test_a_compliant_contact_has_the_slow_pair_of_the_ideal_one(pair: SlowPair) -> None:

@@ -58,7 +58,9 @@ def test_grid_covers_all_formulations_and_integrators_of_each_model_and_all_sets
 
 def judge(problem: Problem, run: Trajectory, truth: Any = None, **told: Any) -> kit.Row:
     """What becomes of a run that promises something and gives this result."""
-    found = outcomes.judged(problem, replace(run, error_estimate=1e-9), truth or known(problem))
+    found = outcomes.classified(
+        problem, replace(run, error_estimate=1e-9), truth or known(problem)
+    )
     return explained({"reason": "", **found, **told})
 
 

@@ -67,7 +67,7 @@ def _swinging() -> list[Row]:
 
 def _rotating() -> list[Row]:
     found = rotating_family(PAPER)
-    return _whole(found) + [{"kind": kind, **each.told()} for kind, each in events(found)]
+    return _whole(found) + [{"kind": kind, **each.as_row()} for kind, each in events(found)]
 
 
 def _slow() -> list[Row]:
@@ -79,7 +79,7 @@ def _slow() -> list[Row]:
 def _whole(found: Family) -> list[Row]:
     if found.reason is not None:
         raise ArithmeticError(f"the family ends early: {found.reason}")
-    return [{"kind": "motion", **each.told()} for each in found.motions]
+    return [{"kind": "motion", **each.as_row()} for each in found.motions]
 
 
 FAMILIES = Study(name="families", cases=families, measure=follow_family, keys=("number",))
@@ -104,7 +104,7 @@ def find_on_both(case: tuple[str, float]) -> list[Row]:
         there = find(scenario, here["unknowns"], source="engine", fixed=AMPLITUDE)
     else:
         cycle = cycle_at(scenario, value)
-        here, there = cycle.told(), find(scenario, beginning(cycle), source="engine")
+        here, there = cycle.as_row(), find(scenario, beginning(cycle), source="engine")
     names = ("spin", "amplitude", "period", "multiplier")
     return [
         {"source": source, **{name: found[name] for name in names}}

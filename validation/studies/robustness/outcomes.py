@@ -123,7 +123,7 @@ def outcome(problem: Problem, way: Way, known: Known) -> Row:
         again, names = simulate(problem, way), ("coordinates", "rates", "multipliers")
         pairs = ((getattr(run, name), getattr(again, name)) for name in names)
         found["repeatable"] = all(np.array_equal(*both) for both in pairs)
-    return found | judged(problem, run, known)
+    return found | classified(problem, run, known)
 
 
 def simulate(problem: Problem, way: Way) -> Trajectory:
@@ -142,7 +142,7 @@ def _line(error: Exception) -> str:
 # --- Judging ------------------------------------------------------------------------------------
 
 
-def judged(problem: Problem, run: Trajectory, known: Known) -> Row:
+def classified(problem: Problem, run: Trajectory, known: Known) -> Row:
     """Classify a result by its deviation from the reference.
 
     `accurate`: the error is within what was asked for and the doubt of the reference, that doubt

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import analysis
 import mbs_models
 from analysis import (
     LOADS,
@@ -20,7 +21,6 @@ from analysis.mechanics.recorded import accelerations
 from analysis.problem.checks import Array
 from analysis.problem.constraints import PRESCRIBED, multiplier_names
 from analysis.problem.start import COORDINATES
-from analysis.simulation import balance
 from tests.helpers import (
     all_sets,
     angular_velocity,
@@ -48,7 +48,7 @@ def test_energies_are_those_of_the_moving_cog_and_the_turning_body(seed: int) ->
     path = arc(z, u, np.zeros(6))
     speed = derivative(lambda t: cog(disk, path(t)))
     turning = angular_velocity(path) @ spin_momentum(disk, path, 0.0)
-    kinetic, potential = balance.energies(scenario, z[np.newaxis], u[np.newaxis])
+    kinetic, potential = analysis.energies(scenario, z[np.newaxis], u[np.newaxis])
     assert kinetic[0] == pytest.approx((disk.mass * speed @ speed + turning) / 2, rel=1e-11)
     expected = -disk.mass * np.array(table.vector) @ cog(disk, z)
     assert potential[0] == pytest.approx(expected, rel=1e-12)
@@ -62,11 +62,11 @@ def test_power_is_the_rate_of_the_energy(constraints: ConstraintSet, load: Load)
     path = arc(z, u, a)
 
     def energy(t: float) -> Array:
-        return np.concatenate(balance.energies(scenario, path(t)[None], (u + t * a)[None]))
+        return np.concatenate(analysis.energies(scenario, path(t)[None], (u + t * a)[None]))
 
     run = simulate(scenario, [0.0, 1e-3], local_tolerance=1e-3)
     gain = float(np.sum(derivative(energy)))
-    assert balance.power(run)[0] == pytest.approx(gain, rel=1e-10, abs=1e-10)
+    assert analysis.power(run)[0] == pytest.approx(gain, rel=1e-10, abs=1e-10)
 
 
 @all_sets
@@ -94,4 +94,4 @@ def test_balance_refuses_a_motion_whose_losses_it_does_not_know() -> None:
     )
     for each in runs:
         with pytest.raises(ValueError, match=r"must hold all .* a penalty contact does"):
-            balance.energy_residual(each)
+            analysis.energy_residual(each)

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from analysis.mechanics.attitude import EulerAngles, state_of
-from analysis.mechanics.constraints import SLIPS, places, velocities
+from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
@@ -64,10 +64,10 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
     speeds = [
         speed
-        for name, speed in zip(names, velocities(held, disk, state), strict=True)
+        for name, speed in zip(names, velocity_residuals(held, disk, state), strict=True)
         if name not in PRESCRIBED
     ]
-    position = np.max(np.abs(places(held, disk, state)), axis=0)
+    position = np.max(np.abs(position_residuals(held, disk, state)), axis=0)
     return position, np.max(np.abs(speeds), axis=0)
 
 
@@ -113,14 +113,15 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
     scenario = trajectory.scenario
     held, disk = scenario.constraints, scenario.disk
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
-    slip = np.transpose(velocities(SLIPS, disk, state)) * [way not in held for way in SLIPS]
+    slips, is_free = velocity_residuals(SLIPS, disk, state), [way not in held for way in SLIPS]
+    slip = np.transpose(slips) * is_free
     law, normal = scenario.friction, trajectory.normal_force
     loads = (
         np.maximum(0.0, normal) if law.load == "contact" else np.full(normal.size, scenario.weight)
     )
     parts = np.column_stack((slip, loads)).tolist()
     force = np.array([law.force(along, across, load) for along, across, load in parts])
-    force *= [way not in held for way in SLIPS]
+    force *= is_free
     if scenario.contact is not None and not scenario.contact.bilateral:
         force[normal <= 0.0] = 0.0
     return slip, force
