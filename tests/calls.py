@@ -1,10 +1,25 @@
-"""Calls of the command line."""
+"""Calls of the command line, in this process and in one of its own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 from validation import cli
 
 Capture = pytest.CaptureFixture[str]
+
+ROOT = Path(__file__).parents[1]
+
+
+def python(*words: str, folder: Path = ROOT, code: int = 0) -> subprocess.CompletedProcess[str]:
+    """A call of Python with the project at hand, which ends with this code."""
+    call, known = [sys.executable, *words], os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(call, cwd=folder, env=known, capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stdout + done.stderr
+    return done
 
 
 def run(*words: str) -> int:

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import pytest
 import sympy
+from scipy.spatial.transform import Rotation
+from sympy import rot_ccw_axis1, rot_ccw_axis3
 
 from analysis import (
     MODELS,
@@ -206,19 +208,14 @@ def random_trajectory(level: Level = 3) -> Trajectory:
     )
 
 
-def turn_x(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-
-
 def turn_z(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    """Rotation matrix about the vertical."""
+    return np.array(Rotation.from_euler("Z", angle).as_matrix())
 
 
 def rotation(z: Array) -> Array:
-    """Rotation matrix A_IB, as the product of the three Euler turns."""
-    return turn_z(z[3]) @ turn_x(z[4]) @ turn_z(z[5])
+    """Rotation matrix A_IB of the three Euler turns."""
+    return np.array(Rotation.from_euler("ZXZ", z[3:]).as_matrix())
 
 
 def centre(z: Array) -> Array:
@@ -239,14 +236,11 @@ def contact_arm(disk: Body, z: Array) -> Array:
     return arm
 
 
-def axial(skew: Array) -> Array:
-    return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
-
-
 def angular_velocity(path: Callable[[float], Array], time: float = 0.0) -> Array:
     """Inertial angular velocity along a path of coordinates, from the rotation matrix alone."""
     change = derivative(lambda s: rotation(path(time + s)))
-    return axial(change @ rotation(path(time)).T)
+    skew = change @ rotation(path(time)).T
+    return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
 
 
 def spin_momentum(disk: Body, path: Callable[[float], Array], time: float) -> Array:
@@ -293,8 +287,8 @@ def lagrange(*, rotating: bool = True) -> Callable[[Body, Table, Array, Array], 
         terms = (matrix.diff(place) * speed for place, speed in zip(z, u, strict=True))
         return sum(terms, sympy.zeros(*matrix.shape))
 
-    frame = _symbolic_turn(z[3], 2) if rotating else sympy.eye(3)
-    turn = _symbolic_turn(z[3], 2) * _symbolic_turn(z[4], 0) * _symbolic_turn(z[5], 2)
+    frame = rot_ccw_axis3(z[3]) if rotating else sympy.eye(3)
+    turn = rot_ccw_axis3(z[3]) * rot_ccw_axis1(z[4]) * rot_ccw_axis3(z[5])
     centre, to_cog = frame * z[:3, :], sympy.Matrix([e, 0, 0])
     spin = turn.T * rate(turn)
     omega = sympy.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
@@ -328,14 +322,6 @@ def lagrange(*, rotating: bool = True) -> Callable[[Body, Table, Array, Array], 
         return Lagrange(*(each.squeeze() for each in function(numbers, z, u)))
 
     return evaluated
-
-
-def _symbolic_turn(angle: Any, axis: int) -> Any:
-    """Turn about coordinate axis 0 (x) or 2 (z)."""
-    c, s = sympy.cos(angle), sympy.sin(angle)
-    if axis == 0:
-        return sympy.Matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
-    return sympy.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
 
 
 def failing(checks: Iterable[Any]) -> set[str]:

@@ -1,11 +1,8 @@
 """README and docs: links lead somewhere, code runs as it stands, commands are understood."""
 
 import importlib
-import os
 import re
 import shlex
-import subprocess
-import sys
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -14,9 +11,9 @@ import pytest
 import analysis
 import mbs_models
 from analysis import Scenario, Start, simulate_to_rest
+from tests.calls import ROOT, python
 from validation.parser.commands import parsed
 
-ROOT = Path(__file__).parent.parent
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
 LONG = ("report", "study", "rest", "map", "cycles", "heteroclinic", "passage")
 """Subcommands of more than some seconds, which other tests run."""
@@ -62,20 +59,6 @@ LATER = [name for name in PYTHON if name not in SCRIPTS and reads_what_commands_
 ALONE = [name for name in PYTHON if name not in SCRIPTS and name not in LATER]
 
 
-def run(words: list[str], folder: Path) -> str:
-    """What a call of Python in a folder prints."""
-    done = subprocess.run(
-        [sys.executable, *words],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_to_files_that_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
@@ -118,7 +101,7 @@ def test_code_runs_as_it_stands(
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_script_runs_as_it_stands(name: str, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(PYTHON[name])
-    printed = run(["script.py"], tmp_path)
+    printed = python("script.py", folder=tmp_path).stdout
     assert ("print(" in PYTHON[name]) == bool(printed)
 
 
@@ -144,8 +127,8 @@ def test_commands_and_what_reads_their_files_run_in_turn(page: str, tmp_path: Pa
         if words[0] in LONG:
             continue
         *call, file = words if ">" in words else (*words, ">", "printed.txt")
-        printed = run(["-m", "validation", *call[:-1]], tmp_path)
+        printed = python("-m", "validation", *call[:-1], folder=tmp_path).stdout
         (tmp_path / file).write_text(printed)
     for block in LATER:
         if page_of(block) == page:
-            run(["-c", PYTHON[block]], tmp_path)
+            python("-c", PYTHON[block], folder=tmp_path)

@@ -1,7 +1,6 @@
 """The two sides share data types, never mechanics, and load nothing they do not need."""
 
 import ast
-import subprocess
 import sys
 from functools import cache
 from graphlib import TopologicalSorter
@@ -9,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
+from tests.calls import ROOT, python
 
 
 @cache
@@ -67,10 +66,7 @@ def test_in_house_side_imports_numpy_and_scipy_only() -> None:
 )
 def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, ...]) -> None:
     code = f"import sys, {module}; print([name for name in {absent!r} if name in sys.modules])"
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    assert result.stdout.strip() == "[]"
+    assert python("-c", code).stdout.strip() == "[]"
 
 
 def test_modules_import_each_other_in_no_circle() -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -67,6 +68,21 @@ def test_whatever_goes_wrong_on_the_spot_fails_a_check(
     study = of(case)
     found = kit.measured(study.tasks(whole=False), tmp_path, workers=int(case == "ends"))
     assert f"toy: one: {check}" in failing(kit.confirm(study, found, kit.load(STUDY, results)))
+
+
+@pytest.mark.parametrize("apart", [0.9e-9, 1.1e-9])
+@pytest.mark.parametrize("column", ["value", "curve"])
+def test_a_number_may_be_off_by_its_limit_and_by_no_more(
+    column: str, apart: float, results: Path, tmp_path: Path
+) -> None:
+    study = replace(STUDY, sample=("two",))
+    found: Any = kit.measured(study.tasks(whole=False), tmp_path, workers=0)
+    # The first row alone; one of the columns relative to its size.
+    for row, off in zip(found["toy", "two"], (apart, 0.9e-9), strict=True):
+        value = row[column]
+        row[column] = value * (1.0 + off) if column == "value" else np.add(value, -off)
+    failed = failing(kit.confirm(study, found, kit.load(STUDY, results)))
+    assert failed == ({f"toy: two: {column}"} if apart > 1e-9 else set())
 
 
 def test_a_case_that_hangs_is_ended_and_crashes(tmp_path: Path) -> None:

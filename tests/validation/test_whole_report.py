@@ -1,9 +1,6 @@
 """The whole report: every check holds, every page can be read to its end, every fault is found."""
 
-import os
 import re
-import subprocess
-import sys
 from html import unescape
 from math import nan
 from pathlib import Path
@@ -13,13 +10,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.calls import ROOT, python
 from tests.stated import missing, values
 from validation import report
 from validation import study as kit
 from validation.page.content import Rows
 from validation.study import Check
-
-ROOT = Path(__file__).parents[2]
 
 WORDS = {"report.html": 6000, "method.html": 4000}
 TABLES = {"report.html": 30, "method.html": 20}
@@ -27,25 +23,14 @@ TABLES = {"report.html": 30, "method.html": 20}
 pytestmark = pytest.mark.whole
 
 
-def call(folder: Path) -> subprocess.CompletedProcess[str]:
-    """`tippedisk report` in a folder."""
-    return subprocess.run(
-        [sys.executable, "-m", "validation", "report", "--text", "results.md"],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+CALL = ("-m", "validation", "report", "--text", "results.md")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the whole report, all checks of which hold."""
     found = tmp_path_factory.mktemp("whole")
-    done = call(found)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "All checks hold" in done.stdout
+    assert "All checks hold" in python(*CALL, folder=found).stdout
     return found / "report"
 
 
@@ -85,9 +70,7 @@ def test_all_results_state_what_the_report_has_found(folder: Path) -> None:
 
 def test_a_second_call_takes_what_the_first_has_left(folder: Path) -> None:
     before = (folder / "checks.csv").read_bytes()
-    done = call(folder.parent)
-    assert done.returncode == 0
-    assert "measure" not in done.stderr
+    assert "measure" not in python(*CALL, folder=folder.parent).stderr
     assert (folder / "checks.csv").read_bytes() == before
 
 

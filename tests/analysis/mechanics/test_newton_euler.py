@@ -102,21 +102,6 @@ def test_accelerations_and_forces_meet_lagranges_equations(
         assert missing(scenario) < 1e-12
 
 
-@all_sets
-@loads
-def test_solution_meets_the_printed_equations_under_every_law(
-    constraints: ConstraintSet, load: Load
-) -> None:
-    for seed, law in enumerate(LAWS.values()):
-        scenario, z, u = random_scenario(constraints, seed, law(load=load))
-        level = replace(scenario, table=Table())
-        assert missing(level, printed) < 1e-14
-        W = paper.constraint_directions(constraints, level.disk, z)
-        chi = paper.constraint_changes(constraints, level.disk, z, u)
-        left = W @ accelerations(level, z, u)[0] + chi
-        np.testing.assert_allclose(left, 0.0, rtol=0.0, atol=1e-12)
-
-
 def test_states_are_the_papers_coordinates_with_the_motion_of_the_centre_of_gravity() -> None:
     random = np.random.default_rng(0)
     disk, (z, u) = random_disk(random), random_state(random)

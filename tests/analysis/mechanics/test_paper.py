@@ -77,12 +77,3 @@ def test_directions_are_gradients_of_positions_and_terms_their_changes(
     change = derivative(lambda t: paper.constraint_directions(constraints, disk, z + t * u))
     terms = paper.constraint_changes(constraints, disk, z, u)
     np.testing.assert_allclose(terms, change @ u, rtol=0.0, atol=1e-11)
-
-
-def test_rows_of_slip_and_spin_are_the_directions_of_their_forces() -> None:
-    disk, z, _ = sample(0)
-    rolling: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
-    slips = paper.constraint_directions(rolling, disk, z)[1:]
-    np.testing.assert_array_equal(slips.T, paper.tangential_directions(disk, z))
-    row = paper.constraint_directions(MODELS[4], disk, z)[4]
-    np.testing.assert_array_equal(row, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0])

@@ -50,17 +50,3 @@ def test_expanded_states_meet_all_constraints(seed: int) -> None:
     *residuals, held = paper.constraint_directions(MODELS[4], scenario.disk, z) @ u
     np.testing.assert_allclose(residuals, 0.0, rtol=0.0, atol=1e-14)
     assert held == spin
-
-
-def test_reduced_acceleration_takes_arrays() -> None:
-    scenario, spin, x = sample(0)
-    many = x[:, None] + np.array((0.0, 0.01, 0.02))
-    directions = np.sin(many[0]), np.cos(many[0]), np.sin(many[1]), np.cos(many[1])
-
-    def friction(slips: Array) -> Array:
-        return scenario.friction.per_speed(np.abs(slips)) * slips  # type: ignore[arg-type]
-
-    found = reduced.acceleration_from(scenario, spin, directions, many[2], friction)
-    solve = reduced.solver(scenario, spin)
-    expected = [solve(*column)[2] for column in many.T.tolist()]
-    np.testing.assert_allclose(found, expected, rtol=1e-13)

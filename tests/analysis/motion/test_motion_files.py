@@ -12,14 +12,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import Scenario, SpatialMotion, StoredRun, Trajectory, load_run, simulate_to_rest
+from analysis import (
+    Ending,
+    Scenario,
+    SpatialMotion,
+    StoredRun,
+    Trajectory,
+    load_run,
+    simulate_to_rest,
+)
 from analysis.motion import files
 from tests.helpers import random_trajectory
 
 Stored = dict[str, Any]
 
 STILL = simulate_to_rest(Scenario.rest(), 4e-3, spacing=1e-3)
-MOTIONS = [random_trajectory(4), replace(STILL, rest_time=0.0)]
+ENDED: Stored = {"reason": "low", "time": 2 / 3, "value": -1e-8 / 7}
+MOTIONS = [
+    replace(random_trajectory(4), ending=Ending(**ENDED), pulling=((0.1, 1 / 3), (0.4, 0.7))),
+    replace(STILL, rest_time=0.0),
+]
 
 
 @pytest.fixture
@@ -124,7 +136,6 @@ def test_damaged_file_is_refused(damage: str, path: Path) -> None:
 
 
 REAL = "must be an array of real numbers, got"
-ENDED = {"reason": 3, "time": 1.0, "value": 0.0}
 
 TRAJECTORIES: list[tuple[Stored, str]] = [
     ({"times": None}, "lacks 'times'"),
@@ -138,7 +149,7 @@ TRAJECTORIES: list[tuple[Stored, str]] = [
     ({"meta": {"source": "me"}}, "source must be one of engine, in-house"),
     ({"meta": {"scenario": {"wind": 3}}}, "scenario must be one of"),
     ({"meta": {"pulling": [[2, 1]]}}, "pulling must hold rising times"),
-    ({"meta": {"ending": ENDED}}, "reason must be text, got 3"),
+    ({"meta": {"ending": ENDED | {"reason": 3}}}, "reason must be text, got 3"),
     ({"meta": {"colour": "red"}}, "meta must be one of .*colour"),
     ({"meta": {"format": 99}}, "format must be 3, got 99: .* from a newer version"),
     ({"meta": "{}"}, "format must be 3, got 1: .* from an older"),

@@ -215,9 +215,10 @@ def test_state_at_a_sample_is_the_sample(motion: StoredRun) -> None:
 
 def test_attitude_between_samples_is_that_of_a_run_sampled_there(falling: SpatialMotion) -> None:
     wanted = falling.times[:-1] + 0.3 * np.diff(falling.times)
-    between = replace(falling, rest_time=0.02).resampled(wanted[wanted < 0.05], tolerance=1e-6)
-    assert between.rest_time == 0.02
-    assert replace(falling, rest_time=0.06).resampled([0.0, 0.05], tolerance=1.0).rest_time is None
+    between = falling.resampled(wanted[wanted < 0.05], tolerance=1e-6)
+    for rest, told in ((0.02, 0.02), (0.06, None)):
+        motion = replace(falling, rest_time=rest).resampled([0.0, 0.05], tolerance=1.0)
+        assert motion.rest_time == told
     other = simulate_to_rest(
         falling.scenario, float(falling.times[-1]), spacing=5e-5, tolerance=1e-6
     )
@@ -312,6 +313,8 @@ def test_plot_draws_into_given_axes_alone(motion: StoredRun) -> None:
         assert line.get_label() == label
     assert axes.get_xlabel() == "time in s"
     assert axes.get_ylabel() == "cog height in m"
+    assert axes.get_legend() is None
+    assert len(motion.plot("cog_height", "contact_x").get_legend().get_texts()) == 2
     with pytest.raises(ValueError, match=r"^names must be .* got 'height'; did you mean cog_"):
         motion.plot("height")
     with pytest.raises(ValueError, match="names must have one unit, got cog_height in m and norm"):

@@ -19,6 +19,7 @@ from analysis.nonlinear.families import (
     cycle_at,
     cycle_family,
     cycles_over,
+    first_asymmetric_family,
     rotating_family,
 )
 from analysis.nonlinear.following import Family, events
@@ -274,10 +275,13 @@ REFUSED: dict[str, Callable[[], object]] = {
     ),
     r"spin must lie in the open interval \(15.* got 100": lambda: cycle_at(PAPER, 100.0),
     "scenarios must be 1 or more": lambda: cycles_over([], spin=30.0),
+    "no cycle of the family loses its symmetry": lambda: first_asymmetric_family(
+        replace(cycle_family(PAPER, (0.15,)), born=_BORN)
+    ),
 }
 
 
 @pytest.mark.parametrize("message", REFUSED)
 def test_what_there_is_not_is_refused(message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((ValueError, NoCycleError), match=message):
         REFUSED[message]()

@@ -1,9 +1,9 @@
 """Friction laws: their closed properties, both sides under each, files and the command line."""
 
 import re
-import subprocess
 import sys
 from dataclasses import dataclass, replace
+from functools import partial
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,6 @@ from analysis import (
     LAWS,
     AnisotropicCoulomb,
     FrictionLaw,
-    Level,
     LubricatedCoulomb,
     PenaltyContact,
     PowerLawCoulomb,
@@ -37,6 +36,7 @@ from analysis.stability import spectra
 from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
+from tests.calls import ROOT, python
 from tests.helpers import derivative, model
 from tests.wayward_law import Answering, Own
 
@@ -105,16 +105,6 @@ def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
     for slip in ((1.0, 0.0), (0.3, 0.8), (-0.6, 0.1)):
         power = np.dot(law.force(*slip, 1.0), slip)
         assert power == pytest.approx(-np.max(slip @ ellipse), rel=2e-5)
-
-
-@pytest.mark.parametrize("law", ON_CONTACT[:-1], ids=name)
-@pytest.mark.parametrize("level", [1, 3])
-def test_stability_under_any_law_is_that_of_the_engine(law: FrictionLaw, level: Level) -> None:
-    scenario = model(level, friction=law, start=Start.stationary(31.0))
-    found = spectra.eigenvalues(scenario, [31.0], "numeric")[0]
-    engine = mbs_models.eigenvalues(Scene(scenario))
-    missing = [np.min(np.abs(found - each)) for each in engine]
-    np.testing.assert_allclose(missing, 0.0, atol=1e-4 * np.abs(engine).max())
 
 
 @pytest.mark.parametrize("law", GENERAL, ids=name)
@@ -198,10 +188,6 @@ class Pushing(Answering):
             Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y)),
             "Pushing.force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL",
         ),
-        (
-            Pushing(says=lambda x, y, n: (nan, n * x * y)),
-            "slope of force at no slip must be a fin",
-        ),
     ],
 )
 def test_law_that_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs(
@@ -221,26 +207,23 @@ def test_edge_without_direction_takes_isotropic_friction_alone() -> None:
 
 @pytest.mark.slow
 def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
-    text = (Path(__file__).parents[3] / "docs" / "extending.md").read_text()
+    text = (ROOT / "docs" / "extending.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
     (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
 
-    def tippedisk(*words: str) -> subprocess.CompletedProcess[str]:
-        # Without the working directory on its path, as an installed command is.
-        call = [sys.executable, "-P", "-m", "validation", *words]
-        return subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
-
+    # Without the working directory on its path, as an installed command is.
+    tippedisk = partial(python, "-P", "-m", "validation", folder=tmp_path)
     law = "--law=rough:SquareRoot"
     assert tippedisk("simulate", f"{law},coefficient=0.2", "--end=0.1", "--out=own.npz").stdout
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
         load_run(tmp_path / "own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
-    assert "must be imported first" in tippedisk("scenario", "own.npz").stderr
+    assert "must be imported first" in tippedisk("scenario", "own.npz", code=2).stderr
     again = tippedisk("scenario", "own.npz", law).stdout
     assert 'law = "rough:SquareRoot"' in again
     assert "coefficient = 0.2" in again
     (tmp_path / "own.toml").write_text(again)
     assert tippedisk("scenario", "own.toml").stdout == again
-    assert tippedisk("show", "own.npz", law, "--plot=own.png").returncode == 0
+    tippedisk("show", "own.npz", law, "--plot=own.png")
     cases = ("law=tanh,rough:SquareRoot", "--scenario=own.toml", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"

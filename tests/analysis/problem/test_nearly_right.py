@@ -6,8 +6,6 @@ Numbers that look as if they were meant in another unit are taken, with a warnin
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type, call-arg, index, dict-item"
 
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,9 +17,7 @@ import mbs_models
 from analysis import (
     LAWS,
     MODELS,
-    Ensemble,
     Scenario,
-    SmoothCoulomb,
     Start,
     load_scenario,
     scenario_text,
@@ -29,7 +25,7 @@ from analysis import (
 )
 from analysis.problem.values import UnitWarning
 from mbs_models import Scene
-from tests.calls import printed
+from tests.calls import printed, python
 from tests.validation.cli.test_refusals import RING
 from validation import cli
 from validation.sweeps.axes import axis_from_text
@@ -57,9 +53,7 @@ def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any
     [
         (lambda: simulate(Scenario, TIMES), r"^scenario .* got the class: write Scenario\(\)$"),
         (lambda: MODELS[5], r"^.MODELS holds 1, 2, 3, 4, and no 5.$"),
-        (lambda: SmoothCoulomb(mu=0.3), r"^SmoothCoulomb takes .* did you mean coefficient\?$"),
         (lambda: Start(spn=3.0), r"^Start takes beta, .*, and no spn; did you mean spin\?$"),
-        (lambda: Ensemble(scenario=Scenario(), fields={"spn": [1.0]}), r"did you mean spin\?$"),
         (lambda: simulate(Scenario(), TIMES, method="DOP835"), r"did you mean DOP853\?$"),
         (lambda: Start(gamma=" -22.5 deg"), r"write np.radians\(-22.5\)$"),
         (lambda: LAWS.find("smooth-columb"), r"did you mean smooth-coulomb\?$"),
@@ -79,16 +73,12 @@ def test_negative_values_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_script_without_guard_is_told_so_and_gets_nothing(tmp_path: Path) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(
+    (tmp_path / "script.py").write_text(
         "from analysis import Scenario, simulate_many\n"
         "runs = simulate_many([Scenario()] * 4, [0.0, 0.01], method='DOP853', workers=2)\n"
         "print(runs)\n"
     )
-    done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
+    done = python("script.py", folder=tmp_path, code=1)
     assert done.stdout == ""
     assert done.stderr.count("Traceback") == 1
     assert done.stderr.splitlines()[-1].endswith(

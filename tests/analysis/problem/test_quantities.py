@@ -162,10 +162,6 @@ TWICE = asdict(STEEL_DISK)
         ({"model": 4}, replace(PAPER, constraints=MODELS[4])),
         ({"constraints": "contact+fixed-cog"}, replace(PAPER, constraints=MODELS[2])),
         (
-            {"friction.load": "contact"},
-            replace(PAPER, friction=replace(PAPER.friction, load="contact")),
-        ),
-        (
             {"friction.static": 0.6, "friction.law": "stribeck"},
             replace(PAPER, friction=Stribeck(static=0.6)),
         ),

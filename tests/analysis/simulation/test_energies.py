@@ -16,13 +16,9 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.mechanics import paper
 from analysis.mechanics.recorded import accelerations
 from analysis.problem.checks import Array
-from analysis.problem.constraints import PRESCRIBED, multiplier_names
-from analysis.problem.start import COORDINATES
 from tests.helpers import (
-    all_sets,
     angular_velocity,
     arc,
     cog,
@@ -35,11 +31,8 @@ from tests.helpers import (
     spin_momentum,
 )
 
-loads = pytest.mark.parametrize("load", LOADS)
-seeds = pytest.mark.parametrize("seed", range(3))
 
-
-@seeds
+@pytest.mark.parametrize("seed", range(3))
 def test_energies_are_those_of_the_moving_cog_and_the_turning_body(seed: int) -> None:
     random = np.random.default_rng(seed)
     disk, table = random_disk(random), random_table(random)
@@ -55,7 +48,7 @@ def test_energies_are_those_of_the_moving_cog_and_the_turning_body(seed: int) ->
 
 
 @more_sets
-@loads
+@pytest.mark.parametrize("load", LOADS)
 def test_power_is_the_rate_of_the_energy(constraints: ConstraintSet, load: Load) -> None:
     scenario, z, u = random_scenario(constraints, 0, SmoothCoulomb(load=load))
     a, _ = accelerations(scenario, z, u)
@@ -67,21 +60,6 @@ def test_power_is_the_rate_of_the_energy(constraints: ConstraintSet, load: Load)
     run = simulate(scenario, [0.0, 1e-3], local_tolerance=1e-3)
     gain = float(np.sum(derivative(energy)))
     assert analysis.power(run)[0] == pytest.approx(gain, rel=1e-10, abs=1e-10)
-
-
-@all_sets
-def test_friction_takes_energy_and_only_forces_that_keep_a_rate_bring_some(
-    constraints: ConstraintSet,
-) -> None:
-    scenario, z, u = random_scenario(constraints, 1)
-    along, across = paper.tangential_directions(scenario.disk, z).T @ u
-    force = scenario.friction.force(along, across, scenario.weight)
-    taken = force[0] * along + force[1] * across
-    assert taken < -1e-3 if scenario.rubs else abs(taken) < 1e-24
-    velocities = paper.constraint_directions(constraints, scenario.disk, z) @ u
-    for name, velocity in zip(multiplier_names(constraints), velocities, strict=True):
-        kept = u[COORDINATES.index(PRESCRIBED[name])] if name in PRESCRIBED else 0.0
-        assert velocity == pytest.approx(kept, abs=1e-12)
 
 
 def test_balance_refuses_a_motion_whose_losses_it_does_not_know() -> None:

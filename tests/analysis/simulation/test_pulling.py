@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,11 +20,10 @@ from analysis import (
     Start,
     TimeLimitError,
     Trajectory,
-    load_run,
 )
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
-from tests.helpers import arc, cog, model, mostly_slow, not_none, second_derivative, slip
+from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.2, 21)
@@ -101,27 +99,6 @@ def test_accelerations_of_a_pulling_contact_agree(
     np.testing.assert_allclose(held, forces, rtol=1e-8, atol=1e-6)
 
 
-@pytest.mark.parametrize("load", LOADS)
-def test_pulling_contact_rubs_under_the_weight_if_that_is_the_load_and_not_under_its_force(
-    load: Load,
-) -> None:
-    scenario = Scenario(friction=LOADED[load], start=PULLED)
-    state, disk = scenario.initial_state, scenario.disk
-    found, _ = acceleration("in-house", scenario)
-    # In a time so slow that differences over milliseconds see little of the turning.
-    slowed = 1e-2
-    z, u = np.array(state.coordinates), np.array(state.rates)
-    path = arc(z, slowed * u, slowed**2 * np.array(found))
-    # Nothing but friction moves the disk along the table.
-    rubbing = disk.mass * second_derivative(lambda time: cog(disk, path(time))) / slowed**2
-    slipping = slip(disk, path) / slowed
-    speed = float(np.linalg.norm(slipping))
-    expected = -scenario.weight * scenario.friction.per_speed(speed) * slipping
-    wanted = expected if load == "weight" else np.zeros(2)
-    np.testing.assert_allclose(rubbing[:2], wanted, atol=1e-6 * scenario.weight)
-    assert speed > 0.1
-
-
 @SIDES
 def test_friction_that_calls_for_its_own_load_has_no_accelerations(side: str) -> None:
     start = Start(beta=0.4, gamma=0.0, spin=0.0, gamma_rate=0.0, beta_rate=-5.0)
@@ -157,12 +134,3 @@ def test_two_runs_that_agree_up_to_a_time_limit_are_a_result_up_to_the_samples_o
     np.testing.assert_array_equal(run.times, TIMES[:last])
     assert np.max(np.abs(run.coordinates - whole.coordinates[:last])[:, 4:]) < 1e-6
     assert not_none(run.error_estimate) <= 1e-3
-
-
-@pytest.mark.parametrize("pulls", [False, True])
-def test_ending_and_pulling_come_back_from_a_file(tmp_path: Path, pulls: bool) -> None:
-    run = analysis.simulate(Scenario(start=FAST), TIMES, local_tolerance=1e-6, allow_pulling=pulls)
-    run.save(tmp_path / "run.npz")
-    again = load_run(tmp_path / "run.npz", Trajectory)
-    assert (again.ending, again.pulling) == (run.ending, run.pulling)
-    assert (run.ending is None) == bool(run.pulling) == pulls

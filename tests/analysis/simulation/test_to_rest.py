@@ -1,7 +1,5 @@
 """The disk until rest: agreement before the fall, energy, either face, phases, endings."""
 
-import itertools
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import log2, pi
@@ -12,7 +10,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from analysis import (
-    CAUSES,
     CENTRED_DISK,
     STEEL_DISK,
     Dissipation,
@@ -165,37 +162,38 @@ def test_bounces_meet_the_tolerance_without_pull_and_with_a_closed_budget(
     assert np.max(np.abs(best.energy_residual)) < 1e-6 * best.energies[0].sum()
 
 
+def off(motion: SpatialMotion, part: float) -> SpatialMotion:
+    """A motion that has lost another part of its energy."""
+    return replace(motion, dissipated=motion.dissipated + part * motion.energies[0].sum())
+
+
+def estimate(tolerance: float, *motions: SpatialMotion) -> float:
+    """Estimated error of the first of some runs in turn that agrees with the one before."""
+    turns = iter(motions)
+    return not_none(until_agreement(lambda _: next(turns), tolerance).error_estimate)
+
+
 def test_runs_that_disagree_or_agree_by_chance_are_no_result(settled: SpatialMotion) -> None:
-    energy = settled.energies[0].sum()
-
-    def runs(*parts: float) -> Callable[[float], SpatialMotion]:
-        """Motions off by these parts of the energy."""
-        offs = iter(parts)
-        return lambda _: replace(settled, dissipated=settled.dissipated + next(offs) * energy)
-
     with pytest.raises(ToleranceError, match=r"2\.0e-01, 1\.0e-01, 5\.0e-02, the last two by 5e"):
-        until_agreement(runs(0.8, 0.4, 0.2, 0.1, 0.05), 1e-3)
+        estimate(1e-3, *(off(settled, part) for part in (0.8, 0.4, 0.2, 0.1, 0.05)))
     # The whole difference is the estimate.
-    found = until_agreement(runs(3e-3, 1.5e-3, 0.75e-3), 1e-3)
-    assert found.error_estimate == pytest.approx(7.5e-4)
-    found = until_agreement(runs(0.0, 1e-4, 5e-3, 4.9e-3), 1e-3)
-    assert found.error_estimate == pytest.approx(4.9e-4)
-
-
-def test_a_run_at_its_time_limit_tells_how_far_it_is_from_the_one_before(
-    settled: SpatialMotion,
-) -> None:
-    moved = replace(settled, dissipated=settled.dissipated + 0.1 * settled.energies[0].sum())
+    for parts, last in (((3e-3, 1.5e-3, 0.75e-3), 7.5e-4), ((0.0, 1e-4, 5e-3, 4.9e-3), 4.9e-4)):
+        assert estimate(1e-3, *(off(settled, part) for part in parts)) == pytest.approx(last)
+    # At its time limit a run tells how far it is from the one before.
     limit = replace(not_none(settled.ending), reason="time limit")
-    both = iter([moved, replace(settled, ending=limit)])
-    assert until_agreement(lambda _: next(both), 1e-6).error_estimate == pytest.approx(0.1)
+    limited = replace(settled, ending=limit)
+    assert estimate(1e-6, off(settled, 0.1), limited) == pytest.approx(0.1)
+
+
+def later(motion: SpatialMotion, time: float) -> SpatialMotion:
+    """A motion whose last sample and ending come later."""
+    times = np.append(motion.times[:-1], motion.times[-1] + time)
+    ending = replace(not_none(motion.ending), time=float(times[-1]))
+    return replace(motion, times=times, ending=ending)
 
 
 def test_runs_at_rest_a_sample_apart_agree(settled: SpatialMotion) -> None:
-    late = settled.times + 2e-3 * (settled.times == settled.times[-1])
-    ending = replace(not_none(settled.ending), time=float(late[-1]))
-    both = iter([settled, replace(settled, times=late, ending=ending)])
-    assert not_none(until_agreement(lambda _: next(both), 1e-3).error_estimate) < 1e-9
+    assert estimate(1e-3, settled, later(settled, 2e-3)) < 1e-9
 
 
 def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
@@ -242,15 +240,6 @@ def test_time_limit_ends_runs_with_what_they_reached(
 def test_time_limit_before_the_first_sample_leaves_nothing(source: Source) -> None:
     with pytest.raises(TimeLimitError, match="before the first sample"):
         run_to_rest(Scenario.rest(), 5.0, source=source, time_limit=1e-9)
-
-
-@pytest.mark.parametrize("option", CAUSES[2:])
-def test_each_dissipation_takes_energy_alone_when_it_is_on(option: str) -> None:
-    start, loss = Start(beta=1.0, gamma=0.4, spin=10.0), Dissipation(**{option: 1e-3})
-    motion = simulate_to_rest(Scenario.rest(start=start, dissipation=loss), 0.5, spacing=1e-2)
-    for cause in CAUSES[2:]:
-        assert (motion.energy_taken(cause)[-1] > 0.0) == (cause == option)
-    assert np.max(np.abs(motion.energy_residual)) < 1e-8
 
 
 def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMotion) -> None:
@@ -306,18 +295,6 @@ def ended() -> SpatialMotion:
     return simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=tilted)
 
 
-def test_run_to_rest_is_the_whole_one_until_a_condition_turns_negative(
-    whole: SpatialMotion, ended: SpatialMotion
-) -> None:
-    first = int(np.argmax(whole.tilt > LIMIT))
-    assert 0 < first == ended.times.size - 1
-    np.testing.assert_allclose(ended.tilt[:-1], whole.tilt[:first], atol=1e-6)
-    ending = not_none(ended.ending)
-    assert ending.reason == "tilted"
-    assert ending.value == pytest.approx(0.0, abs=1e-9)
-    assert ended.rest_time is None
-
-
 def test_a_condition_is_told_the_state_in_the_papers_coordinates() -> None:
     told: list[State] = []
 
@@ -365,7 +342,8 @@ def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
         how = {"tolerance": tolerance}
     motion = run_to_rest(SCENARIO, 0.1, source=source, spacing=spacing, stop_when=tilted, **how)
     ending = not_none(motion.ending)
-    assert ending.time == motion.times[-1]
+    assert (ending.reason, ending.time) == ("tilted", motion.times[-1])
+    assert motion.rest_time is None
     assert abs(ending.time - truth) <= (motion.error_estimate or 1e-7)
     assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
     np.testing.assert_allclose(motion.times[:-1], spacing * np.arange(motion.times.size - 1))
@@ -394,20 +372,14 @@ def test_ending_after_impacts_is_located() -> None:
 def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
     whole: SpatialMotion, ended: SpatialMotion
 ) -> None:
-    late = float(ended.times[-1]) + 1e-5
-    ending = replace(not_none(ended.ending), time=late)
-    ahead = replace(ended, times=np.append(ended.times[:-1], late), ending=ending)
-    runs = iter([ended, ahead])
-    agreed = until_agreement(lambda _local: next(runs), 1.0)
     # Both end at the same tilt: by the states alone, they would not differ.
     moved = 1e-5 * float(np.hypot(*ended.angular_velocities[-1, :2]))
-    assert agreed.error_estimate == pytest.approx(max(moved, 1e-5), rel=1e-6)
+    expected = pytest.approx(max(moved, 1e-5), rel=1e-6)
+    assert estimate(1.0, ended, later(ended, 1e-5)) == expected
     # What is left at the ending counts, too.
     taken = ended.dissipated.copy()
     taken[-1] += 1e-4 * ended.energies[0].sum()
-    runs = iter([ended, replace(ahead, dissipated=taken)])
-    agreed = until_agreement(lambda _local: next(runs), 1.0)
-    assert agreed.error_estimate == pytest.approx(1e-4 + 1e-5)
-    different = itertools.cycle([ended, whole])
+    ahead = replace(later(ended, 1e-5), dissipated=taken)
+    assert estimate(1.0, ended, ahead) == pytest.approx(1e-4 + 1e-5)
     with pytest.raises(ToleranceError, match="differ by inf"):
-        until_agreement(lambda _local: next(different), 1.0)
+        estimate(1.0, *[ended, whole] * 5)

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -11,15 +10,11 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import METHODS, STEEL_DISK, Method, PenaltyContact, Scenario, SmoothCoulomb, Start
-from analysis.problem.checks import Array
+from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.problem.limits import MOST_STEPS, Effort
 from analysis.solve import effort
-from analysis.solve.stepping import InitialValueProblem, Run, integrate
-from analysis.solve.watch import Watch
 from mbs_models import Integrator, Scene, rest
 from mbs_models import effort as engine_effort
-from tests.helpers import model
 from tests.scenes import rest_scene, scene_of
 from validation.commands import options
 
@@ -36,7 +31,7 @@ def assert_near(predicted: float, taken: float) -> None:
         ({}, {"tolerance": 1e-10}),
         ({}, {"local_tolerance": 1e-8}),
         ({"start": Start(spin=100.0)}, {"tolerance": 1e-8}),
-        ({"friction": SmoothCoulomb(smoothing=1e-2)}, {"tolerance": 1e-8}),
+        ({"friction": SmoothCoulomb(smoothing=1e-4)}, {"tolerance": 1e-6}),
         ({"start": Start(beta=2.0)}, {"method": "RK45", "tolerance": 1e-6}),
         ({"start": Start(beta=0.01)}, {"tolerance": 1e-8}),
         ({}, {"method": "Radau", "tolerance": 1e-6}),
@@ -114,23 +109,6 @@ def test_endless_run_is_refused(call: Callable[[], object], message: str) -> Non
 
 
 @pytest.mark.parametrize(
-    ("fields", "tolerance"),
-    [
-        ({"start": Start(spin=300.0)}, 1e-8),
-        ({"friction": SmoothCoulomb(smoothing=1e-5)}, 1e-6),
-        ({}, 1e-10),
-    ],
-)
-def test_honest_runs_are_not_refused(fields: dict[str, Any], tolerance: float) -> None:
-    times = np.linspace(0.0, 2.0, 201)
-    scenario = model(3, **fields)
-    effort.simulation_effort(scenario, times, tolerance=tolerance).check()
-    for formulation in mbs_models.formulations(scenario):
-        scene = Scene(scenario, formulation)
-        engine_effort.simulation_effort(scene, times, tolerance=tolerance).check()
-
-
-@pytest.mark.parametrize(
     ("name", "how"),
     [
         ("in-house", {}),
@@ -179,29 +157,6 @@ def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> No
         assert said in shown.err
         assert shown.err.count("\n") == bool(said)
     replace(short, steps=float(MOST_STEPS)).check()
-
-
-def run_of(right_hand_side: Callable[[float, Array], Array], method: Method) -> Run:
-    start, times = np.array([1.0, 0.0]), np.linspace(0.0, 2.0, 21)
-    problem = InitialValueProblem(right_hand_side, start, None, None, 0.5, lambda states: states)
-    return integrate(problem, times, method, 1e-6, allow_pulling=False, watch=Watch())
-
-
-STEPPED = pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
-
-
-@STEPPED
-def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
-    calls = count()
-
-    def right_hand_side(_: float, state: Array) -> Array:
-        next(calls)
-        return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
-
-    assert run_of(right_hand_side, method).evaluations == next(calls)
-
-
-@STEPPED
-def test_a_motion_without_finite_derivative_ends_at_once(method: Method) -> None:
-    with pytest.raises(ArithmeticError):
-        run_of(lambda _, state: state * np.nan, method)
+    # A run may take some times as many as expected, and many where they are quick.
+    assert replace(short, seconds=1e9).most > 2.0 * short.steps
+    assert replace(short, seconds=1e-3).most > 1e3 * short.steps

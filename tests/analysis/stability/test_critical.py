@@ -114,7 +114,10 @@ def test_without_eccentricity_the_closed_form_speed_is_a_static_crossing(
     centred = with_gradient(model(level, disk=CENTRED_DISK), gradient)
     (static,) = (each for each in critical_speeds(centred).crossings if each.kind == "static")
     assert static.stable_side == "above"
-    assert static.spin == pytest.approx(critical_speed(centred).spin, rel=1e-10)
+    closed = critical_speed(centred)
+    assert (closed.kind, closed.frequency) == ("static", 0.0)
+    assert static.spin == pytest.approx(closed.spin, rel=1e-10)
+    assert critical_speed(model(level), "noninverted").kind == "saddle"
 
 
 def test_eigenvalues_that_are_small_at_high_spin_alone_are_none_at_rest() -> None:

@@ -115,6 +115,16 @@ def test_each_model_and_body_runs_where_it_can_be_built_and_is_quickest() -> Non
     assert all(each.plan.runs_in_batches for each in compiled)
 
 
+@pytest.mark.parametrize("name", ["attitude", "tilting", "rest"])
+def test_maps_of_the_tilt_are_even_about_upright(name: str) -> None:
+    sweep = grid(name)
+    low, high = (
+        sweep.scenario_of(number).initial_state.coordinates[4]
+        for number in (0, sweep.design.size - 1)
+    )
+    assert 0.5 < low < high == pytest.approx(np.pi - low)
+
+
 def test_gaps_take_the_outcome_of_the_nearest_run() -> None:
     sweep = grid(cells=1, levels=2)
     cells = pd.DataFrame({"number": [0, 4, 20, 24], "outcome": ["a", "b", "a", "a"]})

@@ -1,0 +1,61 @@
+"""Steps of a run: all are counted, and what ends a motion is found wherever it lies in one."""
+
+from collections.abc import Callable
+from itertools import count
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analysis import METHODS, Method
+from analysis.problem.checks import Array
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
+from analysis.solve.watch import Watch
+
+STEPPED = pytest.mark.parametrize("method", [each for each in METHODS if each != "taylor"])
+
+
+def run_of(
+    right_hand_side: Callable[[float, Array], Any], method: Method = "DOP853", **conditions: Any
+) -> Run:
+    """Run from two numbers up to 1 s, in long steps."""
+    start, attitudes = np.array([1.0, 0.0]), np.asarray
+    problem = InitialValueProblem(
+        right_hand_side, start, None, None, 1.0, attitudes, conditions=conditions
+    )
+    times = np.array([0.0, 1.0])
+    return integrate(problem, times, method, 1e-4, allow_pulling=True, watch=Watch())
+
+
+@STEPPED
+def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
+    calls = count()
+
+    def right_hand_side(_: float, state: Array) -> Array:
+        next(calls)
+        return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
+
+    assert run_of(right_hand_side, method).evaluations == next(calls)
+
+
+@STEPPED
+def test_a_motion_without_finite_derivative_ends_at_once(method: Method) -> None:
+    with pytest.raises(ArithmeticError, match=f"^{method} stopped after t = .* s: "):
+        run_of(lambda _, state: state * np.nan, method)
+
+
+def test_a_run_that_gives_up_says_where() -> None:
+    # It grows as 1 / (1 - 2 t), and steps cannot get past that.
+    with pytest.raises(ArithmeticError, match=r"^DOP853 stopped after t = 0\.50000\d s: R"):
+        run_of(lambda _, state: 2.0 * state**2)
+
+
+@pytest.mark.parametrize("lowest", [0.5, 0.54, 0.5625, 0.6])
+@pytest.mark.parametrize("half", [0.03, 0.01])
+def test_short_dip_ends_a_motion_wherever_in_a_step_it_lies(lowest: float, half: float) -> None:
+    def dip(state: Array) -> float:
+        return float((state[1] - lowest) ** 2 - half**2)
+
+    run = run_of(lambda *_: (0.0, 1.0), dip=dip)
+    assert run.ended == "dip"
+    assert run.times[-1] == pytest.approx(lowest - half, abs=1e-12)
