@@ -1,5 +1,6 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
+from mbs_models.accelerations import acceleration, eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.integrators import (
     ACCELERATED,
     INTEGRATORS,
@@ -8,9 +9,7 @@ from mbs_models.integrators import (
     Newton,
     integrators,
 )
-from mbs_models.linearization import eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.model import FORMULATIONS, Formulation
-from mbs_models.probe import acceleration
 from mbs_models.rest import simulate_to_rest
 from mbs_models.scene import Scene, formulations
 from mbs_models.simulation import simulate

@@ -1,32 +1,29 @@
-"""Runs on the engine's own accelerations, stepped by SciPy's solvers.
+"""The engine's own accelerations: at an instant, as a motion that SciPy steps, and linearised.
 
-What is integrated are the coordinates and rates that the constraints leave free, with alpha and
+States of that motion are the coordinates and rates that the constraints leave free, with alpha and
 the spin, in the paper's coordinates: the others follow from these, so that no constraint drifts.
 The accelerations are those of the scene's own formulation.
 """
 
-import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
+import numpy.typing as npt
 
 from analysis.motion.endings import Condition
-from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, instance
 from analysis.problem.constraints import demanded, independent_coordinates
+from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
-from analysis.solve.stepping import InitialValueProblem, Method, Run, integrate
-from analysis.solve.to_tolerance import run_to, tighter_and_tighter
-from mbs_models.effort import LOCAL, stepping_integrator
+from analysis.solve.stepping import InitialValueProblem, Method
+from mbs_models.effort import stepping_integrator
+from mbs_models.endings import LOCAL
 from mbs_models.friction import slip_velocity
-from mbs_models.integrators import FINEST_LOCAL, Integrator
 from mbs_models.probe import Probe
-from mbs_models.sampled import Call
 from mbs_models.scene import Scene, build
-from mbs_models.solving import stepping
+from mbs_models.solving import solving
 
 _NAMES = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
 """What tells a whole state: coordinates, and then rates."""
@@ -35,18 +32,16 @@ _LOW = 0.05
 """Sine of the inclination below which accelerations are taken with more care: rounding in those of
 alpha and gamma grows with one over its square."""
 
-
 BENDING = 1e-4
 """Part of the finest speed of friction over which its slope hardly changes,"""
 
 DIFFERENCES = (1e-12, 1e-8)
 """and bounds of the differences that Jacobians are taken from."""
 
-QUICK = 3e-12
-"""Error in a step from which on accelerations may be noisier."""
+ComplexArray = npt.NDArray[np.complex128]
 
-FINE = 3e-9
-"""Tolerance in rad from which on a first run allows a step less of it."""
+NEUTRAL = ("alpha", "alpha_rate")
+"""What stationary motions exist for any value of."""
 
 _Solved = tuple[list[float], list[float], Array, Array]
 """Coordinates, rates, and the engine's accelerations and multipliers."""
@@ -60,6 +55,11 @@ class AccelerationProblem:
     scene : Scene
     conditions : mapping
         From reasons to functions of a `State` that end the motion where they turn negative.
+
+    Raises
+    ------
+    ValueError
+        If the start breaks a constraint.
 
     Attributes
     ----------
@@ -78,6 +78,7 @@ class AccelerationProblem:
         self._scene, self.model = scene, build(scene)
         self.system = self.model.system
         self.probe = Probe(self.model)
+        self.probe.check_start()
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
             free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")
@@ -165,10 +166,8 @@ class AccelerationProblem:
 
     def _normal_force(self, state: Array) -> float:
         found = self._solved(state)
-        equation = self.model.contact_equation
-        if equation is not None:
-            # The engine's constraint forces act with a minus sign on the second body.
-            return -float(found[3][equation])
+        if self.model.contact_equation is not None:
+            return self.model.contact_force(found[3])
         return float(self._forces([found])[0, 0])
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:
@@ -186,48 +185,183 @@ class AccelerationProblem:
         return lambda state: slip_velocity(radius, *self._whole(state))[direction]
 
 
-def stepped(call: Call, integrator: Integrator) -> Trajectory:
-    """Step a scene's accelerations over all times, to a tolerance if there is one.
+def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:
+    """Accelerations and multipliers of a scene, taken from the engine.
+
+    Mass matrix, right-hand side, constraint Jacobian and the change of the velocity-level
+    constraint residual along the motion come from the engine; one linear solve joins them.
+    (The engine's linearised-system functions leave out the constraint forces, so they do not
+    serve here.)
+
+    Down to a tilt of 1e-3 rad the forces hold to 1e-7 of the largest of them and the weight. The
+    accelerations of alpha and gamma lose digits as the disk comes to lie flat, where these angles
+    end: to 1e-10 of the largest over the tilt's square.
 
     Parameters
     ----------
-    call : Call
-    integrator : Integrator
-        One that steps accelerations. Its local tolerance holds where the call has no tolerance;
-        that of what is returned has led there.
+    scene : Scene or Scenario
+        A scenario stands for its default scene.
+    state : State, optional
+        Any state that meets the constraints; by default the start of the scene.
+
+    Returns
+    -------
+    accelerations : ndarray, shape (6,)
+        Second derivatives of the co-rotating coordinates.
+    multipliers : ndarray, shape (k,)
+        Constraint forces in the order of `multiplier_names(scene.scenario.constraints)`.
+
+    Raises
+    ------
+    ValueError
+        If the state breaks a constraint.
+
+    Examples
+    --------
+    >>> from mbs_models import Scene, acceleration
+    >>> accelerations, multipliers = acceleration(Scene())
+    >>> accelerations.shape, multipliers.shape
+    ((6,), (1,))
     """
-    times, tolerance = call.times, call.tolerance
-    motion = AccelerationProblem(call.scene, call.conditions)
-    motion.probe.check_start()
-    start = call.scene.scenario.initial_state.vector
-    problem = motion.starting_at(start)
-    problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
-    begin = time.process_time()
+    scene = Scene.of(scene)
+    if state is not None:
+        scene = scene.starting_at(instance("state", state, State))
+    motion = AccelerationProblem(scene, {})
+    model = motion.model
+    with solving(motion.system):
+        second_derivatives, algebraic = motion.probe.solved()
+    z, u = model.start.coordinates, model.start.rates
+    forces = model.multipliers(
+        second_derivatives[None], algebraic[None], np.array([z]), np.array([u])
+    )
+    return model.decode_accelerations(second_derivatives, z, u), forces[0]
 
-    def run(local: float, part: float) -> Run:
-        motion.quick = local >= QUICK
-        found = integrate(
-            problem.with_steps_up_to(part),
-            times,
-            integrator.method,
-            local,
-            allow_pulling=call.allow_pulling,
-            watch=call.watch,
+
+def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
+    """Eigenvalues of a scene about its stationary start, in 1/s.
+
+    The engine's accelerations are differentiated along the constraint manifold in independent
+    coordinates. The neutral directions alpha and its rate are left out: the equations do not
+    depend on alpha, and a stationary motion exists for every spin, so that both would only add
+    eigenvalues of zero.
+
+    Parameters
+    ----------
+    scene : Scene or Scenario
+        A scenario stands for its default scene. On a horizontal table with the ideal contact,
+        such as one with `Start.stationary`.
+
+    Returns
+    -------
+    ndarray, complex, shape (n,)
+        In the coordinates of `independent_coordinates`: 8 for Model 1, 4 for Model 2, 3 for
+        Models 3 and 4.
+
+    Raises
+    ------
+    ValueError
+        If the table leans, the contact is one of penalty, or the start is not stationary.
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario, Start
+    >>> from mbs_models import Scene, eigenvalues
+    >>> spinning = Start.stationary(31.0)
+    >>> found = eigenvalues(Scene(Scenario(constraints=MODELS[4], start=spinning)))
+    >>> bool(found.real.max() < 0.0)  # above 30.92 rad/s, Model 4 is stable upside down
+    True
+    """
+    return np.linalg.eigvals(state_matrix(scene)).astype(complex)
+
+
+def state_matrix(scene: Scene | Scenario) -> Array:
+    """State matrix behind `eigenvalues`, shape (n, n); see there.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> from mbs_models import Scene, state_matrix
+    >>> state_matrix(Scene(Scenario(start=Start.stationary(31.0)))).shape
+    (8, 8)
+    """
+    scene = Scene.of(scene)
+    scenario = scene.scenario
+    scenario.require_plain("the linearisation of a spinning motion")
+    if scenario.contact is not None:
+        raise ValueError("contact must be left out: a penalty contact is not linearised")
+    motion = AccelerationProblem(scene, {})
+    motion.quick = False
+    problem = motion.starting_at(scenario.initial_state.vector)
+    places = [number for number, name in enumerate(motion.names) if name not in NEUTRAL]
+    turning = abs(scenario.initial_state.rates[3]) + 1.0
+
+    def rates(state: Array) -> Array:
+        return np.asarray(problem.right_hand_side(0.0, state))[places]
+
+    with solving(motion.system):
+        largest = float(np.max(np.abs(rates(problem.start))))
+        if largest > 1e-6 * turning**2:
+            raise ValueError(
+                "start must be a stationary motion to linearise about, got one with rates or "
+                f"accelerations of up to {largest:.3g}"
+            )
+        steps = _steps(scenario, turning)
+        columns = [
+            _derivative(rates, problem.start, place, steps[motion.names[place]])
+            for place in places
+        ]
+    return np.column_stack(columns)
+
+
+def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
+    """What the engine's own `ComputeODE2Eigenvalues` says about a scene, shape (n,).
+
+    Right for the contact tree, whose eigenvalues of the neutral direction alpha (two zeros) are
+    removed. For scenes with constraints it leaves out how the constraint forces turn with the
+    disk, and it does not hold for nonholonomic constraints; there it is returned as it comes.
+
+    Examples
+    --------
+    >>> from analysis import Scenario, Start
+    >>> from mbs_models import Scene, stock_eigenvalues
+    >>> scenario = Scenario(start=Start.stationary(31.0))
+    >>> stock_eigenvalues(Scene(scenario, "contact-tree")).shape
+    (8,)
+    """
+    model = build(Scene.of(scene))
+    with solving(model.system):
+        values, _ = model.system.ComputeODE2Eigenvalues(
+            computeComplexEigenvalues=True, useAbsoluteValues=False
         )
-        call.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
-        return found
+    result = np.asarray(values, dtype=complex)
+    if model.closes_contact:
+        result = result[np.argsort(np.abs(result))][2:]
+    return result
 
-    rungs = [integrator.local_tolerance or FINEST_LOCAL]
-    if tolerance is not None:
-        # The error of a motion falls more slowly than that of a step.
-        first = tolerance / (3.0 if tolerance > FINE else 20.0)
-        rungs = tighter_and_tighter(first, FINEST_LOCAL)
-    with stepping(motion.system):
-        found = run_to(run, problem, times, tolerance or np.inf, rungs, method=integrator.name)
-        values = motion.samples(found.states)
-    # The first sample is the start itself, without the rounding on the way there.
-    values[0, :12] = start
-    call.seconds = time.process_time() - begin
-    used = replace(integrator, local_tolerance=found.local_tolerance)
-    estimate = None if tolerance is None else found.estimate
-    return call.trajectory(replace(found, states=values), used, call.longest, estimate)
+
+def _steps(scenario: Scenario, turning: float) -> dict[str, float]:
+    """Steps of the differences by coordinate, from the rate in 1/s at which the disk turns.
+
+    They keep the slip below 0.3 % of its finest speed, since the friction law's derivative has a
+    kink at zero slip, and below 3e-4 of the size of the disk and of a turn. Shorter ones would
+    lose digits to the engine's rounding.
+    """
+    radius = scenario.disk.radius
+    slip = 3e-3 * scenario.friction.finest_speed
+    length, angle = min(3e-4 * radius, slip / turning), min(3e-4, slip / (turning * radius))
+    lengths, angles = dict.fromkeys(("x", "y"), length), dict.fromkeys(("beta", "gamma"), angle)
+    speeds = dict.fromkeys(("x_rate", "y_rate"), slip)
+    return lengths | angles | speeds | dict.fromkeys(("beta_rate", "gamma_rate"), slip / radius)
+
+
+def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:
+    """Derivative by one coordinate: central differences, extrapolated in powers 1 and 2.
+
+    Odd powers appear because the friction law's kink sits at the origin.
+    """
+
+    def slope(length: float) -> Array:
+        change = length * np.eye(origin.size)[index]
+        return (rates(origin + change) - rates(origin - change)) / (2.0 * length)
+
+    return (slope(step) - 6.0 * slope(step / 2.0) + 8.0 * slope(step / 4.0)) / 3.0

@@ -50,9 +50,6 @@ finest speed of friction only now and then."""
 FINEST_STEPPED = 1e-9
 """Tolerance in rad below which the noise of accelerations is in the way of runs that step them."""
 
-LOCAL = 1e-11
-"""Error in a step with which endings are located."""
-
 _REST_SECONDS = 4.5e-5
 """Processor time in s of a step on the way to rest, of either kind."""
 
@@ -60,10 +57,10 @@ _REST_SECONDS = 4.5e-5
 def ways(scene: Scene, times: Array, tolerance: float) -> list[Integrator]:
     """Integrators that `mbs_models.simulate` tries in turn to a tolerance.
 
-    The engine's own first where there is no constraint; else, and where friction is stiff, one
-    that steps accelerations. A disk that starts above a penalty contact meets it with an impact,
-    where fixed steps lose their order. Fixed steps that lead to nothing are given up `LATE`, and
-    taken up again if nothing else leads anywhere.
+    The engine's own first where the contact is ideal and no constraint is left; else, and where
+    friction is stiff, one that steps accelerations: on a penalty contact, fixed steps lose their
+    order wherever the disk lifts off or lands. Fixed steps that lead to nothing are given up
+    `LATE`, and taken up again if nothing else leads anywhere.
 
     Parameters
     ----------
@@ -75,12 +72,8 @@ def ways(scene: Scene, times: Array, tolerance: float) -> list[Integrator]:
     """
     stepping = stepping_integrator(scene, times, tolerance)
     own = find_integrator(scene, None)
-    scenario = scene.scenario
-    if scenario.contact is not None:
-        is_own_first = scenario.initial_state.coordinates[2] <= 0
-    else:
-        is_fine = not scene.has_constraints or tolerance < FINEST_STEPPED
-        is_own_first = stepping.name == "DOP853" and is_fine
+    is_smooth = scene.scenario.contact is None and stepping.name == "DOP853"
+    is_own_first = is_smooth and (not scene.has_constraints or tolerance < FINEST_STEPPED)
     return [own, stepping, own] if is_own_first else [stepping, own]
 
 

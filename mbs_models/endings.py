@@ -23,8 +23,10 @@ from analysis.solve.stepping import (
     pulls_at_start,
 )
 from analysis.solve.watch import Watch, intervals
-from mbs_models.effort import LOCAL
 from mbs_models.solving import SingularError, solving
+
+LOCAL = 1e-11
+"""Error in a step with which endings are located."""
 
 MOST_STEPS_OF_A_SEARCH = 1000
 """Of the accelerations; between two records some ten are usual."""

@@ -6,17 +6,19 @@ from functools import partial
 import numpy as np
 
 from analysis.motion.endings import FLAT, TIME_LIMIT
-from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, TimeLimitError, ToleranceError
 from analysis.problem.start import FlatError
-from analysis.solve.to_tolerance import needed
+from analysis.solve.stepping import Run
+from analysis.solve.to_tolerance import error_at_ending, needed
 from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator, IntegratorName
 from mbs_models.model import Formulation
-from mbs_models.own_runs import run_over
-from mbs_models.sampled import Call, apart
 from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
+from mbs_models.spans import Call, run_over
+
+ANGLES, ANGLE_RATES = slice(4, 6), slice(10, 12)
+"""Columns of beta and gamma and of their rates in samples."""
 
 ROUNDING = 1e-13
 """Error in rad that no estimate goes below."""
@@ -150,7 +152,23 @@ class Ladder:
         return 2.0 ** self._exponents[min(column, len(self._exponents) - 1)]
 
 
-def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Trajectory:
+def apart(first: Array, second: Array, *, flat: bool = False) -> float:
+    """Largest difference of beta and gamma in rad, which is what tolerances speak of.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (n, 12 + k)
+        Samples with their times as the last column; those of the last may differ.
+    flat : bool
+        Whether the disk lies flat at the last sample: gamma means nothing there.
+    """
+    gaps, rates = first[:, ANGLES] - second[:, ANGLES], second[:, ANGLE_RATES].copy()
+    if flat:
+        gaps[-1, 1] = rates[-1, 1] = 0.0
+    return float(np.max(error_at_ending(gaps, first[:, -1] - second[:, -1], rates)))
+
+
+def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tuple[Run, float]:
     """Halve the step and extrapolate until the estimated error is small enough.
 
     Parameters
@@ -160,6 +178,13 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Tr
     integrator : Integrator
     is_last_way : bool
         Whether to go on where fixed steps lead to nothing, since nothing else is left to try.
+
+    Returns
+    -------
+    run : Run
+        Its states are samples, and it has an estimate.
+    longest : float
+        Longest step in s of the last run.
 
     Raises
     ------
@@ -195,7 +220,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> Tr
         ladder.add(result.states, result.times, step)
         if ladder.estimate <= needed(tolerance, result.ended == FLAT):
             result = replace(result, times=ladder.best_times, states=ladder.best)
-            return call.trajectory(result, integrator, step, ladder.estimate)
+            return replace(result, estimate=ladder.estimate), step
         if over:
             raise TimeLimitError(
                 f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "

@@ -13,13 +13,15 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 from analysis.motion import frames
 from analysis.problem.bodies import Sphere
 from analysis.problem.checks import Array
-from analysis.problem.contact import CAUSES
 from analysis.problem.scenario import Scenario
-from mbs_models.friction import UPWARD, Force, connector_force
+from mbs_models.friction import free_slip_force
 from mbs_models.loads import loads_of
-from mbs_models.model import Floats, Formulation, Model
+from mbs_models.model import Floats, Force, Formulation, Load, Model
 
 _OUTPUT = exu.OutputVariableType
+
+UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+"""Rotation matrix of a frame whose x axis points up."""
 
 
 class Floating(Model):
@@ -41,7 +43,6 @@ class Floating(Model):
         _OUTPUT.Velocity,
         _OUTPUT.AngularVelocity,
     )
-    _law = staticmethod(connector_force)
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
     @classmethod
@@ -85,15 +86,15 @@ class Floating(Model):
         self._centre = self._disk_marker(0.0, "the disk's centre")
         self._add_forces()
         if self.loads is None:
-            self._hold(self._table)
+            self._hold()
 
-    def _close_contact(self, table: int, origin: int) -> None:
+    def _close_contact(self, origin: int) -> None:
         if not isinstance(self.scenario.disk, Sphere):
-            super()._close_contact(table, origin)
+            super()._close_contact(origin)
             return
         above = self._add(
             items.MarkerBodyRigid(
-                bodyNumber=table, localPosition=[0.0, 0.0, self.scenario.disk.radius]
+                bodyNumber=self._table, localPosition=[0.0, 0.0, self.scenario.disk.radius]
             ),
             "the plane in which the middle of a sphere moves",
         )
@@ -128,6 +129,35 @@ class Floating(Model):
             ),
             f"{name} by a user function",
         )
+
+    def friction(self, load: Load) -> Force:
+        """Force and torque of a connector between the table and the middle of a disk or a sphere.
+
+        The table's marker is turned so that its x axis points up (`UPWARD`). The disk's attitude
+        then comes as Tait-Bryan angles whose first turns the disk's axis about the vertical and
+        whose second is its elevation; they are regular unless the disk lies flat. Below a sphere's
+        middle, all level directions are alike. The connector wants the force on the table.
+        """
+        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+        is_sphere = isinstance(self.scenario.disk, Sphere)
+
+        def force(
+            _system: Any, _t: Any, _item: Any, _displacement: Any, rotation: Any,
+            velocity: Any, angular: Any, *_unused: Any,
+        ) -> list[float]:  # fmt: skip
+            if is_sphere:
+                n1, n2, c0, c1, c2 = 0.0, 1.0, -r, 0.0, 0.0
+            else:
+                n1, n2 = -sin(rotation[0]), cos(rotation[0])
+                rise = r * sin(rotation[1])
+                c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
+            slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
+            slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
+            fx, fy = friction(slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2, load())
+            f1, f2 = fx * n2 - fy * n1, -fx * n1 - fy * n2
+            return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]
+
+        return force
 
     def _contact_force(self) -> Force:
         # The load on the table is minus that on the disk.
@@ -186,17 +216,17 @@ class Floating(Model):
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
         place, velocity, parameters, local = _free_motion(coordinates, rates)
-        turning = quaternion_rates(parameters, local)
-        return self._with_carrier([*place, *parameters], [*velocity, *turning], coordinates, rates)
-
-    def _with_carrier(
-        self, position: list[float], velocity: list[float], coordinates: Floats, rates: Floats
-    ) -> tuple[list[float], list[float]]:
-        """The same as measured from the reference pose, and with the carrier if there is one."""
-        if "constant-spin" in self.scenario.constraints and self.scenario.contact is None:
+        attitude, turning = self._rotation(parameters, local)
+        position, velocity = [*place, *attitude], [*velocity, *turning]
+        if "constant-spin" in self.scenario.constraints:
+            # The carrier's.
             position.append(coordinates[3])
             velocity.append(rates[3])
         return (np.array(position) - self.origin).tolist(), velocity
+
+    def _rotation(self, parameters: Floats, local: Floats) -> tuple[Floats, Floats]:
+        """The engine's coordinates of a rotation, and their rates, from angular velocity."""
+        return parameters, quaternion_rates(parameters, local)
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:18]
@@ -228,10 +258,8 @@ class FloatingLie(Floating):
 
     _node_type = exu.NodeType.RotationRotationVector
 
-    def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
-        place, velocity, parameters, local = _free_motion(coordinates, rates)
-        position = [*place, *self.rotation_vector(parameters)]
-        return self._with_carrier(position, [*velocity, *local], coordinates, rates)
+    def _rotation(self, parameters: Floats, local: Floats) -> tuple[Floats, Floats]:
+        return self.rotation_vector(parameters), local
 
     @staticmethod
     def rotation_vector(parameters: Floats) -> list[float]:
@@ -253,45 +281,6 @@ class FloatingLie(Floating):
         rotation = self.record()[3:12].reshape(3, 3)
         angular: Array = rotation @ second_derivatives[3:6]
         return angular
-
-
-class FloatingWithLosses(FloatingLie):
-    """A free disk on a penalty contact, and what each of `CAUSES` has taken from it in J.
-
-    The energies are variables of order 1 with the powers as their rates: they go through the same
-    stages of the integrator as the motion.
-    """
-
-    def _build(self) -> None:
-        super()._build()
-        zeros = [0.0] * len(CAUSES)
-        self._energies = self._add(
-            items.NodeGenericODE1(
-                referenceCoordinates=zeros,
-                initialCoordinates=zeros,
-                numberOfODE1Coordinates=len(CAUSES),
-            ),
-            "energy taken by each cause",
-        )
-        self._add(
-            items.ObjectGenericODE1(
-                nodeNumbers=[self._energies], rhsUserFunction=lambda *_unused: self.powers()
-            ),
-            "power of each cause, by a user function",
-        )
-
-    def powers(self) -> list[float]:
-        """What each cause takes in W in the engine's current state, six floats."""
-
-        def output(variable: Any) -> Any:
-            return tuple(self.system.GetNodeOutput(self._node, variable).tolist())
-
-        (_, _, height), matrix, v, w = map(output, self._outputs)
-        assert self.loads is not None
-        return self.loads.at(height, matrix, v, w).taken
-
-    def _readings(self) -> list[tuple[int, Any]]:
-        return [*super()._readings(), (self._energies, _OUTPUT.Coordinates)]
 
 
 def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:

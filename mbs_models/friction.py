@@ -1,15 +1,12 @@
-"""Friction as force functions for engine items, in Python on plain floats.
+"""Laws of friction for the engine, in Python on plain floats.
 
-The laws are written here a second time, independently of those of the in-house side.
+They are written here a second time, independently of those of the in-house side.
 """
 
 from collections.abc import Callable, Sequence
 from math import cos, exp, hypot, sin, sqrt, tanh
 from typing import Any
 
-import numpy as np
-
-from analysis.problem.bodies import Sphere
 from analysis.problem.friction import (
     AnisotropicCoulomb,
     FrictionLaw,
@@ -22,17 +19,8 @@ from analysis.problem.friction import (
 )
 from analysis.problem.scenario import Scenario
 
-Load = Callable[[], float]
-"""What presses the disk on the table in the engine's current state, in N."""
-
 LawForce = Callable[[float, float, float], tuple[float, float]]
 """From slip along and across the edge in m/s and a load in N to the friction force in N."""
-
-Force = Callable[..., list[float]]
-"""A user function of an engine item."""
-
-UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
-"""Rotation matrix of a frame whose x axis points up."""
 
 
 def law_force(law: FrictionLaw) -> LawForce:
@@ -139,65 +127,3 @@ def slip_velocity(
     x_rate, y_rate, _, spin, beta_rate, gamma_rate = rates
     along = x_rate + (radius * cos(beta) - y) * spin + radius * gamma_rate
     return along, y_rate + x * spin + radius * sin(beta) * beta_rate
-
-
-def contact_tree_force(scenario: Scenario, load: Load) -> Force:
-    """Generalised friction force on the joints (alpha, x_C, y_C, beta, gamma) of a contact tree.
-
-    The contact point moves with the joints before gamma, so the slip velocity is the velocity of
-    that point plus the rim speed r gamma'.
-    """
-    r, friction = scenario.disk.radius, law_force(scenario.friction)
-
-    def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
-        x, y, spin = q[1], q[2], u[0]
-        slip_x = u[1] - y * spin + r * u[4]
-        slip_y = u[2] + x * spin
-        fx, fy = friction(slip_x, slip_y, load())
-        return [x * fy - y * fx, fx, fy, 0.0, r * fx]
-
-    return force
-
-
-def euler_tree_force(scenario: Scenario, load: Load) -> Force:
-    """Generalised friction force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    r, friction = scenario.disk.radius, free_slip_force(scenario)
-
-    def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
-        x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
-        slip_x = u[1] + arm * u[0] + r * u[5]
-        slip_y = u[2] + x * u[0] + lift * u[4]
-        fx, fy = friction(slip_x, slip_y, load())
-        return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
-
-    return force
-
-
-def connector_force(scenario: Scenario, load: Load) -> Force:
-    """Force and torque of a connector between the table and the middle of a disk or a sphere.
-
-    The table's marker is turned so that its x axis points up (`UPWARD`). The disk's attitude then
-    comes as Tait-Bryan angles whose first turns the disk's axis about the vertical and whose
-    second is its elevation; they are regular unless the disk lies flat. Below a sphere's middle,
-    all level directions are alike. The connector wants the force on the table.
-    """
-    r, friction = scenario.disk.radius, free_slip_force(scenario)
-    is_sphere = isinstance(scenario.disk, Sphere)
-
-    def force(
-        _system: Any, _t: Any, _item: Any, _displacement: Any, rotation: Any,
-        velocity: Any, angular: Any, *_unused: Any,
-    ) -> list[float]:  # fmt: skip
-        if is_sphere:
-            n1, n2, c0, c1, c2 = 0.0, 1.0, -r, 0.0, 0.0
-        else:
-            n1, n2 = -sin(rotation[0]), cos(rotation[0])
-            rise = r * sin(rotation[1])
-            c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
-        slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
-        slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
-        fx, fy = friction(slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2, load())
-        f1, f2 = fx * n2 - fy * n1, -fx * n1 - fy * n2
-        return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]
-
-    return force

@@ -1,22 +1,22 @@
-"""The integrators that a scene can be run with, and their options.
+"""The integrators that a scene can be run with, their options, and how long their steps may be.
 
 Some are the engine's own. Others step the engine's accelerations (`mbs_models.accelerations`).
 """
 
 from dataclasses import asdict, dataclass
-from math import sqrt
-from typing import Any, Literal, NamedTuple, cast, get_args
+from functools import lru_cache
+from typing import Literal, NamedTuple, cast, get_args
 
 import exudyn as exu
+import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.problem.checks import choice, number, positive, switch
+from analysis.problem.checks import Array, choice, number, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
-from analysis.problem.start import COORDINATES
 from analysis.solve.stepping import Method
-from mbs_models.model import Formulation, Model
-from mbs_models.probe import Probe
+from mbs_models.model import Formulation
 from mbs_models.scene import CLASSES, Scene
+from mbs_models.solving import quiet, solving
 
 IntegratorName = Literal[
     "RK44",
@@ -29,14 +29,6 @@ IntegratorName = Literal[
     "LSODA",
 ]
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
-
-
-MOST_ITERATIONS = 100
-"""Iterations after which a step fails.
-
-The engine's Jacobian leaves out how constraint forces turn with the disk, so that long steps
-converge by a constant factor each, and need more than the engine's 25.
-"""
 
 
 class Rule(NamedTuple):
@@ -70,6 +62,11 @@ RULES: dict[IntegratorName, Rule] = {
     "LSODA": Rule((), controls_step=True),
 }
 
+STAGES: dict[IntegratorName, int] = {
+    name: rule.stages for name, rule in RULES.items() if rule.stages and not rule.controls_step
+}
+"""Fixed-step explicit integrators and their stages, the degree of the stability function."""
+
 FINEST_LOCAL = 1e-13
 """Error in a step below which the noise of accelerations that differences go into stalls step
 control."""
@@ -90,7 +87,7 @@ class Newton:
         Iterations end when the residual has fallen by this factor, positive.
     absolute : float, optional
         Or when it is below this part of the disk's weight, positive; by default, and never
-        below, where rounding lies (`force_rounding`).
+        below, where rounding lies (`mbs_models.runs.force_rounding`).
 
     Raises
     ------
@@ -107,15 +104,6 @@ class Newton:
         object.__setattr__(self, "relative", positive("relative", self.relative))
         if self.absolute is not None:
             object.__setattr__(self, "absolute", positive("absolute", self.absolute))
-
-    def apply(self, settings: Any, model: Model) -> None:
-        """Write the options into the engine's settings of its time integration."""
-        newton = settings.newton
-        newton.useModifiedNewton = self.modified
-        newton.maxIterations = MOST_ITERATIONS
-        newton.relativeTolerance = self.relative
-        wanted = (self.absolute or 0.0) * model.scenario.weight
-        newton.absoluteTolerance = max(wanted, force_rounding(model))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -256,51 +244,56 @@ def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) ->
     return chosen
 
 
-def force_rounding(model: Model) -> float:
-    """Residual in N that rounding leaves, below which Newton's iteration cannot get.
+@lru_cache
+def stability_polynomial(integrator: IntegratorName) -> Array:
+    """Coefficients of the stability function, shape (stages + 1,), lowest degree first.
 
-    The last digits of the forces: the weight, and what turns a disk as fast as the start, or
-    a fall from upright, makes it turn. A stiff contact turns the last digit of a height into
-    a force, and steep friction that of a slip speed. The engine adds the residuals of the
-    algebraic equations, whatever their unit: speeds, that of the spin, and the norm of the
-    Euler parameters, which is one. On a light disk their last digits are larger than those
-    of the forces.
+    One step of length 1 multiplies a state by this polynomial of the system's matrix. A chain, in
+    which each variable drives the next, moves its first unit vector by one place for each power
+    of that, so that the state after a step lists the coefficients. Those up to the order of the
+    method are 1 / k!.
+
+    Raises
+    ------
+    ValueError
+        If the integrator is none of `STAGES`.
     """
-    scenario = model.scenario
-    disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
-    gravity, rates = scenario.table.gravity, model.start.rates[3:]
-    fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
-    rim_speed = disk.radius * fastest
-    largest = [disk.mass * (gravity + rim_speed * fastest)]
-    largest += model.own_equations
-    if model.has_constraints(scenario):
-        largest.append(rim_speed)
-        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in model.held_rates]
-    lost = friction.slope(scenario.weight) * rim_speed
-    if contact is not None:
-        lost += contact.stiffness * disk.radius
-    return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
+    size = STAGES[choice("integrator", integrator, STAGES)] + 1
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    node = system.AddNode(
+        items.NodeGenericODE1(
+            numberOfODE1Coordinates=size,
+            referenceCoordinates=[0.0] * size,
+            initialCoordinates=np.eye(size)[0],
+        )
+    )
+    system.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], systemMatrix=np.eye(size, k=-1)))
+    system.Assemble()
+    settings = quiet()
+    settings.timeIntegration.numberOfSteps = 1
+    settings.timeIntegration.endTime = 1.0
+    settings.timeIntegration.automaticStepSize = False
+    with solving(system):
+        system.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, integrator))
+    return np.array(system.systemData.GetODE1Coordinates())
 
 
-def complete_jacobian(model: Model) -> None:
-    """Add to the engine's Jacobian how friction grows with the contact force.
+def largest_step(integrator: IntegratorName, eigenvalue: complex) -> float:
+    """Largest step in s at which a decaying motion decays, `inf` for an eigenvalue of zero.
 
-    The engine differentiates user functions by coordinates and velocities alone. Without this
-    column, friction with the contact force as its load converges by a constant factor for each
-    iteration, however short the step.
+    Parameters
+    ----------
+    integrator : {"RK44", "RK67"}
+    eigenvalue : complex
+        In 1/s, with a real part that is not positive.
     """
-    contact, scenario = model.contact_equation, model.scenario
-    if contact is None or scenario.friction.load != "contact" or not scenario.rubs:
-        return
-    data, probe = model.system.systemData, Probe(model)
-
-    def column(*_unused: Any) -> Any:
-        forces = probe.forces_per_newton(contact).tolist()
-        size = len(forces) + len(data.GetAECoordinates())
-        entries = [[row, len(forces) + contact, force] for row, force in enumerate(forces)]
-        matrix = exu.MatrixContainer()
-        # Written into a dense matrix, the engine fails.
-        matrix.SetWithSparseMatrix(entries, size, size, useDenseMatrix=False)
-        return matrix
-
-    model.system.SetSystemJacobianUserFunction(column)
+    if eigenvalue == 0.0:
+        return float("inf")
+    direction = eigenvalue / abs(eigenvalue)
+    radii = np.linspace(0.0, 10.0, 10001)[1:]
+    factors = np.abs(np.polyval(stability_polynomial(integrator)[::-1], radii * direction))
+    # Rounding must not count as growth where a step hardly damps.
+    unstable = factors > 1.0 + 1e-9
+    radius = radii[np.argmax(unstable)] if np.any(unstable) else np.inf
+    return float(radius / abs(eigenvalue))

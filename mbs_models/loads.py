@@ -1,4 +1,4 @@
-"""Penalty contact and what goes with it, on a free body in inertial components and on a tree.
+"""Penalty contact and what goes with it, on a free body in inertial components.
 
 With e the vertical and B = sum a aᵀ over the semi-axes a of an ellipsoid as inertial vectors, its
 lowest point is at p = -B e / H from its centre, at the depth H = sqrt(e . B e). A disk is one of
@@ -21,7 +21,7 @@ from analysis.problem.bodies import EllipticDisk, Sphere
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
-from mbs_models.friction import Force, euler_tree_force, law_force
+from mbs_models.friction import law_force
 
 _STEP = 1e-20
 """Imaginary part of a vertical, by which the surface of a body of one's own is differentiated."""
@@ -287,33 +287,6 @@ def forces_on(scenario: Scenario, z: Array, u: Array) -> Array:
     (place, rotation), (velocity, angular) = frames.poses(z), frames.twists(z, u)
     loadings = loads_of(scenario).over(place, rotation, velocity, angular)
     return np.array([load.normal for load, _ in loadings])
-
-
-def euler_tree_contact(scenario: Scenario) -> Force:
-    """Generalised contact force on the joints (alpha, x, y, z, beta, gamma) of an Euler tree."""
-    contact = scenario.penalty_contact
-    r, always = scenario.disk.radius, contact.bilateral
-    stiffness, damping = contact.stiffness, contact.damping
-    by_weight, weight = scenario.friction.load == "weight", scenario.weight
-    load = 0.0
-    friction = euler_tree_force(scenario, lambda: load)
-
-    def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
-        nonlocal load
-        side, height = r * cos(q[4]), q[3] - r * sin(q[4])
-        normal = -stiffness * height - damping * (u[3] - side * u[4])
-        if not always:
-            normal = max(0.0, normal) if height < 0.0 else 0.0
-        # A contact that pulls is no load; the weight is one wherever there is contact at all.
-        if not (always or normal > 0.0):
-            return [0.0] * 6
-        load = weight if by_weight else max(0.0, normal)
-        forces = friction(system, time, item, q, u)
-        forces[3] = normal
-        forces[4] -= side * normal
-        return forces
-
-    return force
 
 
 def largest_lever(body: Body, leaning: float, half_thickness: float) -> float:

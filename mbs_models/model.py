@@ -18,7 +18,6 @@ from analysis.problem.checks import Array
 from analysis.problem.quantities import HELD, Constraint
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
-from mbs_models.friction import Force, Load
 from mbs_models.loads import forces_on
 
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
@@ -28,6 +27,12 @@ Kind = Literal["node", "object", "marker", "load", "sensor"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 Floats = Sequence[float]
+
+Load = Callable[[], float]
+"""What presses the disk on the table in the engine's current state, in N."""
+
+Force = Callable[..., list[float]]
+"""A user function of an engine item."""
 
 SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
 """Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
@@ -73,13 +78,11 @@ class Model(ABC):
     _outputs: ClassVar[tuple[Any, ...]]
     """Output variables of the disk's node that make up a record."""
 
-    _law: Callable[[Scenario, Load], Force]
-    """Friction of the table in this formulation, under a load."""
-
     _order: ClassVar[tuple[int, ...]] = ()
     """Places of the node's coordinates among the paper's, if it has these."""
 
     _node: int
+    _table: int
     _centre: int
 
     @classmethod
@@ -90,7 +93,8 @@ class Model(ABC):
     @classmethod
     def has_constraints(cls, scenario: Scenario) -> bool:
         """Whether algebraic equations are left, which explicit integrators cannot take."""
-        return scenario.contact is None or bool(cls.own_equations)
+        is_held = scenario.contact is None and not cls.closes_contact
+        return is_held or bool(cls.own_equations)
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.start = scenario, scenario.initial_state
@@ -115,8 +119,12 @@ class Model(ABC):
         """Have a user function of this name act on the disk."""
 
     @abstractmethod
+    def friction(self, load: Load) -> Force:
+        """User function of friction under a load."""
+
     def _contact_force(self) -> Force:
         """User function of a penalty contact, with friction and losses."""
+        raise NotImplementedError
 
     def _disk_marker(self, offset: float, why: str) -> int:
         """Add a marker on the disk, so far from its centre along its x axis."""
@@ -144,10 +152,6 @@ class Model(ABC):
         elif self.scenario.rubs:
             self.act(self.friction(self._load()), "friction")
 
-    def friction(self, load: Load) -> Force:
-        """User function of friction under a load."""
-        return self._law(self.scenario, load)
-
     def _load(self) -> Load:
         """What presses the disk on the table, constant or the contact's multiplier."""
         scenario, data = self.scenario, self.system.systemData
@@ -156,15 +160,15 @@ class Model(ABC):
             return lambda: weight
         # The multiplier of the present Newton iterate: the converged step has no lag. A contact
         # that pulls rubs with no load.
-        return lambda: max(0.0, -float(data.GetAECoordinates()[self.contact_equation]))
+        return lambda: max(0.0, self.contact_force(data.GetAECoordinates()))
 
-    def _hold(self, table: int) -> None:
+    def _hold(self) -> None:
         """Add the joints that hold the disk on the ideal contact."""
         scenario = self.scenario
         origin = self._add(
-            items.MarkerBodyRigid(bodyNumber=table), "the table's side of the joints"
+            items.MarkerBodyRigid(bodyNumber=self._table), "the table's side of the joints"
         )
-        self._close_contact(table, origin)
+        self._close_contact(origin)
         if "fixed-cog" in scenario.constraints:
             cog = self._disk_marker(scenario.disk.eccentricity, "the disk's centre of gravity")
             joint = self._add(
@@ -176,7 +180,7 @@ class Model(ABC):
             if coordinate := HELD[name].rate:
                 self._joints[name] = self._hold_rate(coordinate), [0]
 
-    def _close_contact(self, table: int, origin: int) -> None:  # noqa: ARG002 - spheres need it
+    def _close_contact(self, origin: int) -> None:
         """Close the contact, without the slip that is held at zero."""
         held = {
             name: axis for name, axis in SLIP_AXES.items() if name in self.scenario.constraints
@@ -340,8 +344,7 @@ class Model(ABC):
         """Whether the contact holds the disk down as well as up."""
         return self.scenario.contact is None or self.scenario.contact.bilateral
 
-    def pulls(self) -> bool:
-        """Whether the contact's constraint pulls in the engine's current state."""
-        equation = self.contact_equation
+    def contact_force(self, algebraic: Array) -> float:
+        """Force in N by which the contact's constraint pushes, from all algebraic coordinates."""
         # The engine's constraint forces act with a minus sign on the second body.
-        return equation is not None and self.system.systemData.GetAECoordinates()[equation] > 0.0
+        return -float(algebraic[self.contact_equation])

@@ -1,4 +1,4 @@
-"""The engine's own accelerations and multipliers at a given state."""
+"""Equations of motion and constraints, read from the engine in any state and solved."""
 
 from math import sin
 
@@ -6,13 +6,10 @@ import exudyn as exu
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from analysis.problem.checks import Array, instance
+from analysis.problem.checks import Array
 from analysis.problem.limits import LEAST_TILT
-from analysis.problem.scenario import Scenario
-from analysis.problem.start import State
 from mbs_models.model import Floats, Model
-from mbs_models.scene import Scene, build
-from mbs_models.solving import SingularError, quiet, solving
+from mbs_models.solving import SingularError, quiet
 
 _FINE = 5e-3, (1, -1, 2, -2, 3, -3), np.array((45, -45, -9, 9, 1, -1)) / 60.0
 """Step in rad of the differences by time, where their truncation and rounding balance, and their
@@ -20,6 +17,9 @@ nodes and weights;"""
 
 _QUICK = 1e-5, (1, -1), np.array((0.5, -0.5))
 """and those of two values."""
+
+_MET = 1e-9
+"""Residual up to which a start meets a constraint, in m, and in m/s for a spin up to 1 rad/s."""
 
 _PART = 1e-6
 """Part of a contact force over which friction is differentiated by it."""
@@ -31,59 +31,6 @@ _BALANCED = 1e-14
 """and what of it may be left."""
 
 
-def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:
-    """Accelerations and multipliers of a scene, taken from the engine.
-
-    Mass matrix, right-hand side, constraint Jacobian and the change of the velocity-level
-    constraint residual along the motion come from the engine; one linear solve joins them.
-    (The engine's linearised-system functions leave out the constraint forces, so they do not
-    serve here.)
-
-    Down to a tilt of 1e-3 rad the forces hold to 1e-7 of the largest of them and the weight. The
-    accelerations of alpha and gamma lose digits as the disk comes to lie flat, where these angles
-    end: to 1e-10 of the largest over the tilt's square.
-
-    Parameters
-    ----------
-    scene : Scene or Scenario
-        A scenario stands for its default scene.
-    state : State, optional
-        Any state that meets the constraints; by default the start of the scene.
-
-    Returns
-    -------
-    accelerations : ndarray, shape (6,)
-        Second derivatives of the co-rotating coordinates.
-    multipliers : ndarray, shape (k,)
-        Constraint forces in the order of `multiplier_names(scene.scenario.constraints)`.
-
-    Raises
-    ------
-    ValueError
-        If the state breaks a constraint.
-
-    Examples
-    --------
-    >>> from mbs_models import Scene, acceleration
-    >>> accelerations, multipliers = acceleration(Scene())
-    >>> accelerations.shape, multipliers.shape
-    ((6,), (1,))
-    """
-    scene = Scene.of(scene)
-    if state is not None:
-        scene = scene.starting_at(instance("state", state, State))
-    model = build(scene)
-    probe = Probe(model)
-    probe.check_start()
-    with solving(model.system):
-        second_derivatives, algebraic = probe.solved()
-    z, u = model.start.coordinates, model.start.rates
-    forces = model.multipliers(
-        second_derivatives[None], algebraic[None], np.array([z]), np.array([u])
-    )
-    return model.decode_accelerations(second_derivatives, z, u), forces[0]
-
-
 class Probe:
     """Reads equations of motion and constraints of a model in the engine's current state.
 
@@ -91,6 +38,11 @@ class Probe:
     ----------
     model : Model
         Its current state is set to its initial state.
+
+    Attributes
+    ----------
+    load_equation : int or None
+        Number of the contact's equation, if friction depends on its multiplier: minus the load.
     """
 
     def __init__(self, model: Model) -> None:
@@ -103,8 +55,7 @@ class Probe:
         self._zeros = np.zeros(2 * (self._size + self._equations,))
         scenario = model.scenario
         feeds_back = scenario.friction.load == "contact" and scenario.rubs
-        # The equation of the contact force that friction depends on, if it does.
-        self._load_equation = model.contact_equation if feeds_back else None
+        self.load_equation = model.contact_equation if feeds_back else None
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
@@ -117,14 +68,8 @@ class Probe:
         data.SetODE2Coordinates(position)
         data.SetODE2Coordinates_t(velocity)
 
-    def check_start(self, tolerance: float = 1e-9) -> None:
-        """Raise `ValueError` if the model's start breaks a constraint.
-
-        Parameters
-        ----------
-        tolerance : float
-            Largest residual let through in m, and in m/s for a spin up to 1 rad/s.
-        """
+    def check_start(self) -> None:
+        """Raise `ValueError` if the model's start breaks a constraint."""
         model = self._model
         if model.scenario.contact is not None:
             # A penalty contact is no constraint.
@@ -134,8 +79,8 @@ class Probe:
         over, per_tilt, per_turn = model.scenario.disk.clearance(beta, gamma)
         lift = rise - per_tilt * fall - per_turn * roll
         for level, unit, allowed, gap in (
-            ("position", "m", tolerance, centre - over),
-            ("velocity", "m/s", tolerance * max(1.0, abs(spin)), lift),
+            ("position", "m", _MET, centre - over),
+            ("velocity", "m/s", _MET * max(1.0, abs(spin)), lift),
         ):
             residuals = self._residuals(velocity=level == "velocity")
             # Of those on position level, the engine tells that of the centre of gravity alone.
@@ -168,12 +113,11 @@ class Probe:
             return _solution(matrix, self._forces()), np.zeros(0)
         right = np.zeros(n + m)
         right[n:] = -self._residual_rate(quick=quick and self._model.has_euler_angles)
-        contact = self._load_equation
-        if contact is None:
+        if self.load_equation is None:
             right[:n] = self._forces()
             solution = _solution(matrix, right)
         else:
-            solution = self._under_load(matrix, right, contact)
+            solution = self._under_load(matrix, right, n + self.load_equation)
         return solution[:n], solution[n:]
 
     def admissible_velocities(self) -> Array:
@@ -203,7 +147,7 @@ class Probe:
         matrix[:n, :n] = solver.GetSystemMassMatrix()
         return matrix
 
-    def _under_load(self, matrix: Array, right: Array, contact: int) -> Array:
+    def _under_load(self, matrix: Array, right: Array, row: int) -> Array:
         """Solution with friction under the contact force that itself depends on it.
 
         A contact that pulls rubs with no load. Where friction is not in proportion to its load, by
@@ -214,15 +158,15 @@ class Probe:
         matrix : ndarray, shape (n + m, n + m)
         right : ndarray, shape (n + m,)
             Everything but the forces.
-        contact : int
-            Number of the contact's equation, whose multiplier is minus the force.
+        row : int
+            That of the contact's multiplier, which is minus the force.
         """
-        n, row = self._size, self._size + contact
-        right[:n] = self._forces_under(contact, 0.0)
+        n = self._size
+        right[:n] = self._forces_under(0.0)
         if self._model.scenario.friction.IS_PROPORTIONAL:
             both = np.zeros((right.size, 2))
             both[:, 0] = right
-            both[:n, 1] = self._forces_under(contact, -1.0) - right[:n]
+            both[:n, 1] = self._forces_under(1.0) - right[:n]
             without, change = _solution(matrix, both).T
             if (feedback := -float(change[row])) >= 1.0:
                 raise SingularError(
@@ -234,7 +178,7 @@ class Probe:
         inverse = np.linalg.inv(matrix)
 
         def under(load: float) -> tuple[Array, float]:
-            right[:n] = self._forces_under(contact, -load)
+            right[:n] = self._forces_under(load)
             found = inverse @ right
             return found, -float(found[row]) - load
 
@@ -261,31 +205,24 @@ class Probe:
         found: Array = self._solver.GetSystemResidual()[: self._size]
         return found
 
-    def _forces_under(self, equation: int, value: float) -> Array:
-        """Forces at this value of one multiplier, which keeps it."""
+    def _forces_under(self, load: float) -> Array:
+        """Forces under this load in N, which the contact's multiplier keeps."""
         data = self._system.systemData
         algebraic = np.array(data.GetAECoordinates())
-        algebraic[equation] = value
+        algebraic[self.load_equation] = -load
         data.SetAECoordinates(algebraic.tolist())
         return self._forces()
 
-    def forces_per_newton(self, equation: int) -> Array:
-        """Change of the forces for each newton of contact force, shape (n,); none if it pulls.
-
-        Parameters
-        ----------
-        equation : int
-            Number of the contact's equation.
-        """
+    def forces_per_newton(self) -> Array:
+        """Change of the forces for each newton of contact force, shape (n,); none if it pulls."""
         data = self._system.systemData
         present = data.GetAECoordinates()
-        # The engine's constraint forces act with a minus sign on the second body.
-        load = -float(present[equation])
+        load = self._model.contact_force(present)
         if load < 0.0:
             return np.zeros(self._size)
         little = _PART * max(load, _PART * self._model.scenario.weight)
         less, more = max(0.0, load - little), load + little
-        change = self._forces_under(equation, -more) - self._forces_under(equation, -less)
+        change = self._forces_under(more) - self._forces_under(less)
         data.SetAECoordinates(present)
         found: Array = change / (more - less)
         return found

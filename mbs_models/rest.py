@@ -9,6 +9,8 @@ from functools import partial
 from math import hypot, sqrt
 from typing import Any, Final
 
+import exudyn as exu
+import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.motion import frames
@@ -16,7 +18,7 @@ from analysis.motion.endings import FLATTEST, TIME_LIMIT, StopWhen
 from analysis.motion.frames import Poses
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.checks import Array
-from analysis.problem.contact import RestCriterion
+from analysis.problem.contact import CAUSES, RestCriterion
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time
@@ -25,7 +27,7 @@ from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import Progress
 from mbs_models.effort import rest_effort
 from mbs_models.endings import dips, until_ending
-from mbs_models.floating import FloatingWithLosses, quaternion_rates
+from mbs_models.floating import FloatingLie, quaternion_rates
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever, loads_of
 from mbs_models.probe import Probe
@@ -200,6 +202,45 @@ def states_of(records: Array) -> Array:
     angular = np.einsum("nji,nj->ni", rotation, records[:, 15:18])
     attitude = frames.quaternions(rotation)
     return np.column_stack((records[:, :3], attitude, records[:, 12:15], angular, records[:, 18:]))
+
+
+class FloatingWithLosses(FloatingLie):
+    """A free disk on a penalty contact, and what each of `CAUSES` has taken from it in J.
+
+    The energies are variables of order 1 with the powers as their rates: they go through the same
+    stages of the integrator as the motion.
+    """
+
+    def _build(self) -> None:
+        super()._build()
+        zeros = [0.0] * len(CAUSES)
+        self._energies = self._add(
+            items.NodeGenericODE1(
+                referenceCoordinates=zeros,
+                initialCoordinates=zeros,
+                numberOfODE1Coordinates=len(CAUSES),
+            ),
+            "energy taken by each cause",
+        )
+        self._add(
+            items.ObjectGenericODE1(
+                nodeNumbers=[self._energies], rhsUserFunction=lambda *_unused: self.powers()
+            ),
+            "power of each cause, by a user function",
+        )
+
+    def powers(self) -> list[float]:
+        """What each cause takes in W in the engine's current state, six floats."""
+
+        def output(variable: Any) -> Any:
+            return tuple(self.system.GetNodeOutput(self._node, variable).tolist())
+
+        (_, _, height), matrix, v, w = map(output, self._outputs)
+        assert self.loads is not None
+        return self.loads.at(height, matrix, v, w).taken
+
+    def _readings(self) -> list[tuple[int, Any]]:
+        return [*super()._readings(), (self._energies, exu.OutputVariableType.Coordinates)]
 
 
 class EngineWay(WayToRest):

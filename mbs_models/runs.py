@@ -3,14 +3,15 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import ceil, floor, inf
+from math import ceil, floor, inf, sqrt
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 
 from analysis.problem.checks import Array
-from mbs_models.integrators import Integrator, complete_jacobian
+from analysis.problem.start import COORDINATES
+from mbs_models.integrators import Integrator, Newton
 from mbs_models.model import Model
 from mbs_models.probe import Probe
 from mbs_models.solving import Ended, EngineError, cause_of, quiet, solving
@@ -18,8 +19,15 @@ from mbs_models.solving import Ended, EngineError, cause_of, quiet, solving
 MINIMUM_STEP = 1e-9
 """Step in s at which step control gives up."""
 
-Stop = Callable[[float], bool]
-"""Called after each step with the time in the run in s; whether the run ends there."""
+MOST_ITERATIONS = 100
+"""Iterations after which a step fails.
+
+The engine's Jacobian leaves out how constraint forces turn with the disk, so that long steps
+converge by a constant factor each, and need more than the engine's 25.
+"""
+
+Stop = Callable[[float], str | None]
+"""Called after each step with the time in the run in s; why the run ends there, if it does."""
 
 Start = tuple[Array, Array]
 """Second derivatives of the engine's coordinates and multipliers at the start of a run."""
@@ -42,8 +50,8 @@ class Samples:
         explicit integrators, Newton iterations and Jacobians of implicit ones.
     seconds : float
         Processor time that the engine's solver took.
-    stopped : float, optional
-        Time in s since its start at which the run was stopped, if it was.
+    stopped : tuple of float and str, optional
+        Time in s since its start at which the run was stopped, and why, if it was.
     failure : EngineError, optional
         Why it broke off, if it did.
     """
@@ -52,7 +60,7 @@ class Samples:
     algebraic: Array
     counts: dict[str, int]
     seconds: float
-    stopped: float | None
+    stopped: tuple[float, str] | None
     failure: EngineError | None
 
 
@@ -102,22 +110,17 @@ def run(
         If the run did not reach its end with finite results, or step control gave up.
     """
     system, duration = model.system, spacing * intervals
-    start = settle(model) if integrator.implicit or model.closes_contact else None
-    if integrator.implicit:
-        complete_jacobian(model)
+    start = None
+    if integrator.implicit or model.closes_contact:
+        probe = Probe(model)
+        start = settle(model, probe)
+        if integrator.implicit:
+            complete_jacobian(model, probe)
     settings = _settings(model, integrator, duration, intervals * substeps)
     settings.solution.sensors.writePeriod = spacing
     if integrator.controls_step:
         _limit_steps(system, spacing, most)
-    stopped: list[float] = []
-    if stop is not None:
-
-        def after_step(_system: Any, moment: float) -> bool:
-            if stop(moment):
-                stopped.append(moment)
-            return not stopped
-
-        system.SetPostStepUserFunction(after_step)
+    stopped = [] if stop is None else _stopping(system, stop)
     clock, failure = time.process_time(), None
     try:
         with solving(system):
@@ -162,6 +165,19 @@ def _samples(model: Model, start: Start | None, spacing: float) -> Start:
         if model.closes_contact:
             stored[:1, unknowns - accelerations.size : unknowns] = accelerations
     return stored[:, :unknowns], stored[:, unknowns:]
+
+
+def _stopping(system: Any, stop: Stop) -> list[tuple[float, str]]:
+    """Have a run end where it is told to; the time of that and why go to the list."""
+    stopped: list[tuple[float, str]] = []
+
+    def after_step(_system: Any, moment: float) -> bool:
+        if (reason := stop(moment)) is not None:
+            stopped.append((moment, reason))
+        return not stopped
+
+    system.SetPostStepUserFunction(after_step)
+    return stopped
 
 
 def _limit_steps(system: Any, spacing: float, most: float) -> None:
@@ -212,14 +228,14 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def settle(model: Model) -> Start:
+def settle(model: Model, probe: Probe) -> Start:
     """Give the engine its own accurate initial accelerations, and return them.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
     to know, and leaves out terms of velocity-level joints. Either makes every later result
     first-order accurate.
     """
-    data, probe = model.system.systemData, Probe(model)
+    data = model.system.systemData
     if model.has_constraints(model.scenario):
         velocities = probe.admissible_velocities().tolist()
         data.SetODE2Coordinates_t(velocities, _INITIAL)
@@ -228,6 +244,29 @@ def settle(model: Model) -> Start:
         second_derivatives, algebraic = probe.solved()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), _INITIAL)
     return second_derivatives, algebraic
+
+
+def complete_jacobian(model: Model, probe: Probe) -> None:
+    """Add to the engine's Jacobian how friction grows with the contact force.
+
+    The engine differentiates user functions by coordinates and velocities alone. Without this
+    column, friction with the contact force as its load converges by a constant factor for each
+    iteration, however short the step.
+    """
+    contact, data = probe.load_equation, model.system.systemData
+    if contact is None:
+        return
+
+    def column(*_unused: Any) -> Any:
+        forces = probe.forces_per_newton().tolist()
+        size = len(forces) + len(data.GetAECoordinates())
+        entries = [[row, len(forces) + contact, force] for row, force in enumerate(forces)]
+        matrix = exu.MatrixContainer()
+        # Written into a dense matrix, the engine fails.
+        matrix.SetWithSparseMatrix(entries, size, size, useDenseMatrix=False)
+        return matrix
+
+    model.system.SetSystemJacobianUserFunction(column)
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:
@@ -239,7 +278,7 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     stepping.adaptiveStep = False
     stepping.automaticStepSize = integrator.controls_step
     if integrator.newton is not None:
-        integrator.newton.apply(stepping, model)
+        _apply(integrator.newton, stepping.newton, model)
     if integrator.spectral_radius is not None:
         stepping.generalizedAlpha.spectralRadius = integrator.spectral_radius
     if integrator.local_tolerance is not None:
@@ -252,6 +291,41 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     # Without a multiplier, the contact force is taken from them.
     stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
     return settings
+
+
+def _apply(newton: Newton, settings: Any, model: Model) -> None:
+    """Write how steps are solved into the engine's settings of that."""
+    settings.useModifiedNewton = newton.modified
+    settings.maxIterations = MOST_ITERATIONS
+    settings.relativeTolerance = newton.relative
+    wanted = (newton.absolute or 0.0) * model.scenario.weight
+    settings.absoluteTolerance = max(wanted, force_rounding(model))
+
+
+def force_rounding(model: Model) -> float:
+    """Residual in N that rounding leaves, below which Newton's iteration cannot get.
+
+    The last digits of the forces: the weight, and what turns a disk as fast as the start, or
+    a fall from upright, makes it turn. A stiff contact turns the last digit of a height into
+    a force, and steep friction that of a slip speed. The engine adds the residuals of the
+    algebraic equations, whatever their unit: speeds, that of the spin, and the norm of the
+    Euler parameters, which is one. On a light disk their last digits are larger than those
+    of the forces.
+    """
+    scenario = model.scenario
+    disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
+    gravity, rates = scenario.table.gravity, model.start.rates[3:]
+    fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
+    rim_speed = disk.radius * fastest
+    largest = [disk.mass * (gravity + rim_speed * fastest)]
+    largest += model.own_equations
+    if model.has_constraints(scenario):
+        largest.append(rim_speed)
+        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in model.held_rates]
+    lost = friction.slope(scenario.weight) * rim_speed
+    if contact is not None:
+        lost += contact.stiffness * disk.radius
+    return 4.0 * float(np.finfo(float).eps) * max(lost, *largest)
 
 
 def _early_end(system: Any, begin: float, duration: float, error: Exception | None) -> EngineError:

@@ -1,12 +1,21 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
+import time
 from collections.abc import Sequence
+from dataclasses import replace
+from math import isnan
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import StopWhen, named_conditions
-from analysis.motion.trajectory import Trajectory
+from analysis.motion.endings import (
+    CONTACT_WOULD_PULL,
+    TIME_LIMIT,
+    Ending,
+    StopWhen,
+    named_conditions,
+)
+from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
     TimeLimitError,
     ToleranceError,
@@ -17,15 +26,22 @@ from analysis.problem.checks import (
 from analysis.problem.friction import check_slipping
 from analysis.problem.limits import DEFAULT_TOLERANCE
 from analysis.problem.scenario import Scenario
+from analysis.solve.stepping import Run, integrate
+from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 from analysis.solve.watch import Progress, Watch
-from mbs_models.accelerations import stepped
+from mbs_models.accelerations import AccelerationProblem
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
-from mbs_models.integrators import Integrator, IntegratorName, find_integrator
-from mbs_models.own_runs import run_over
-from mbs_models.sampled import Call
+from mbs_models.integrators import FINEST_LOCAL, Integrator, IntegratorName, find_integrator
 from mbs_models.scene import Scene
-from mbs_models.solving import EngineError
+from mbs_models.solving import EngineError, stepping
+from mbs_models.spans import Call, run_over
+
+QUICK = 3e-12
+"""Error in a step from which on accelerations may be noisier."""
+
+FINE = 3e-9
+"""Tolerance in rad from which on a first run allows a step less of it."""
 
 
 def simulate(
@@ -65,9 +81,9 @@ def simulate(
         by itself; 1e-8 if neither is given.
     integrator : Integrator or str, optional
         With its options, or the name of one of `integrators(scene.built_as)` or `ACCELERATED`.
-        By default, the first of the former with a step, and with a tolerance where no constraint
-        is left; else DOP853, or Radau where friction is stiff, on the engine's accelerations.
-        Where that leads to nothing, the other way is tried. An `Integrator` with a
+        By default, the first of the former with a step, and with a tolerance on the ideal contact
+        where no constraint is left; else DOP853, or Radau where friction is stiff, on the engine's
+        accelerations. Where that leads to nothing, the other way is tried. An `Integrator` with a
         `local_tolerance`, as DOPRI5 always has, takes its accuracy from there, and `step` only
         limits its steps.
     stop_when : str, callable or sequence of them
@@ -164,11 +180,12 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
         is_last = number == len(integrators)
         try:
             if integrator.steps_accelerations:
-                return stepped(call, integrator)
-            if call.tolerance is None:
+                run, step = _stepped(call, integrator), call.longest
+            elif call.tolerance is None:
                 run, step = run_over(call, integrator, call.longest)
-                return call.trajectory(run, integrator, step)
-            return extrapolated(call, integrator, is_last_way=is_last)
+            else:
+                run, step = extrapolated(call, integrator, is_last_way=is_last)
+            return _trajectory(call, integrator, run, step)
         except HopelessError:
             pass
         except (EngineError, ToleranceError, TimeLimitError) as error:
@@ -176,6 +193,99 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
             if not may_go_on or isinstance(error, TimeLimitError):
                 raise type(error)(f"{error}; {_advice(call.scene, integrators[0])}") from error
     raise AssertionError("the last way has come to nothing without saying so")
+
+
+def _stepped(call: Call, integrator: Integrator) -> Run:
+    """Step a scene's accelerations over all times, to a tolerance if there is one.
+
+    Parameters
+    ----------
+    call : Call
+    integrator : Integrator
+        One that steps accelerations. Its local tolerance holds where the call has no tolerance.
+    """
+    times, tolerance = call.times, call.tolerance
+    motion = AccelerationProblem(call.scene, call.conditions)
+    start = call.scene.scenario.initial_state.vector
+    problem = motion.starting_at(start)
+    problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
+    begin = time.process_time()
+
+    def run(local: float, part: float) -> Run:
+        motion.quick = local >= QUICK
+        found = integrate(
+            problem.with_steps_up_to(part),
+            times,
+            integrator.method,
+            local,
+            allow_pulling=call.allow_pulling,
+            watch=call.watch,
+        )
+        call.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+        return found
+
+    rungs = [integrator.local_tolerance or FINEST_LOCAL]
+    if tolerance is not None:
+        # The error of a motion falls more slowly than that of a step.
+        first = tolerance / (3.0 if tolerance > FINE else 20.0)
+        rungs = tighter_and_tighter(first, FINEST_LOCAL)
+    with stepping(motion.system):
+        found = run_to(run, problem, times, tolerance or np.inf, rungs, method=integrator.name)
+        values = motion.samples(found.states)
+    # The first sample is the start itself, without the rounding on the way there.
+    values[0, :12] = start
+    call.seconds = time.process_time() - begin
+    return replace(found, states=values)
+
+
+def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Trajectory:
+    """The motion that a run of an integrator has sampled.
+
+    Parameters
+    ----------
+    call : Call
+    integrator : Integrator
+        The one that was asked for; a run to a tolerance has found its own `local_tolerance`.
+    run : Run
+        Its states are samples: coordinates, their rates and the constraint forces.
+    step : float
+        Longest step in s, or the limit of step control.
+
+    Raises
+    ------
+    TimeLimitError
+        If there is nothing but the start.
+    """
+    if len(run.states) < 2:
+        raise TimeLimitError("time limit met before the first sample after the start")
+    if not isnan(run.local_tolerance):
+        integrator = replace(integrator, local_tolerance=run.local_tolerance)
+    coordinates, rates, multipliers = np.split(run.states, (6, 12), axis=1)
+    ending = None
+    if run.ended is not None:
+        says = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: float(multipliers[-1, 0])}
+        value = says.get(run.ended, 0.0)
+        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
+    return Trajectory(
+        times=run.times,
+        coordinates=coordinates,
+        rates=rates,
+        multipliers=multipliers,
+        scenario=call.scene.scenario,
+        source="engine",
+        method={
+            "formulation": call.scene.built_as,
+            **integrator.settings(),
+            "step": step,
+            "tolerance": call.tolerance,
+        },
+        error_estimate=None if isnan(run.estimate) else run.estimate,
+        counts=dict(call.counts),
+        versions=versions("numpy", "exudyn"),
+        ending=ending,
+        pulling=run.pulling,
+        solver_seconds=call.seconds,
+    )
 
 
 def _advice(scene: Scene, integrator: Integrator) -> str:

@@ -10,9 +10,8 @@ import numpy as np
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
-from mbs_models.friction import Force, contact_tree_force, euler_tree_force
-from mbs_models.loads import euler_tree_contact
-from mbs_models.model import Floats, Model
+from mbs_models.friction import free_slip_force
+from mbs_models.model import Floats, Force, Load, Model
 
 _ROUND = "has a round disk at its end"
 
@@ -69,16 +68,12 @@ class _Tree(Model):
         self.system.SetObjectParameter(self._tree, "forceUserFunction", force)
         self.reasons["object", self._tree] += f" and {name} by a user function"
 
-    def _contact_force(self) -> Force:
-        return euler_tree_contact(self.scenario)
-
 
 class EulerTree(_Tree):
     """Tree in the paper's coordinates: alpha, then x, y, z in the R-frame, then beta, gamma."""
 
     name = "euler-tree"
 
-    _law = staticmethod(euler_tree_force)
     _chain = "RevoluteZ PrismaticX PrismaticY PrismaticZ RevoluteX RevoluteZ"
     _order = (3, 0, 1, 2, 4, 5)
     _back: ClassVar[list[int]] = [1, 2, 3, 0, 4, 5]
@@ -105,7 +100,8 @@ class EulerTree(_Tree):
         super()._build()
         if self.scenario.contact is None:
             self._centre = self._disk_marker(0.0, "the disk's centre")
-            self._hold(self._add_table())
+            self._table = self._add_table()
+            self._hold()
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self._add(
@@ -114,6 +110,45 @@ class EulerTree(_Tree):
             ),
             why,
         )
+
+    def friction(self, load: Load) -> Force:
+        """Generalised force on the joints (alpha, x, y, z, beta, gamma)."""
+        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+
+        def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+            x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
+            slip_x = u[1] + arm * u[0] + r * u[5]
+            slip_y = u[2] + x * u[0] + lift * u[4]
+            fx, fy = friction(slip_x, slip_y, load())
+            return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
+
+        return force
+
+    def _contact_force(self) -> Force:
+        """Generalised force on the same joints."""
+        contact = self.scenario.penalty_contact
+        r, always = self.scenario.disk.radius, contact.bilateral
+        stiffness, damping = contact.stiffness, contact.damping
+        by_weight, weight = self.scenario.friction.load == "weight", self.scenario.weight
+        load = 0.0
+        friction = self.friction(lambda: load)
+
+        def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
+            nonlocal load
+            side, height = r * cos(q[4]), q[3] - r * sin(q[4])
+            normal = -stiffness * height - damping * (u[3] - side * u[4])
+            if not always:
+                normal = max(0.0, normal) if height < 0.0 else 0.0
+            # A contact that pulls is no load; the weight is one wherever there is contact at all.
+            if not (always or normal > 0.0):
+                return [0.0] * 6
+            load = weight if by_weight else max(0.0, normal)
+            forces = friction(system, time, item, q, u)
+            forces[3] = normal
+            forces[4] -= side * normal
+            return forces
+
+        return force
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         return records[:, :6][:, self._back], records[:, 6:][:, self._back]
@@ -136,7 +171,6 @@ class ContactTree(_Tree):
     # No constraint carries the contact force, so it is taken from the accelerations.
     _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
-    _law = staticmethod(contact_tree_force)
     _chain = "RevoluteZ PrismaticX PrismaticY RevoluteX RevoluteZ"
 
     @property
@@ -158,9 +192,22 @@ class ContactTree(_Tree):
             )
         return ""
 
-    @classmethod
-    def has_constraints(cls, scenario: Scenario) -> bool:  # noqa: ARG003 - whatever it is
-        return False
+    def friction(self, load: Load) -> Force:
+        """Generalised force on the joints (alpha, x_C, y_C, beta, gamma).
+
+        The contact point moves with the joints before gamma, so the slip velocity is the velocity
+        of that point plus the rim speed r gamma'.
+        """
+        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+
+        def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
+            x, y, spin = q[1], q[2], u[0]
+            slip_x = u[1] - y * spin + r * u[4]
+            slip_y = u[2] + x * spin
+            fx, fy = friction(slip_x, slip_y, load())
+            return [x * fy - y * fx, fx, fy, 0.0, r * fx]
+
+        return force
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
         x, y, _, alpha, beta, gamma = coordinates

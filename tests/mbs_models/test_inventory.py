@@ -18,9 +18,8 @@ from analysis import (
     Start,
 )
 from mbs_models import Formulation, Scene
-from mbs_models.ballast import BALLAST, six_axes
 from mbs_models.integrators import find_integrator
-from mbs_models.inventory import inventory
+from mbs_models.inventory import BALLAST, inventory, six_axes
 from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build

@@ -152,6 +152,7 @@ def test_start_that_breaks_a_constraint_is_refused_by_its_name(
     broken: Any = {"rates" if rate else "coordinates": tuple(values)}
     for formulation in mbs_models.formulations(scene_of(level).scenario):
         scene = Scene(scene_of(level, start=replace(start, **broken)).scenario, formulation)
-        for call in (mbs_models.acceleration, partial(mbs_models.simulate, times=[0.0, 0.1])):
+        simulate = partial(mbs_models.simulate, times=[0.0, 0.1])
+        for call in (mbs_models.acceleration, mbs_models.eigenvalues, simulate):
             with pytest.raises(ValueError, match=name):
                 call(scene)

@@ -8,8 +8,8 @@ import numpy as np
 
 from analysis import MODELS, Level, Scenario, SmoothCoulomb
 from mbs_models import Formulation, Scene
-from mbs_models.ballast import BALLAST, Ballast, six_axes
 from mbs_models.integrators import find_integrator
+from mbs_models.inventory import BALLAST, Ballast, six_axes
 from mbs_models.runs import Samples, run
 from mbs_models.scene import build
 from validation.kit.limits import largest

@@ -11,7 +11,7 @@ import mbs_models
 from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.stability.spectra import eigenvalues
 from mbs_models import Formulation, IntegratorName, Scene
-from mbs_models.linear_stability import largest_step
+from mbs_models.integrators import largest_step
 from validation.page.content import Content
 from validation.study import Row, Study, equal
 

@@ -1,31 +1,74 @@
 """Runs of the engine's own integrators over all times asked for, span by span.
 
-A span holds evenly spaced times; each is one run.
+A span holds evenly spaced times; each is one run. What it has recorded are samples: coordinates,
+their rates and constraint forces.
 """
 
-from collections.abc import Iterator
-from math import sin
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from math import pi, sin
 from typing import Any
 
 import numpy as np
 
 from analysis.motion import frames
-from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Condition
 from analysis.problem.checks import Array
 from analysis.problem.limits import LEAST_TILT
-from analysis.problem.start import COORDINATES, FlatError, check_upright
+from analysis.problem.start import COORDINATES, FlatError, State, check_upright
 from analysis.solve.stepping import Run, pulls_at_start
-from mbs_models import sampled
+from analysis.solve.watch import Watch
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Place, dips, pulling_times, until_ending
 from mbs_models.integrators import Integrator
 from mbs_models.runs import Samples, Stop, run
-from mbs_models.sampled import Call, leaning, state_of
-from mbs_models.scene import build
+from mbs_models.scene import Scene, build
 from mbs_models.solving import EngineError, solving
+
+PLACE, RATES, NORMAL_FORCE = slice(0, 6), slice(6, 12), 12
+"""Columns of samples,"""
+
+BETA, TURNING = 4, [3, 5]
+"""and of angles among the coordinates; the turning ones are alpha and gamma."""
 
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Call:
+    """What a call of `mbs_models.simulate` asks of every run that it takes.
+
+    Parameters
+    ----------
+    scene : Scene
+    times : ndarray, shape (n,)
+        In s.
+    longest : float
+        Longest step in s.
+    tolerance : float or None
+        Largest error in rad, if the runs are to have one.
+    conditions : mapping
+        From reasons to functions of a `State` that end the motion where they turn negative.
+    allow_pulling : bool
+        Whether to go on where the contact pulls.
+    watch : Watch
+    counts : Counter
+        To which the work of the runs is added.
+    seconds : float
+        Processor time that the solver took for the last run.
+    """
+
+    scene: Scene
+    times: Array
+    longest: float
+    tolerance: float | None
+    conditions: Mapping[str, Condition]
+    allow_pulling: bool
+    watch: Watch
+    counts: Counter[str] = field(default_factory=Counter)
+    seconds: float = 0.0
 
 
 def run_over(
@@ -36,7 +79,7 @@ def run_over(
     Returns
     -------
     run : Run
-        Its states are samples, see `Call.trajectory`.
+        Its states are samples.
     longest : float
         Longest step in s.
 
@@ -89,7 +132,6 @@ class _Spans:
         self._motion = motion = AccelerationProblem(call.scene, call.conditions)
         self._model = motion.model
         self._must_not_pull = self._model.may_pull and not call.allow_pulling
-        motion.probe.check_start()
         with solving(motion.system):
             pulls_at_start(motion.starting_at(self._here), allow_pulling=not self._must_not_pull)
         # Times and records of each span, and which of these are samples.
@@ -106,8 +148,7 @@ class _Spans:
             self._model = build(call.scene.starting_at(state_of(self._here)))
         finer, substeps = self._fineness(spacing, substeps, halvings)
         period = spacing / finer
-        reasons: list[str] = []
-        samples = self._recorded(begin, period, intervals * finer, substeps, reasons)
+        samples = self._recorded(begin, period, intervals * finer, substeps)
         values = self._values(samples)
         moments: Array = begin + period * np.arange(len(values), dtype=float)
         lowest = int(np.argmin(leaning(values)))
@@ -116,7 +157,7 @@ class _Spans:
         self.ended, moments, values = until_ending(
             moments,
             values,
-            self._places(values, samples, reasons, period),
+            self._places(values, samples, period),
             self._motion,
             period=period,
             work=call.counts,
@@ -124,7 +165,7 @@ class _Spans:
         )
         if self.ended is None and samples.failure is not None:
             raise _failed(samples.failure, moments, values)
-        check_upright(moments, values[:, sampled.COORDINATES])
+        check_upright(moments, values[:, PLACE])
         kept = np.arange(0, len(values), finer)
         if self.ended is not None:
             kept = np.union1d(kept, [len(values) - 1])
@@ -140,7 +181,7 @@ class _Spans:
         if self.ended is not None:
             times = np.append(times[:-1], self._last)
         moments = np.concatenate([each for each, _, _ in self._done])
-        forces = np.concatenate([rows[:, sampled.NORMAL_FORCE] for _, rows, _ in self._done])
+        forces = np.concatenate([rows[:, NORMAL_FORCE] for _, rows, _ in self._done])
         pulling = pulling_times(moments, forces) if self._call.allow_pulling else ()
         return Run(times, samples, 0, self.ended, pulling)
 
@@ -165,10 +206,8 @@ class _Spans:
             finer *= 2
         return finer, steps // finer
 
-    def _recorded(
-        self, begin: float, period: float, intervals: int, substeps: int, reasons: list[str]
-    ) -> Samples:
-        """What a run from the last sample on has recorded; why it is stopped goes to a list."""
+    def _recorded(self, begin: float, period: float, intervals: int, substeps: int) -> Samples:
+        """What a run from the last sample on has recorded."""
         watch = self._call.watch
         if not watch.steps_left:
             raise watch.given_up(self._integrator.name)
@@ -179,7 +218,7 @@ class _Spans:
             intervals=intervals,
             substeps=substeps,
             begin=begin,
-            stop=self._stop(begin, reasons),
+            stop=self._stop(begin),
             most=watch.steps_left,
             whole=False,
         )
@@ -188,38 +227,30 @@ class _Spans:
         self._call.seconds += samples.seconds
         return samples
 
-    def _stop(self, begin: float, reasons: list[str]) -> Stop | None:
-        """What ends a run where the contact pulls, a condition holds or time is over, if any may.
-
-        It is asked after each step, and appends the reason if that is not the time.
-        """
+    def _stop(self, begin: float) -> Stop | None:
+        """What ends a run that pulls, meets a condition or is out of time, if any may."""
         model, conditions, watch = self._model, self._call.conditions, self._call.watch
         pulls = self._must_not_pull and model.contact_equation is not None
         armed: set[str] = set()
-        end, angles = float(self._call.times[-1]), self._here[sampled.TURNING]
+        data, angles = model.system.systemData, self._here[TURNING]
+        end = float(self._call.times[-1])
 
-        def reason() -> str | None:
+        def stop(moment: float) -> str | None:
             nonlocal angles
-            if pulls and model.pulls():
+            if pulls and model.contact_force(data.GetAECoordinates()) < 0.0:
                 return CONTACT_WOULD_PULL
-            if not conditions:
-                return None
-            row = np.hstack(model.decode(model.record()[None]))[0]
-            row[sampled.TURNING] += _whole_turns(angles - row[sampled.TURNING])
-            angles = row[sampled.TURNING]
-            if leaning(row) < LEAST_TILT:
-                return FLAT
-            for name, condition in conditions.items():
-                if condition(state_of(row)) >= 0.0:
-                    armed.add(name)
-                elif name in armed:
-                    return name
-            return None
-
-        def stop(moment: float) -> bool:
-            if found := reason():
-                reasons.append(found)
-            return bool(reasons) or watch.is_over(begin + moment, end)
+            if conditions:
+                row = np.hstack(model.decode(model.record()[None]))[0]
+                row[TURNING] += _whole_turns(angles - row[TURNING])
+                angles = row[TURNING]
+                if leaning(row) < LEAST_TILT:
+                    return FLAT
+                for name, condition in conditions.items():
+                    if condition(state_of(row)) >= 0.0:
+                        armed.add(name)
+                    elif name in armed:
+                        return name
+            return TIME_LIMIT if watch.is_over(begin + moment, end) else None
 
         return stop if pulls or conditions or not watch.is_idle else None
 
@@ -238,11 +269,9 @@ class _Spans:
             return
         upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
         rows, times = values[:upright], moments[:upright]
-        rows[:, sampled.TURNING] += _whole_turns(
-            self._here[sampled.TURNING] - rows[:1, sampled.TURNING]
-        )
-        frames.follow_turns(times, rows[:, sampled.COORDINATES], rows[:, sampled.RATES])
-        for column in sampled.TURNING:
+        rows[:, TURNING] += _whole_turns(self._here[TURNING] - rows[:1, TURNING])
+        frames.follow_turns(times, rows[:, PLACE], rows[:, RATES])
+        for column in TURNING:
             angle, rate = rows[:, column], rows[:, 6 + column]
             doubt = np.abs(0.5 * np.diff(times) * (rate[1:] + rate[:-1]) - np.diff(angle))
             if np.any(doubt > 0.5 * np.pi):
@@ -252,9 +281,7 @@ class _Spans:
                     "apart"
                 )
 
-    def _places(
-        self, values: Array, samples: Samples, reasons: list[str], period: float
-    ) -> Iterator[Place]:
+    def _places(self, values: Array, samples: Samples, period: float) -> Iterator[Place]:
         """Places where the run may end, in no order."""
         lying = np.flatnonzero(leaning(values) < LEAST_TILT)
         upright = values[: lying[0] if lying.size else len(values)]
@@ -265,12 +292,29 @@ class _Spans:
             # It may lie flat.
             yield Place(last, 2.0, "")
         if self._must_not_pull:
-            yield from dips(upright[:, sampled.NORMAL_FORCE], CONTACT_WOULD_PULL)
+            yield from dips(upright[:, NORMAL_FORCE], CONTACT_WOULD_PULL)
         for name, condition in self._call.conditions.items():
             yield from dips(np.array([condition(state_of(row)) for row in upright]), name)
-        beyond = (samples.stopped or 0.0) - period * (len(values) - 1)
-        if reasons and beyond > 1e-9 * period:
-            yield Place(last, beyond / period, reasons[0])
+        moment, reason = samples.stopped or (0.0, TIME_LIMIT)
+        beyond = moment - period * (len(values) - 1)
+        if reason != TIME_LIMIT and beyond > 1e-9 * period:
+            yield Place(last, beyond / period, reason)
+
+
+def leaning(rows: Array) -> Array:
+    """Angle in rad between disk and table in samples.
+
+    It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
+    """
+    tilts = rows[..., BETA]
+    result: Array = np.minimum(tilts, pi - tilts)
+    return result
+
+
+def state_of(row: Array) -> State:
+    """State of a sample."""
+    values = row.tolist()
+    return State(coordinates=tuple(values[PLACE]), rates=tuple(values[RATES]))
 
 
 def _whole_turns(angles: Array) -> Array:
@@ -279,7 +323,7 @@ def _whole_turns(angles: Array) -> Array:
 
 def _failed(failure: EngineError, moments: Array, values: Array) -> EngineError | FlatError:
     """What to say of a run that broke off."""
-    tilt = float(values[-1, sampled.BETA])
+    tilt = float(values[-1, BETA])
     if sin(tilt) >= NEARLY_FLAT:
         return failure
     text = f"{failure}; the disk lies nearly flat, at beta = {tilt:.3g} rad"

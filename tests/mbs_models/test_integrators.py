@@ -1,0 +1,152 @@
+"""Orders, options and counts of integrators, and stability as measured on the engine itself."""
+
+from math import factorial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analysis
+import mbs_models
+from analysis import Scenario, SmoothCoulomb, Start
+from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
+from mbs_models.integrators import STAGES, largest_step, stability_polynomial
+from mbs_models.runs import force_rounding
+from mbs_models.scene import build
+from tests.scenes import scene_of
+from validation.kit.references import deviation
+
+TIMES = np.linspace(0.0, 0.5, 26)
+SHORT = np.linspace(0.0, 0.2, 21)
+LOADED = SmoothCoulomb(load="contact")
+HELD: list[Formulation] = ["euler-tree", "floating", "floating-lie"]
+
+
+def dopri5(tolerance: float) -> Integrator:
+    return Integrator(name="DOPRI5", local_tolerance=tolerance)
+
+
+def truth(scenario: Scenario, times: Any = TIMES) -> analysis.Trajectory:
+    return analysis.simulate(scenario, times, local_tolerance=1e-13)
+
+
+@pytest.mark.parametrize("integrator", STAGES)
+def test_stability_function_starts_like_the_exponential(integrator: Any) -> None:
+    order = {"RK44": 4, "RK67": 6}[integrator]
+    found = stability_polynomial(integrator)
+    expected = [1.0 / factorial(power) for power in range(order + 1)]
+    np.testing.assert_allclose(found[: order + 1], expected, atol=1e-14)
+
+
+def test_stability_limit_of_the_classical_method_is_the_known_one() -> None:
+    assert largest_step("RK44", -200.0) == pytest.approx(2.785 / 200.0, rel=1e-3)
+    assert largest_step("RK44", 1.0j) == pytest.approx(2.828, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("scene", "integrator", "step", "order", "off"),
+    [
+        (Scene(), "RK44", 2.5e-3, 4, 0.3),
+        (Scene(), "RK67", 5e-3, 6, 0.3),
+        (Scene(), "TrapezoidalIndex2", 2.5e-3, 2, 0.3),
+        # The contact force as load costs no order.
+        (scene_of(3, "floating", friction=LOADED), "TrapezoidalIndex2", 2e-3, 2, 0.1),
+        (scene_of(3, "euler-tree", friction=LOADED), "TrapezoidalIndex2", 2e-3, 2, 0.1),
+        *(
+            (scene_of(2, each), Integrator(name="GeneralizedAlpha", spectral_radius=radius),
+             2.5e-3, 2, 0.4)
+            for each in HELD
+            for radius in (0.6, 0.9)
+        ),
+    ],
+)  # fmt: skip
+def test_observed_order_is_that_of_the_integrator(
+    scene: Scene, integrator: Any, step: float, order: int, off: float
+) -> None:
+    errors = [
+        deviation(
+            mbs_models.simulate(scene, TIMES, step=size, integrator=integrator),
+            truth(scene.scenario),
+        )
+        for size in (step, step / 2)
+    ]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=off)
+
+
+def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:
+    runs = [mbs_models.simulate(Scene(), TIMES, integrator=dopri5(10.0**-k)) for k in (6, 9, 12)]
+    errors = [deviation(run, truth(Scenario())) for run in runs]
+    assert errors[0] < 1e-4
+    assert errors[1] < 1e-2 * errors[0]
+    assert errors[2] < 1e-11
+    held = mbs_models.simulate(Scene(), TIMES, integrator=dopri5(1e-6), step=1e-3)
+    assert held.counts["steps"] >= 500 > runs[0].counts["steps"]
+
+
+@pytest.mark.parametrize("name", ACCELERATED)
+@pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree"])
+def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> None:
+    coarse, fine = (
+        mbs_models.simulate(
+            scene_of(1, formulation),
+            SHORT,
+            integrator=Integrator(name=name, local_tolerance=local),
+        )
+        for local in (1e-4, 1e-8)
+    )
+    assert fine.error_estimate is None
+    assert fine.method["local_tolerance"] == 1e-8
+    expected = truth(Scenario(), SHORT)
+    assert deviation(fine, expected) < min(1e-5, deviation(coarse, expected))
+
+
+def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
+    counts = mbs_models.simulate(Scene(), TIMES, step=1e-2, integrator="RK44").counts
+    assert (counts["steps"], counts["right_hand_sides"]) == (50, 4 * 50)
+    controlled = mbs_models.simulate(Scene(), TIMES, integrator=dopri5(1e-8)).counts
+    tried = controlled["steps"] + controlled["rejected_steps"]
+    assert controlled["right_hand_sides"] == 7 * tried
+
+
+def test_options_of_an_integrator_change_the_run_and_go_with_it() -> None:
+    loosely = Newton(relative=1e-4, absolute=1e-6)
+    usual, damped, tight, loose = (
+        mbs_models.simulate(scene_of(1, "floating-lie"), TIMES, step=5e-3, integrator=each)
+        for each in (
+            Integrator(name="GeneralizedAlpha"),
+            Integrator(name="GeneralizedAlpha", spectral_radius=0.6),
+            Integrator(name="TrapezoidalIndex2"),
+            Integrator(name="TrapezoidalIndex2", newton=loosely),
+        )
+    )
+    assert deviation(usual, damped) > 1e-6
+    assert [run.method["spectral_radius"] for run in (usual, damped)] == [0.9, 0.6]
+    assert loose.counts["newton_iterations"] < tight.counts["newton_iterations"]
+    assert deviation(tight, loose) > 1e-9
+
+
+@pytest.mark.parametrize("spin", [3.0, 40.0, 150.0])
+@pytest.mark.parametrize("formulation", HELD)
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, spin: float) -> None:
+    start = Start(beta=1.2, spin=spin, beta_rate=0.3 * spin)
+    scene = scene_of(level, formulation, start=start)
+    strict = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False, relative=1e-30))
+    # Below the limit nothing but rounding is left, so that no further iteration is needed.
+    run = mbs_models.simulate(
+        scene, [0.0, 1e-4, 2e-4], step=1e-4, integrator=strict, allow_pulling=True
+    )
+    assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
+    assert force_rounding(build(scene)) < 1e-11 * scene.scenario.weight
+
+
+def test_the_contact_force_as_load_costs_newton_hardly_more_than_the_weight() -> None:
+    full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
+    weighed, pressed = (
+        mbs_models.simulate(
+            scene_of(1, "euler-tree", friction=friction), SHORT, step=2e-3, integrator=full
+        ).counts["newton_iterations"]
+        for friction in (SmoothCoulomb(), LOADED)
+    )
+    # Where the Jacobian leaves out how friction grows with that force, it takes 1.8 times as many.
+    assert pressed <= 1.4 * weighed
