@@ -14,8 +14,7 @@ from sphinx.ext import autosummary
 from sphinx.pycode import ModuleAnalyzer
 
 from analysis.problem.quantities import QUANTITIES
-from validation.parser.commands import commands
-from validation.parser.options import Command
+from validation.parser.commands import Command, commands
 
 ROOT = Path(__file__).parent.parent
 

@@ -67,7 +67,6 @@ def play() -> "Page":
     >>> "friction coefficient" in play().text
     True
     """
-    from validation.kit.animation.play import TITLE, page  # noqa: PLC0415
-    from validation.kit.animation.player import Page  # noqa: PLC0415
+    from validation.kit.animation.play import page  # noqa: PLC0415
 
-    return Page(title=TITLE, text=page(), height=72.0)
+    return page()

@@ -149,7 +149,7 @@ def stability(repeats: int) -> Iterator[Check]:
 def sweeps(repeats: int) -> Iterator[Check]:
     """What a sweep takes beside its runs: cases as a worker runs them, and stored.
 
-    Without the commits, of which there is one a second.
+    With the commits, of which there is one a second.
     """
     for label, scenario, how in SWEPT:
         axis = Axis(field="spin", first=30.0, last=50.0, count=CASES)

@@ -16,8 +16,7 @@ from pathlib import Path
 from traceback import format_exc
 from typing import Any, TextIO
 
-from validation.parser.commands import parsed
-from validation.parser.options import flag_of
+from validation.parser.commands import flag_of, parsed
 
 _OUTPUT_LOST = 3
 """Exit code of a command that did its work and could not say so."""
@@ -153,7 +152,3 @@ def _give_up(stream: TextIO) -> None:
 def _complain(message: str) -> None:
     with suppress(OSError, ValueError):
         print(message, file=sys.stderr, flush=True)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

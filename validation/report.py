@@ -277,7 +277,7 @@ def _write(report: Report, names: Mapping[str, Any], *, whole: bool) -> None:
     files = {name: text for section in report.sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
     files["checks.csv"] = table.to_csv(index=False, lineterminator="\n")
-    files["play.html"] = play.page()
+    files["play.html"] = play.page().text
     template = environment(Path(__file__).parent / "page").get_template("page.html")
     known = {**names, "checks": checks, "good": report.holds, "whole": whole}
     for page in reversed(names["pages"]):

@@ -1,23 +1,20 @@
 """The command `map`: what becomes of the disk over two parameters."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
-from validation.commands.options import checked_end, output_folder
-from validation.commands.output import Result, save
-from validation.kit.progress import duration, say
+from validation.commands.options import announce_cases, checked_end, output_folder
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, run_panel
 from validation.maps.problems import PROBLEMS, panels
 from validation.maps.refinement import expected_cases
 from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import kinds
-from validation.parser.paths import PICTURES
-from validation.sweeps.pools import open_pool
+from validation.parser.files import PICTURES, Result, save
+from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -33,13 +30,11 @@ def map(  # noqa: A001 - the command's name
     out: kinds.Folder = "maps",
     cells: int = 8,
     levels: int = 2,
-    end: float | None = None,
-    witnesses: int = 8,
+    how: kinds.Cells,
     compiled: bool = False,
     pairs: int = 0,
     problem: kinds.AnyProblem,
     pool: kinds.Pool,
-    time_limit: float = 60.0,
 ) -> kinds.Numbers:
     """Draw what becomes of the disk over two parameters.
 
@@ -71,42 +66,25 @@ def map(  # noqa: A001 - the command's name
         Run compiled, in batches, to 1e-6 rad; needs tippedisk[fast].
     pairs
         Random starts, each run at 4 small distances as well: how fine the map is.
-    time_limit
-        Of each run, processor time in s.
     """
     mapped = PROBLEMS[name]
     whole("pairs", pairs, least=0)
-    scenario = problem.scenario()
-    how: dict[str, Any] = {
-        "end": checked_end(mapped.end if end is None else end, _SHORTEST),
+    scenario, witnesses = problem.scenario(), how["witnesses"]
+    how = {
+        "end": checked_end(how.get("end", mapped.end), _SHORTEST),
+        "time_limit": how["time_limit"],
         "compiled": compiled,
     }
     if compiled:
         require_heyoka()
-    size: dict[str, Any] = {"cells": cells, "levels": levels, "witnesses": witnesses}
-    wanted, shifted = (
-        [replace(each, plan=replace(each.plan, time_limit=time_limit)) for each in sweeps]
-        for sweeps in (
-            panels(mapped, scenario, **size, **how),
-            shifted_sweeps(mapped, scenario, number=pairs, **how),
-        )
-    )
+    wanted = panels(mapped, scenario, cells=cells, levels=levels, witnesses=witnesses, **how)
+    shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
+    runs = [(each, levels, expected_cases(cells, levels)) for each in wanted]
+    runs += [(each, 0, pairs) for each in shifted]
     # Workers that cannot be had are not announced, and leave no folder behind.
     with open_pool(**pool) as opened:
-        folder = output_folder("out", out)
-        runs = [(each, levels, expected_cases(cells, levels)) for each in wanted]
-        runs += [(each, 0, pairs) for each in shifted]
-        _announce(runs, opened.workers)
-        done = [
-            run_panel(
-                each,
-                folder / f"{name}-{index}.db",
-                opened,
-                to_rest=mapped.to_rest,
-                levels=halved,
-            )
-            for index, (each, halved, _) in enumerate(runs, 1)
-        ]
+        place = output_folder("out", out) / name
+        done = _run_panels(runs, place, opened, to_rest=mapped.to_rest)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
     table = Table(
@@ -115,16 +93,21 @@ def map(  # noqa: A001 - the command's name
         rows=[tuple(row.values()) for row in rows],
         note=_fineness(starts),
     )
-    return Result(tables=[table], notes=[str(_draw(folder / name, maps))])
+    return Result(tables=[table], notes=[str(_draw(place, maps))])
 
 
-def _announce(runs: Sequence[tuple[Sweep, int, int]], processes: int) -> None:
-    """Say about how many runs are coming, and how long they take where none has been made yet."""
+def _run_panels(
+    runs: Sequence[tuple[Sweep, int, int]], place: Path, pool: Pool, *, to_rest: bool
+) -> list[Panel]:
+    """Panels of sweeps, each halved so often and of about so many cases, in stores by number."""
     seconds = sum(count * look_ahead(sweep)[0] for sweep, _, count in runs)
-    say(
-        f"tippedisk map: some {sum(count for *_, count in runs)} cases, roughly "
-        f"{duration(seconds / processes)} on {processes} processes where none is in the folder yet"
-    )
+    some = f"some {sum(count for *_, count in runs)}"
+    announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
+    stores = (place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1))
+    return [
+        run_panel(sweep, store, pool, to_rest=to_rest, levels=halved)
+        for (sweep, halved, _), store in zip(runs, stores, strict=True)
+    ]
 
 
 def _draw(path: Path, done: Sequence[Panel]) -> Path:

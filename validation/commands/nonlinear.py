@@ -16,13 +16,13 @@ from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
 from analysis.problem.values import is_text, unit
 from analysis.problem.variations import changed, check_fields
-from validation.commands.options import checked_end, parse_spins
-from validation.commands.output import Result
-from validation.commands.scenarios import Problem
+from validation.commands.options import Problem, checked_end, parse_spins
+from validation.kit.figures import STYLES, legend_above, new_figure
 from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
-from validation.nonlinear import tables
+from validation.nonlinear import figures, tables
 from validation.nonlinear.tables import Motion
+from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, Axis, PlainProblem, SomeSpins
 from validation.parser.runs import Source
 
@@ -93,13 +93,6 @@ def cycles(
     return _whole(family)
 
 
-def _figures() -> Any:
-    """The module of figures, which is loaded when one is wanted."""
-    from validation.nonlinear import figures
-
-    return figures
-
-
 def _motions(rows: Sequence[Motion], family: Family | None = None, **told: Any) -> Result:
     """What is told of periodic motions, or of a family of them and why it ends early.
 
@@ -132,9 +125,9 @@ def _whole(family: Family) -> Result:
         more["growth"] = None if growth is None else growth._asdict()
 
     def draw() -> Any:
-        near = _figures().near(rows, family.begins)
+        near = figures.near(rows, family.begins)
         marks = {"begins": family.begins}
-        return _figures().diagram(near, (*_DRAWN[kind], *_ALWAYS), marks=marks)
+        return figures.diagram(near, (*_DRAWN[kind], *_ALWAYS), marks=marks)
 
     return _motions(rows, family, tables=shown, values=more, draw=draw)
 
@@ -144,7 +137,7 @@ def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
     named = [(f"{cycle.spin:.6g} rad/s", cycle.whole[1]) for cycle in found]
     rows: list[Motion] = [each.as_row() for each in found]
     table = tables.motion_table(rows)
-    return _motions(rows, tables=[table], draw=lambda: _figures().portrait(named))
+    return _motions(rows, tables=[table], draw=lambda: figures.portrait(named))
 
 
 def _over(
@@ -165,7 +158,7 @@ def _over(
         rows,
         found,
         tables=[tables.motion_table(rows, first=first)],
-        draw=lambda: _figures().diagram(rows, names, over=first, log=axis.log),
+        draw=lambda: figures.diagram(rows, names, over=first, log=axis.log),
     )
 
 
@@ -194,7 +187,7 @@ def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
     def draw() -> Any:
         spins = [found.spin + side for side in (-_SIDE, 0.0, _SIDE)]
         named = [(f"{spin:.6f} rad/s", fall(scenario, spin).states) for spin in spins]
-        return _figures().portrait(named, saddles=(-pi / 2, 1.5 * pi))
+        return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi))
 
     return Result(
         tables=[tables.connection_table(found, slow)],
@@ -232,14 +225,12 @@ def _connections_over(over: str, scenario: Scenario) -> Result:
 
 def _drawn_ends(table: Table, *, log: bool) -> Any:
     """Hopf point, connection and prediction over the first column."""
-    from validation.kit import figures
-
-    figure, axes = figures.new_figure(height=4.6)
+    figure, axes = new_figure(height=4.6)
     columns = np.array(table.rows, dtype=float).T
-    for name, values, style in zip(table.columns[1:4], columns[1:], figures.STYLES, strict=False):
+    for name, values, style in zip(table.columns[1:4], columns[1:], STYLES, strict=False):
         axes.plot(columns[0], values, style, marker=".", label=name)
     axes.set(xlabel=table.columns[0], xscale="log" if log else "linear")
-    figures.legend_above(axes)
+    legend_above(axes)
     return figure
 
 
@@ -311,7 +302,7 @@ def passage(
     return Result(
         tables=[passage_table(named)],
         values={name: found[name] for name in own},
-        draw=lambda: _figures().passage_diagram(named),
+        draw=lambda: figures.passage_diagram(named),
     )
 
 

@@ -1,10 +1,12 @@
-"""The commands `scenario` and `check`: a problem as a file, and the two sides on it."""
+"""A problem as a file, the two sides on it, and its scene: `scenario`, `check` and `scene`."""
 
 from analysis import scenario_text
 from analysis.problem.checks import whole
 from validation.commands.options import checked_end
-from validation.commands.output import Result
+from validation.kit.tables import Table
+from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, NamedProblem, Numbers
+from validation.parser.runs import Formulation
 
 
 def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
@@ -48,3 +50,45 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Number
         notes=[f"{failed} checks FAIL." if failed else f"All {held} checks hold."],
         code=1 if failed else 0,
     )
+
+
+def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Numbers:
+    """List what is in a scene of the engine, and why.
+
+    List the nodes, objects, markers and sensors of a scene with the reason for each, and count its
+    coordinates, constraints and user functions.
+
+    Parameters
+    ----------
+    formulation
+        How the disk is built (the most accurate).
+    """
+    from mbs_models.inventory import inventory
+    from mbs_models.scene import Scene
+
+    scene = Scene(scenario=problem.scenario(), formulation=formulation)
+    items = inventory(scene)
+    coordinates, equations, idle, functions = (
+        sum(each)
+        for each in zip(
+            *((i.coordinates, i.equations, i.idle, len(i.user_functions)) for i in items),
+            strict=True,
+        )
+    )
+    table = Table.of(
+        items,
+        {
+            "item": lambda item: f"{item.kind} {item.number}",
+            "engine type": lambda item: item.type,
+            "coordinates": lambda item: item.coordinates or None,
+            "equations": lambda item: item.equations or None,
+            "of them idle": lambda item: item.idle or None,
+            "user function": lambda item: ", ".join(item.user_functions) or None,
+            "why": lambda item: item.why,
+        },
+        title=f"{scene.scenario.name}, formulation {scene.built_as}",
+        note=f"{coordinates} coordinates, {equations} algebraic equations ({equations - idle} "
+        "constraints; an idle equation only says that an unused constraint force is zero), "
+        f"{functions} user functions.",
+    )
+    return Result(tables=[table])

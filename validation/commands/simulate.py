@@ -1,23 +1,26 @@
 """The commands `simulate` and `rest`: one run of a scenario."""
 
+from collections.abc import Iterator
 from dataclasses import fields
 from typing import Annotated, Any
 
 import numpy as np
 
-from analysis import CAUSES, Dissipation, SpatialMotion, multiplier_names
+from analysis import CAUSES, Dissipation, SpatialMotion, StoredRun, multiplier_names
 from analysis.problem.checks import whole
 from analysis.problem.limits import check_storage
 from analysis.problem.names import ArgumentError
 from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
-from validation.commands.output import Result, pictured
+from validation.kit.figures import comparison
 from validation.kit.progress import progress_bar
 from validation.kit.tables import Cell, Table
+from validation.parser.commands import Group
+from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, MotionOut
-from validation.parser.options import Group
 from validation.parser.runs import RunOptions
 from validation.run import REST_SPACING, rest_effort, run, run_effort, run_to_rest
+from validation.studies.rest.figures import draw_story
 
 
 def simulate(
@@ -57,13 +60,11 @@ def simulate(
     estimate = motion.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
     name = "in memory alone; --out stores it" if out is None else out
-    notes = [f"{name}: {motion.times.size} samples of {scenario.name}{accuracy}"]
-    if warning := unstable_start(scenario):
-        notes.append(warning)
-    if motion.ending is not None:
-        notes.append(str(motion.ending))
-    for first, last in motion.pulling:
-        notes.append(f"the contact pulls from t = {first:.6g} s to {last:.6g} s")
+    made = f"{name}: {motion.times.size} samples of {scenario.name}{accuracy}"
+    pulling = (
+        f"the contact pulls from t = {first:.6g} s to {last:.6g} s"
+        for first, last in motion.pulling
+    )
     return Result(
         values={
             "samples": motion.times.size,
@@ -75,8 +76,8 @@ def simulate(
             "pulling": motion.pulling,
         },
         csv=motion.to_csv,
-        draw=lambda: pictured([(scenario.name, motion)]),
-        notes=notes,
+        draw=lambda: comparison([(scenario.name, motion)]),
+        notes=[made, *_warnings(motion), *pulling],
     )
 
 
@@ -129,7 +130,7 @@ def rest(
         tables=[table],
         values={str(name): value for name, value, _ in table.rows}
         | {"ending": None if motion.ending is None else motion.ending.reason},
-        draw=lambda: _picture(motion),
+        draw=lambda: draw_story(motion),
         notes=list(_remarks(motion)),
     )
 
@@ -159,15 +160,20 @@ def _story(motion: SpatialMotion) -> Table:
     )
 
 
-def _remarks(motion: SpatialMotion) -> Any:
-    """What else is to be said of the motion, and why it ended."""
-    if motion.inversion.outcome == "not decided":
-        yield "inversion not decided: the disk was up, and the motion ended too soon after"
+def _warnings(motion: StoredRun) -> Iterator[str]:
+    """What is to be said of a start, and of an end before its time."""
     if warning := unstable_start(motion.scenario):
         yield warning
     if motion.ending is not None:
         yield str(motion.ending)
-    elif motion.phases.rest is None:
+
+
+def _remarks(motion: SpatialMotion) -> Iterator[str]:
+    """What else is to be said of the motion."""
+    if motion.inversion.outcome == "not decided":
+        yield "inversion not decided: the disk was up, and the motion ended too soon after"
+    yield from _warnings(motion)
+    if motion.ending is None and motion.phases.rest is None:
         yield (
             f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad"
             + _lacking(motion.scenario.dissipation)
@@ -182,9 +188,3 @@ def _lacking(losses: Dissipation) -> str:
     if not losses.pivoting:
         needs.append("lying still needs --pivoting")
     return "".join(f"; {each}" for each in needs)
-
-
-def _picture(motion: SpatialMotion) -> Any:
-    from validation.studies.rest.figures import draw_story
-
-    return draw_story(motion)

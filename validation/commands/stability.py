@@ -13,9 +13,10 @@ from analysis.stability.critical import CriticalSpeeds, critical_speeds
 from analysis.stability.printed import CriticalSpeed, critical_speed
 from analysis.stability.spectra import Branches
 from validation.commands.options import parse_spins
-from validation.commands.output import Result, write
+from validation.kit import figures
 from validation.kit.progress import counted
 from validation.kit.tables import Table
+from validation.parser.files import Result, write
 from validation.parser.kinds import PlainProblem, Spectrum, Spins
 from validation.parser.runs import Formulation, Source
 
@@ -173,20 +174,17 @@ def _closed_form(closed: CriticalSpeed) -> str:
 def _table(name: str, found: Branches) -> Table:
     size = found.values.shape[1]
     heads = [f"{part} {index + 1}" for index in range(size) for part in ("Re λ", "Im λ")]
+    # Real and imaginary parts in turns.
+    parts = np.ascontiguousarray(found.values).view(float)
     return Table(
         title=f"Eigenvalues of {name} in 1/s",
         columns=("spin in rad/s", *heads),
-        rows=[
-            [spin, *np.column_stack((values.real, values.imag)).ravel().tolist()]
-            for spin, values in zip(found.spins.tolist(), found.values, strict=True)
-        ],
+        rows=np.column_stack((found.spins, parts)).tolist(),
     )
 
 
 def _draw(found: Branches, motion: str, critical: CriticalSpeeds | None = None) -> Any:
     """Figure of the real and imaginary parts, stable spins shaded and crossings marked."""
-    from validation.kit import figures
-
     stable, crossings = (critical.stable, critical.crossings) if critical else ((), ())
     figure, axes = figures.new_figure(2, height=6.5)
     for column in range(found.values.shape[1]):

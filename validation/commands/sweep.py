@@ -4,19 +4,16 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from analysis.motion.endings import named_conditions
 from analysis.motion.outcomes import DONE
 from analysis.problem.checks import choice
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario_file import read_toml
-from validation.commands.options import PATIENCE, checked_end
-from validation.commands.output import PictureOut, Result
-from validation.kit.progress import duration, say
+from validation.commands.options import PATIENCE, announce_cases
+from validation.kit.progress import say
 from validation.parser import kinds
-from validation.parser.options import Group
-from validation.parser.runs import RunOptions
+from validation.parser.files import PictureOut, Result
 from validation.sweeps.axes import Design, axis_from, axis_from_text
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
@@ -30,28 +27,13 @@ def sweep(
     varied: kinds.Axes,
     *,
     axes: kinds.Toml = None,
-    layout: Literal["grid", "random", "latin-hypercube", "sobol"] | None = None,
-    number: int | None = None,
-    seed: int | None = None,
+    drawing: kinds.Layout,
     out: kinds.StoreOut,
     retry: bool = False,
     accept_other_code: bool = False,
     most: int = 10_000_000,
     problem: kinds.AnyProblem,
-    how: Annotated[
-        dict[str, Any],
-        Group(
-            RunOptions,
-            *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
-            *("stop_when", "time_limit"),
-            source="in-house",
-            time_limit=60.0,
-        ),
-    ],
-    end: float = 4.0,
-    spacing: float = 5e-3,
-    witnesses: int = 0,
-    keep: Annotated[str, {"metavar": "NAMES"}] = "",
+    how: kinds.Cases,
     rest: bool = False,
     pool: kinds.Pool,
     plot: PictureOut = None,
@@ -78,12 +60,6 @@ def sweep(
         What varies, as above.
     axes
         TOML with the table [axes] instead.
-    layout
-        How cases are laid out (grid).
-    number
-        Of drawn cases.
-    seed
-        Of the drawing (0).
     out
         Store, .db; made if there is none.
     retry
@@ -92,40 +68,14 @@ def sweep(
         Add to a store of other sources; each row says which it comes from.
     most
         Cases to allow.
-    tolerance
-        Largest error of beta and gamma in rad (1e-6; to rest 1e-3).
-    method
-        In-house only: solver; taylor runs compiled (DOP853; to rest LSODA).
-    end
-        End of each motion in s.
-    spacing
-        Between samples in s.
-    witnesses
-        Cases, evenly spread, that the other side runs as well, with the difference.
-    keep
-        Series to keep of each run at its samples, such as beta,gamma,normal_force.
     rest
         Run until the disk lies still, as `tippedisk rest`.
-    time_limit
-        Of each run, processor time in s.
-    plot
-        Draw it, .png, .svg, .pdf or -.
     """
-    given = {"layout": layout, "number": number, "seed": seed}
     wanted = Sweep(
         scenario=problem.scenario(rest=rest),
-        design=_design(varied, axes, given),
-        plan=Plan(
-            **how,
-            end=checked_end(end),
-            spacing=spacing,
-            to_rest=rest,
-            witnesses=witnesses,
-            keep=tuple(name.strip() for name in keep.split(",") if name.strip()),
-        ),
+        design=_design(varied, axes, drawing),
+        plan=Plan(**how, to_rest=rest),
     )
-    if wanted.plan.stop_when is not None:
-        named_conditions(wanted.plan.stop_when, wanted.scenario.initial_state)
     _check_size(wanted, out, most)
     if plot is not None:
         try:
@@ -139,7 +89,9 @@ def sweep(
         Store(out, wanted, accept_other_code=accept_other_code) as store,
     ):
         if left := wanted.design.size - store.count():
-            _announce(wanted, seconds, left, opened.workers)
+            if seconds * left / opened.workers > PATIENCE:
+                most_bytes = f", at most {expected_size(wanted) / 1e6:.1f} MB"
+                announce_cases("sweep", f"{left}", left * seconds, opened.workers, most_bytes)
             if refused:
                 say(f"tippedisk sweep: {refused}")
         run_cases(store, opened, retry=retry)
@@ -160,7 +112,7 @@ def _pictures() -> Any:
     return sweeps
 
 
-def _design(words: Sequence[str], file: Path | None, given: Mapping[str, Any]) -> Design:
+def _design(words: Sequence[str], file: Path | None, drawing: Mapping[str, Any]) -> Design:
     """What varies, from the words of the call and from a file."""
     told: dict[str, Any] = {}
     axes = [axis_from_text(text) for text in words]
@@ -168,14 +120,13 @@ def _design(words: Sequence[str], file: Path | None, given: Mapping[str, Any]) -
         told, _ = read_toml(file)
         try:
             for name in told:
-                choice("key", name, ("axes", *given))
+                choice("key", name, ("axes", "layout", "number", "seed"))
             # What is no table is refused as an axis of that name.
             found = _dotted({"": told.pop("axes", {})})
             axes = [*(axis_from(field, value) for field, value in found), *axes]
         except ValueError as error:
             raise ValueError(f"{file}: {error}") from None
-    told |= {name: value for name, value in given.items() if value is not None}
-    return Design(axes=tuple(axes), **told)
+    return Design(axes=tuple(axes), **{**told, **drawing})
 
 
 def _dotted(table: dict[str, Any], name: str = "") -> Iterator[tuple[str, Any]]:
@@ -197,14 +148,4 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
         raise ValueError(
             f"{size} cases may take {needed / 1e6:.0f} MB at {out}, where {free / 1e6:.0f} MB are "
             "free"
-        )
-
-
-def _announce(wanted: Sweep, seconds: float, left: int, processes: int) -> None:
-    """Say what is coming, if it takes long."""
-    seconds *= left / processes
-    if seconds > PATIENCE:
-        say(
-            f"tippedisk sweep: {left} cases, roughly {duration(seconds)} on {processes} "
-            f"processes, at most {expected_size(wanted) / 1e6:.1f} MB"
         )

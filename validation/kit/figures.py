@@ -1,17 +1,20 @@
-"""What figures share: colours and line styles that stay apart in grey and for the colour-blind."""
+"""What figures share: colours and line styles that stay apart in grey and for the colour-blind.
+
+Matplotlib, which takes half a second, is loaded when one is made.
+"""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.problem.checks import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73")
 """Black, blue, vermilion and green of the Okabe-Ito palette, darkest first."""
@@ -59,15 +62,18 @@ def new_figure(
     width: float = WIDTH,
     height: float = 4.2,
     share: bool = True,
-) -> tuple[Figure, Any]:
+) -> tuple["Figure", Any]:
     """Figure without a window, and its axes, which may share the horizontal one in a column."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
     with mpl.rc_context(_RC):
         figure = Figure(figsize=(width, height))
         axes = figure.subplots(rows, columns, sharex="col" if share else False)
     return figure, axes
 
 
-def legend_above(axes: Axes, columns: int = 4, size: float | None = None) -> None:
+def legend_above(axes: "Axes", columns: int = 4, size: float | None = None) -> None:
     """Put the legend above the axes, where it hides nothing."""
     axes.legend(
         ncols=columns,
@@ -80,8 +86,10 @@ def legend_above(axes: Axes, columns: int = 4, size: float | None = None) -> Non
     )
 
 
-def angle_axis(axes: Axes) -> None:
+def angle_axis(axes: "Axes") -> None:
     """Mark the vertical axis at multiples of a quarter of pi."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
     axes.yaxis.set_major_locator(MultipleLocator(np.pi / 4))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: pi_label(value)))
 
@@ -94,7 +102,7 @@ def pi_label(value: float) -> str:
     return f"{'−' if part < 0 else ''}{top}{under}"
 
 
-def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> Figure:
+def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> "Figure":
     """beta, gamma, spinning velocity and normal force of several labelled runs.
 
     With a spatial motion among them, which has no gamma where it lies flat, the height of the

@@ -89,9 +89,8 @@ def panels(
     *,
     cells: int,
     levels: int,
-    end: float,
     witnesses: int,
-    compiled: bool = False,
+    **how: Any,
 ) -> list[Sweep]:
     """Sweeps over the finest grids of a map, its vertical axis first.
 
@@ -103,13 +102,11 @@ def panels(
         Of the coarse grid along each axis.
     levels : int
         How often cells are halved where outcomes change.
-    end : float
-        Of each motion in s.
     witnesses : int
         Cases of the coarse grid that the other side runs as well, evenly spread, and as large a
         part of the others.
-    compiled : bool
-        Whether runs are compiled; see `quickest_plan`.
+    **how
+        As in `quickest_plan`.
 
     Raises
     ------
@@ -126,22 +123,23 @@ def panels(
     sweeps = []
     for constraints in models:
         each = replace(scenario, constraints=constraints)
-        plan = quickest_plan(each, end, witnesses, compiled=compiled)
+        plan = quickest_plan(each, witnesses, **how)
         sweeps.append(Sweep(scenario=each, design=Design(axes=axes), plan=plan))
     return sweeps
 
 
 def quickest_plan(
-    scenario: Scenario, end: float, witnesses: int, *, compiled: bool = False
+    scenario: Scenario, witnesses: int, *, compiled: bool = False, **limits: float
 ) -> Plan:
     """Way to run the cases of a map in the least time; its witnesses see to the error.
 
     Compiled, an ideal contact runs with Taylor's method to 1e-6 rad in batches; its witnesses,
     which would take most of the time, run to 1e-3 rad, those of Model 1 at a step of 5 ms.
     Otherwise Model 1 of a round disk runs on the engine's contact tree at that step, to some
-    1e-7 rad; Model 4 as the reduced system; everything else with the in-house equations.
+    1e-7 rad; Model 4 as the reduced system; everything else with the in-house equations. Each runs
+    until `end` and within a `time_limit`, both in s, as a `Plan` has them.
     """
-    how: dict[str, Any] = {"end": end, "witnesses": witnesses}
+    how: dict[str, Any] = {"witnesses": witnesses, **limits}
     if scenario.contact is not None:
         return Plan(to_rest=True, spacing=1e-2, local_tolerance=1e-6, **how)
     on_tree = scenario.model == 1 and scenario.disk.is_round_disk

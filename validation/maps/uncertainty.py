@@ -6,6 +6,7 @@ to predictability, Physics Letters A 99 (1983).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -48,7 +49,7 @@ class Uncertainty:
 
 
 def shifted_sweeps(
-    problem: Problem, scenario: Scenario, *, number: int, end: float, compiled: bool = False
+    problem: Problem, scenario: Scenario, *, number: int, **how: Any
 ) -> list[Sweep]:
     """Sweeps over random starts of a map, and over the same ones at each of `DISTANCES`.
 
@@ -58,12 +59,10 @@ def shifted_sweeps(
     scenario : Scenario
     number : int
         Of starts; for 0 there are no sweeps.
-    end : float
-        Of each motion in s.
-    compiled : bool
-        See `quickest_plan`.
+    **how
+        As in `quickest_plan`.
     """
-    plan = quickest_plan(scenario, end, 0, compiled=compiled)
+    plan = quickest_plan(scenario, 0, **how)
     first, last = (float(problem.right.between(part)) for part in (0.0, 1.0))
     sweeps = []
     for distance in (0.0, *DISTANCES) if number else ():

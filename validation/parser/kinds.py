@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 from analysis.problem.quantities import SECTIONS
-from validation.commands.output import Result
-from validation.parser.options import Group, OfScenario
-from validation.parser.paths import existing, file, filled, store, writable
+from validation.parser.commands import Group, OfScenario
+from validation.parser.files import Result, existing, file, filled, store, writable
+from validation.parser.runs import CaseOptions
 
 if TYPE_CHECKING:
-    from validation.commands.scenarios import Problem
+    from validation.commands.options import Problem
 
 
 AnyProblem = Annotated["Problem", OfScenario(tuple(SECTIONS))]
@@ -91,6 +91,25 @@ class _Spectrum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class _Layout:
+    """How the cases of a sweep are laid out.
+
+    Parameters
+    ----------
+    layout : str, optional
+        How cases are laid out (grid).
+    number : int, optional
+        Of drawn cases.
+    seed : int, optional
+        Of the drawing (0).
+    """
+
+    layout: Literal["grid", "random", "latin-hypercube", "sobol"] | None = None
+    number: int | None = None
+    seed: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Pool:
     """Who computes many runs.
 
@@ -112,4 +131,17 @@ class _Pool:
 
 Own = Annotated[dict[str, Any], Group(_Own)]
 Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
+Layout = Annotated[dict[str, Any], Group(_Layout)]
 Pool = Annotated[dict[str, Any], Group(_Pool)]
+Cases = Annotated[
+    dict[str, Any],
+    Group(
+        CaseOptions,
+        *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
+        *("stop_when", "time_limit", "end", "spacing", "witnesses", "keep"),
+    ),
+]
+Cells = Annotated[
+    dict[str, Any], Group(CaseOptions, "end", "witnesses", "time_limit", end=None, witnesses=8)
+]
+"""How the cases of a sweep, and those of a map, are run."""

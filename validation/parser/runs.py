@@ -107,5 +107,46 @@ class RunOptions:
         return {name: value for name, value in told.items() if value is not None}
 
 
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseOptions(RunOptions):
+    """How each case of a sweep is run: the options of a run, and these.
+
+    Parameters
+    ----------
+    tolerance : float, optional
+        Largest error of beta and gamma in rad (1e-6; to rest 1e-3).
+    method : str, optional
+        In-house only: solver; taylor runs compiled (DOP853; to rest LSODA).
+    time_limit : float
+        Of each run, processor time in s.
+    end : float
+        End of each motion in s.
+    spacing : float
+        Between samples in s.
+    to_rest : bool
+        Run until the disk lies still, or until the end.
+    witnesses : int
+        Cases, evenly spread, that the other side runs as well, with the difference.
+    witness_tolerance, witness_step : float, optional
+        Of that other side, which otherwise runs to the tolerance; the step is the engine's.
+    keep : tuple of str
+        Series to keep of each run at its samples, such as beta,gamma,normal_force.
+    """
+
+    source: Annotated[str, {"choices": SOURCES}] = "in-house"
+    time_limit: float = 60.0
+    end: float = 4.0
+    spacing: float = 5e-3
+    to_rest: bool = False
+    witnesses: int = 0
+    witness_tolerance: float | None = None
+    witness_step: float | None = None
+    keep: Annotated[tuple[str, ...], {"type": _names, "metavar": "NAMES"}] = ()
+
+
 OPTIONS = tuple(each.name for each in fields(RunOptions))
 """Names of the fields."""

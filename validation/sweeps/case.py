@@ -3,17 +3,36 @@
 import faulthandler
 import signal
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
-from analysis import Ensemble, outcomes, simulate_many
-from analysis.motion.outcomes import DONE, failure
-from validation.sweeps.outcomes import difference, outcome, series
-from validation.sweeps.plan import Motion
+from analysis import Ensemble, SpatialMotion, Trajectory, outcomes, simulate_many
+from analysis.motion.outcomes import DONE, OUTCOMES, Row, failure
+from analysis.problem.checks import Array
+from validation.sweeps.plan import TIME, Motion
 from validation.sweeps.sweep import Sweep
+
+COLUMNS: Mapping[str, str | None] = {
+    **OUTCOMES,
+    "other_inversion": None,
+    "other_face_end": "",
+    "other_error_estimate": "rad",
+    "other_seconds": "s",
+    "difference": "rad",
+    "code": None,
+}
+"""Columns of a row behind those of the axes, with their units; None for words.
+
+Behind `OUTCOMES` those of the run of the other side, where there is one ("failed" if it gave
+none, with its reason); `difference` is the largest of beta and gamma in rad over the samples of
+both, or `SpatialMotion.deviation`; `code` names commit and sources that the row comes from.
+"""
+
+NUMBERS = "<f8"
+"""Of a series in a store, as `numpy.frombuffer` takes it: 8 bytes each, the lowest one first."""
 
 _IDLE = 20
 """Times as much may pass on the clock, on a machine that has other things to do."""
@@ -133,3 +152,30 @@ def _with_the_rest(sweep: Sweep, row: CaseRow, motion: Motion) -> CaseRow:
         "other_seconds": time.process_time() - begin,
         "difference": difference(motion, other),
     }
+
+
+def series(motion: Motion, names: Sequence[str]) -> dict[str, bytes]:
+    """Bytes of some series of a motion and of its times; those that it has."""
+    held = motion.columns()
+    return {
+        name: held[name][0].astype(NUMBERS).tobytes() for name in (TIME, *names) if name in held
+    }
+
+
+def outcome(motion: Motion) -> Row:
+    """What is kept of a motion, without its run time."""
+    (row,) = outcomes([motion]).rows()
+    return {name: row[name] for name in OUTCOMES}
+
+
+def difference(one: Motion, other: Motion) -> float:
+    """How far two motions of a case differ; see `COLUMNS`."""
+    if isinstance(one, SpatialMotion) and isinstance(other, SpatialMotion):
+        return one.deviation(other)
+    assert isinstance(one, Trajectory)
+    assert isinstance(other, Trajectory)
+    count = min(one.times.size, other.times.size)
+    # Motions that end early do so at times that differ a little.
+    common = np.flatnonzero(one.times[:count] == other.times[:count])
+    angles: list[Array] = [motion.coordinates[common, 4:6] for motion in (one, other)]
+    return float(np.max(np.abs(angles[0] - angles[1])))

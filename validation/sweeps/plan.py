@@ -1,5 +1,6 @@
 """How each case of a sweep is run."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,22 +8,50 @@ import numpy as np
 
 from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
 from analysis.motion.endings import check_condition_name
+from analysis.motion.quantities import quantities
 from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array, choice, positive, whole, within
 from analysis.problem.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.problem.names import ArgumentError
 from analysis.simulation.forms import default_form, pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
-from validation.parser.runs import ACCURACIES, OPTIONS, RunOptions
+from validation.parser.runs import ACCURACIES, OPTIONS, CaseOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
-from validation.sweeps.outcomes import series_named
 
 Motion = Trajectory | SpatialMotion
 
+TIME = "time"
+"""The series that goes with all others: times of the samples in s."""
+
+SERIES = tuple(name for columns in quantities(Trajectory).values() for name in columns)[1:]
+"""What can be kept of a trajectory; what a scenario does not have, such as a torque, is empty."""
+
+REST_SERIES = tuple(name for columns in quantities(SpatialMotion).values() for name in columns)[1:]
+"""What can be kept of a motion to rest."""
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    name: tuple(quantities(Trajectory)[name]) for name in ("coordinates", "rates")
+}
+"""Names for several series of a trajectory."""
+
+
+def series_named(names: Iterable[str], *, to_rest: bool) -> tuple[str, ...]:
+    """Series by their names or those of `GROUPS`, each once.
+
+    Raises
+    ------
+    ValueError
+        If there is no such series.
+    """
+    groups = {} if to_rest else GROUPS
+    found = [each for name in names for each in groups.get(name, (name,))]
+    known = REST_SERIES if to_rest else SERIES
+    return tuple(dict.fromkeys(choice("keep", name, (*groups, *known)) for name in found))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan(RunOptions):
-    """How each case is run: the options of a run, and these.
+class Plan(CaseOptions):
+    """How each case is run, checked as a whole: the options of a run, and these.
 
     Parameters
     ----------
@@ -50,18 +79,8 @@ class Plan(RunOptions):
         If a value is out of range.
     """
 
-    source: str = "in-house"
-    time_limit: float = 60.0
-    end: float = 4.0
-    spacing: float = 5e-3
-    to_rest: bool = False
-    witnesses: int = 0
-    witness_tolerance: float | None = None
-    witness_step: float | None = None
-    keep: tuple[str, ...] = ()
-
     def __post_init__(self) -> None:
-        RunOptions.__post_init__(self)
+        CaseOptions.__post_init__(self)
         end = within("end", positive("end", self.end), 0.0, LONGEST_MOTION)
         if not positive("spacing", self.spacing) < end:
             raise ArgumentError(

@@ -15,7 +15,8 @@ from analysis.motion.files import whole_file
 from analysis.motion.outcomes import Column, OutcomeTable
 from analysis.problem.checks import Array
 from analysis.problem.limits import check_storage
-from validation.sweeps.outcomes import COLUMNS, NUMBERS, TIME
+from validation.sweeps.case import COLUMNS, NUMBERS
+from validation.sweeps.plan import TIME
 from validation.sweeps.store import reading, tables
 from validation.sweeps.sweep import Sweep
 

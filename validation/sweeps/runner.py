@@ -86,7 +86,6 @@ def run_cases(
                 failures += sum(row["status"] != DONE for row in rows)
                 shown.set_postfix_str(f"{failures} failed" if failures else "", refresh=False)
                 shown.update(len(rows))
-                store.commit_if_due()
                 check()
     except KeyboardInterrupt:
         held = f"{store.count()} of {size} cases are in {store.path}"

@@ -19,8 +19,8 @@ from analysis.motion.outcomes import DONE
 from analysis.problem.user_modules import foreign_names
 from validation.kit.differences import flat
 from validation.kit.provenance import commit
-from validation.sweeps.case import CaseRow
-from validation.sweeps.outcomes import COLUMNS, TIME
+from validation.sweeps.case import COLUMNS, CaseRow
+from validation.sweeps.plan import TIME
 from validation.sweeps.sweep import Sweep
 
 FORMAT = 2
@@ -156,7 +156,7 @@ class Store:
             yield from (number for number in block if number not in present)
 
     def add(self, rows: Iterable[CaseRow]) -> None:
-        """Add rows; they are on the disk at the next commit."""
+        """Add rows, or none; they are on the disk at the next commit, made here if it is due."""
         rows = [{**row, "code": self._code_name} for row in rows]
         kept = [{"number": row["number"], **row["series"]} for row in rows if "series" in row]
         held = {"cases": rows, "series": kept}
@@ -167,9 +167,6 @@ class Store:
                     f"INSERT OR REPLACE INTO {table} VALUES ({marks})",
                     ([row.get(name) for name in names] for row in held[table]),
                 )
-
-    def commit_if_due(self) -> None:
-        """Commit if the last time is `COMMIT_EVERY` ago."""
         if time.monotonic() - self._committed >= COMMIT_EVERY:
             self.commit()
 

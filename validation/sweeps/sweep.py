@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from analysis import CONSTRAINTS, Scenario, multiplier_names
+from analysis.motion.endings import named_conditions
 from analysis.motion.trajectory import versions
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import is_user_name, user_object
@@ -122,8 +123,11 @@ def look_ahead(sweep: Sweep) -> tuple[float, str]:
     Raises
     ------
     ValueError
-        If all of them would be refused, or what the method needs is not installed.
+        If all of them would be refused, there is no such condition to end a run, or what the
+        method needs is not installed.
     """
+    if sweep.plan.stop_when is not None:
+        named_conditions(sweep.plan.stop_when, sweep.scenario.initial_state)
     if sweep.plan.runs_in_batches:
         require_heyoka()
     size, errors, seconds = sweep.design.size, [], []

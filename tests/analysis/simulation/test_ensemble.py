@@ -33,8 +33,7 @@ from analysis.simulation import ensemble as many
 from analysis.simulation.compiled import code
 from tests.helpers import TILTED, assert_close, model, not_none
 from tests.sweeps import sweep
-from validation.sweeps.case import run_chunk
-from validation.sweeps.outcomes import COLUMNS, NUMBERS
+from validation.sweeps.case import COLUMNS, NUMBERS, run_chunk
 
 TIMES = np.linspace(0.0, 1.0, 51)
 SHORT = TIMES[:11]

@@ -50,9 +50,6 @@ FILES = {
 
 TOLD: dict[str, Scenario] = {
     "": PAPER,
-    "--constraints no-slip-along,contact": replace(
-        PAPER, constraints=("contact", "no-slip-along")
-    ),
     "--disk steel-rounded --mass 0.5": replace(PAPER, disk=replace(ROUNDED_STEEL_DISK, mass=0.5)),
     "--stiffness 1e5": replace(PAPER, contact=PenaltyContact.damped(1e5, PAPER.disk)),
     "--spin 35 --gamma -pi/2+0.2 --beta-rate -1e-3 --y-rate -.4": replace(
@@ -63,12 +60,10 @@ TOLD: dict[str, Scenario] = {
     "soft.toml --law viscous": replace(COMPLIANT, friction=ViscousFriction(load="contact")),
     # The damping of a file stays, too: it follows from the stiffness only where nobody tells it.
     "soft.toml --stiffness 1e6": replace(COMPLIANT, contact=replace(SOFT, stiffness=1e6)),
-    "state.toml --mu 0.1": replace(PAPER, start=STATE, friction=SmoothCoulomb(coefficient=0.1)),
     # The way to rest has defaults of its own.
     "--rest": Scenario.rest(),
-    "--rest --mass 1": Scenario.rest(disk=HEAVY),
-    "--rest --stiffness 1e5": Scenario.rest(
-        contact=PenaltyContact.rounded(PAPER.disk, stiffness=1e5)
+    "--rest --stiffness 1e5 --mass 1": Scenario.rest(
+        disk=HEAVY, contact=PenaltyContact.rounded(HEAVY, stiffness=1e5)
     ),
     "paper.toml --rest": PAPER,
 }

@@ -22,8 +22,7 @@ from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
 from validation.parser import runs
-from validation.parser.commands import commands
-from validation.parser.options import Command
+from validation.parser.commands import Command, commands
 from validation.sweeps.axes import LAYOUTS
 
 NEEDED = {

@@ -22,15 +22,12 @@ REFUSED = {
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     "scenario --model 2 --x 1": "--x: x must be -0.000249584 in Model 2",
     ENGINE + "--source in-house --formulation floating": "formulation must be one of index-1",
-    SWEEP + "--axes deep.toml": "deep.toml, line 1: not TOML: nested too deeply",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
     "rest --model 2": "--model: contact must be left out, or constraints be those of Model 1",
-    "show run.npz --law viscous": "--law: law belongs to none of the motions, got ViscousFric",
     "animate run.npz --body ellipse": "--body: body belongs to none of the motions, got Ell",
     SWEEP + "spin=0:60:1000 gamma=0:1:1000 --most 999999": "--most: most allows 999999 cases",
     SWEEP + "spin=1,2 --scheduler tcp://here:1": "--scheduler: scheduler needs --executor dask",
     SWEEP + "spin=1,2 --spacing 1e-12": "--spacing: spacing asks for 4e+12 samples of 20",
-    SWEEP + "spin=1,2 --spacing 5": "--spacing: spacing must be less than end",
     SWEEP + "spin=1,2 --keep spin_torque": "--keep: keep must name what Model 1 has",
     SWEEP + "spin=1,2 --executor cores": "executor must be one of",
     SWEEP + "spin=1,2 --executor os:getcwd": "must be a function that returns",
@@ -45,14 +42,10 @@ REFUSED = {
     "passage --rolling 1e-3": "penalty contact",
     # Paths.
     "simulate --out run.txt": "--out: must end in .npz, got",
-    "rest --plot run.npz/a.png": "--plot: must lie in an existing folder",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
-    "show missing.npz": "must be a file that exists",
     # Sizes that no memory holds.
-    ENGINE + "--samples 1": "--samples: samples must be at least 2, got 1",
     ENGINE + "--samples 1000000000000": "--samples: samples asks for 1e+12 samples of 14",
     "animate run.npz --fps 20": "--fps: fps needs a file that ends in .gif",
-    "animate run.npz --end 9": "--end: end must lie from ",
     "animate run.npz --out a.gif --fps 1e-300": "--fps: fps must lie from 0.01 to 50, got 1e-300",
     "animate run.npz --out a.gif --speed 1e-5": "frames, not ",
     "map spin-friction --cells 0 --out maps": "cells must lie from 1 to 10000, got 0",
@@ -73,15 +66,13 @@ FAILED = {
 def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(
     call: str, folder: Path, capsys: Capture
 ) -> None:
-    Path("deep.toml").write_text(f"a = {'[' * 5000}{']' * 5000}")
     said = (REFUSED | FAILED)[call]
     assert said in refusal(capsys, call, code=1 if call in FAILED else 2)
-    assert sorted(entry.name for entry in folder.iterdir()) == ["deep.toml", "run.npz"]
+    assert [entry.name for entry in folder.iterdir()] == ["run.npz"]
 
 
-@pytest.mark.parametrize("size", [0, 700], ids=["empty", "truncated"])
-def test_unreadable_run_is_told_by_its_name(size: int, capsys: Capture) -> None:
+def test_unreadable_run_is_told_by_its_name(capsys: Capture) -> None:
     path = Path("run.npz")
-    path.write_bytes(path.read_bytes()[:size])
+    path.write_bytes(path.read_bytes()[:700])
     assert "run.npz" in refusal(capsys, "show run.npz --plot a.png")
     assert not Path("a.png").exists()

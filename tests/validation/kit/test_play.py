@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node
 def spun(chosen: dict[str, float]) -> dict[str, Any]:
     harness = Path(__file__).with_name("play_harness.js")
     call = ["node", str(harness), "/dev/stdin", json.dumps(chosen)]
-    done = subprocess.run(call, input=play.page(), capture_output=True, text=True, check=True)
+    done = subprocess.run(call, input=play.page().text, capture_output=True, text=True, check=True)
     found: dict[str, Any] = json.loads(done.stdout)
     return found
 

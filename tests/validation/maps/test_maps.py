@@ -106,11 +106,11 @@ def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
 
 def test_each_model_and_body_runs_where_it_can_be_built_and_is_quickest() -> None:
     assert grid(scenario=Scenario(disk=ELLIPSE)).plan.source == "in-house"
-    how: Any = {"cells": 2, "levels": 1, "end": 4.0, "witnesses": 9}
+    how: Any = {"cells": 2, "levels": 1, "witnesses": 9, "end": 4.0, "time_limit": 7.0}
     plans = [each.plan for each in panels(PROBLEMS["basins"], Scenario(), **how)]
     assert [plan.source for plan in plans] == ["engine", *["in-house"] * 3]
     assert [plan.formulation for plan in plans] == [None, None, None, "reduced"]
-    assert {plan.witnesses for plan in plans} == {25}
+    assert {(plan.witnesses, plan.time_limit) for plan in plans} == {(25, 7.0)}
     compiled = panels(PROBLEMS["basins"], Scenario(), compiled=True, **how)
     assert all(each.plan.runs_in_batches for each in compiled)
 
@@ -178,7 +178,10 @@ def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
 
 
 def test_pairs_are_the_same_starts_shifted() -> None:
-    first, *others = shifted_sweeps(PROBLEMS["rest"], Scenario(), number=20, end=1.0)
+    first, *others = shifted_sweeps(
+        PROBLEMS["rest"], Scenario(), number=20, end=1.0, time_limit=7.0
+    )
+    assert first.plan.time_limit == 7.0
 
     def starts(sweep: Sweep) -> Array:
         return np.array([[*sweep.design.values_of(index).values()] for index in range(20)])

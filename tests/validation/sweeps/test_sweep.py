@@ -22,8 +22,7 @@ from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.sources import digest
 from validation.run import run
 from validation.sweeps import runner
-from validation.sweeps.case import run_case
-from validation.sweeps.outcomes import COLUMNS
+from validation.sweeps.case import COLUMNS, run_case
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
@@ -294,6 +293,8 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
         look_ahead(sweep("mu=-1,-2"))
     with pytest.raises(ValueError, match="witness_step must be left out"):
         look_ahead(sweep("spin=30,40", scenario=Scenario(), source="engine", witness_step=1e-3))
+    with pytest.raises(ValueError, match=r"^stop_when .* must say a number of a State"):
+        look_ahead(sweep("spin=30,40", stop_when="os:getcwd"))
     _, refused = look_ahead(sweep("mu=-1,0.2,0.3"))
     reason = "coefficient must not be negative, got -1"
     assert refused == f"1 of 3 cases looked at are refused, such as: {reason}"

@@ -10,7 +10,8 @@ import pytest
 from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
 from tests.sweeps import sweep, swept
 from validation.run import run
-from validation.sweeps.outcomes import COLUMNS, REST_SERIES, SERIES, TIME, series, series_named
+from validation.sweeps.case import COLUMNS, series
+from validation.sweeps.plan import REST_SERIES, SERIES, TIME, series_named
 from validation.sweeps.store import expected_size
 
 REDUCED = Scenario(constraints=MODELS[4])

@@ -1,12 +1,31 @@
 """What is drawn of a body: the one description for the player, the GIF and pictures."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from analysis import Body, Disk, EllipticDisk
 from analysis.problem.checks import Array
+
+LOOK: dict[str, Any] = {
+    "front": ("#8cc6ee", "#0b5c97"),
+    "back": ("#f7cf86", "#b85300"),
+    "table": "#f3f3f0",
+    "grid": "#d9d9d4",
+    "shadow": "#d3d3d1",
+    "path": "#00795b",
+    "ink": "#222222",
+    "reach": 3.0,
+    "cell": 0.5,
+    "height": 0.75,
+    "azimuth": -1.25,
+    "trail": 0.5,
+}
+"""Of every picture: colours, of each face those of its light and its heavy half; radius of the
+table that is seen, width of a cell of its grid and height of the middle of the picture in radii of
+the body; where the eye is at first, in rad from the x axis; and for how long the path of the
+contact point is seen, in s."""
 
 _CORNERS = 73
 """Points of a circle, the last one the first again."""

@@ -83,8 +83,8 @@ def _disk(distance: float) -> dict[str, Any]:
     }
 
 
-def page() -> str:
-    """The page as HTML."""
+def page() -> player.Page:
+    """The page, which needs no kernel, network or other file."""
     disks = {str(distance): _disk(1e-3 * distance) for distance in HOLES}
     body = player.render(
         "play.html",
@@ -93,4 +93,4 @@ def page() -> str:
         settings={"columns": COLUMNS, "gamma": Start().gamma, "disks": disks},
         equations=equations(),
     )
-    return player.page(TITLE, body)
+    return player.Page(title=TITLE, fragment=body, height=72.0)

@@ -34,13 +34,9 @@ function diskPoses(data) {
 function diskPlayer(root, data) {
   "use strict";
   const find = (selector) => root.querySelector(selector);
-  const COLOUR = {
-    front: ["#8cc6ee", "#0b5c97"], back: ["#f7cf86", "#b85300"], // light half, heavy half
-    table: "#f3f3f0", grid: "#d9d9d4", shadow: "#d3d3d1", path: "#00795b", ink: "#222",
-  };
-  const TRAIL = 0.5; // seconds of the contact point's path that are shown
+  const LOOK = {{ look|data|safe }}; // said once, for all pictures, in body.py
   const scene = find(".scene canvas"), strip = find(".strip");
-  const camera = { azimuth: -1.25, elevation: 0.3, zoom: 1 };
+  const camera = { azimuth: LOOK.azimuth, elevation: 0.3, zoom: 1 };
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const minus = (a, b) => a.map((value, k) => value - b[k]);
   let pose, begin, end;
@@ -71,8 +67,8 @@ function diskPlayer(root, data) {
 
   function drawScene(t) {
     const [pen, width, height] = pencil();
-    const now = pose(t), { centre, placed } = now, R = data.radius, table = 3 * R;
-    const target = [centre[0], centre[1], 0.75 * R];
+    const now = pose(t), { centre, placed } = now, R = data.radius, table = LOOK.reach * R;
+    const target = [centre[0], centre[1], LOOK.height * R];
     const [project, eye] = projection(target, 9 * R, width, height);
 
     const trace = (points) => {
@@ -102,36 +98,36 @@ function diskPlayer(root, data) {
 
     // The table, its grid, the shadow and the path of the contact point; the disk hides them.
     fill(Array.from({ length: 73 }, (_, k) => k * Math.PI / 36).map((angle) =>
-      [target[0] + table * Math.cos(angle), target[1] + table * Math.sin(angle), 0]), COLOUR.table);
-    const cell = 0.5 * R;
+      [target[0] + table * Math.cos(angle), target[1] + table * Math.sin(angle), 0]), LOOK.table);
+    const cell = LOOK.cell * R;
     for (const axis of [0, 1]) {
       for (let k = Math.ceil((target[axis] - table) / cell); k * cell < target[axis] + table; k++) {
         const half = Math.sqrt(table ** 2 - (k * cell - target[axis]) ** 2);
         const ends = [-half, half].map((side) => [k * cell, target[1 - axis] + side]);
-        stroke(ends.map((end) => [end[axis], end[1 - axis], 0]), COLOUR.grid, 1);
+        stroke(ends.map((end) => [end[axis], end[1 - axis], 0]), LOOK.grid, 1);
       }
     }
     data.shape.areas.forEach((area) =>
-      fill(area.map(placed).map(([x, y]) => [x, y, 0]), COLOUR.shadow));
+      fill(area.map(placed).map(([x, y]) => [x, y, 0]), LOOK.shadow));
     const { contactX, contactY } = data.columns;
     stroke([...data.times.flatMap((each, i) =>
-      each > t - TRAIL && each < t ? [[contactX[i], contactY[i], 0]] : []), now.contact],
-      COLOUR.path, 2);
+      each > t - LOOK.trail && each < t ? [[contactX[i], contactY[i], 0]] : []), now.contact],
+      LOOK.path, 2);
 
     const { areas, heavy, masses, lines, solid, cog } = data.shape;
     const front = solid || dot(now.ez, minus(eye, centre)) > 0;
-    const [bright, dark] = front ? COLOUR.front : COLOUR.back;
-    [[areas, bright], [heavy, dark], [masses, COLOUR.ink]].forEach(([outlines, colour]) =>
+    const [bright, dark] = front ? LOOK.front : LOOK.back;
+    [[areas, bright], [heavy, dark], [masses, LOOK.ink]].forEach(([outlines, colour]) =>
       outlines.forEach((outline) => fill(outline.map(placed), colour)));
     const faces = (p) => !solid || dot(minus(p, centre), minus(eye, centre)) >= R * R;
     lines.map((line) => line.map(placed)).forEach((line) => line.slice(1).forEach((point, k) => {
       if (faces(point) && faces(line[k])) stroke([line[k], point], dark, 1.5);
     }));
-    mark(now.contact, 3, COLOUR.path, COLOUR.path);
-    mark(placed(data.shape.mark), 5, "#fff", COLOUR.ink);
+    mark(now.contact, 3, LOOK.path, LOOK.path);
+    mark(placed(data.shape.mark), 5, "#fff", LOOK.ink);
     mark(placed(cog), 4.5, "#000", "#fff");
     const [x, y] = project(centre);
-    pen.strokeStyle = COLOUR.ink;
+    pen.strokeStyle = LOOK.ink;
     pen.lineWidth = 1.2;
     pen.stroke(new Path2D(`M ${x - 6} ${y} h 12 M ${x} ${y - 6} v 12`));
 

@@ -18,7 +18,7 @@ from analysis.motion.files import whole_file
 from analysis.problem.checks import within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
-from validation.kit.animation.body import shape
+from validation.kit.animation.body import LOOK, shape
 from validation.kit.animation.keyframes import COLUMNS, Keyframes, keyframes
 
 DIGITS = 5
@@ -38,15 +38,21 @@ class Page:
     Parameters
     ----------
     title : str
-    text : str
-        All of it, as HTML.
+    fragment : str
+        HTML element with everything a player needs; several may share a page.
     height : float
         Of the frame, in lines of text.
     """
 
     title: str
-    text: str = field(repr=False)
+    fragment: str = field(repr=False)
     height: float = 54.0
+
+    @property
+    def text(self) -> str:
+        """All of it as HTML; the player begins to play when it is opened."""
+        alone = self.fragment.replace("<figure ", "<figure data-alone ", 1)
+        return render("page.html", title=self.title, body=alone)
 
     def _repr_html_(self) -> str:
         # In a frame of its own, as notebooks do not run scripts where they stand.
@@ -60,21 +66,16 @@ class Page:
 class Animation(Page):
     """A player that is ready to be put on a page, to be shown in a notebook or to be saved.
 
-    Its text is that of a page of its own, which begins to play when it is opened.
-
     Parameters
     ----------
-    title, text, height
+    title, fragment, height
         As in `Page`.
-    fragment : str
-        HTML element with everything the player needs; several may share a page.
     poses : Keyframes
         What it plays.
     speed : float, optional
         As in `player`.
     """
 
-    fragment: str = field(repr=False)
     poses: Keyframes = field(repr=False)
     speed: float | None = None
 
@@ -85,7 +86,7 @@ class Animation(Page):
         ----------
         path : path-like
         **how
-            `fps` and `width` of `gif.write`.
+            `fps` and `width` of `picture.write_gif`.
 
         Raises
         ------
@@ -103,9 +104,9 @@ class Animation(Page):
             if suffix == ".html":
                 size = stream.write(self.text.encode())
                 return f"{size / 1024:.0f} KB; open it in a browser"
-            from validation.kit.animation import gif  # noqa: PLC0415 - it loads matplotlib
+            from validation.kit.animation import picture  # noqa: PLC0415 - it loads matplotlib
 
-            frames = gif.write(self.poses, stream, speed=self.speed, **how)
+            frames = picture.write_gif(self.poses, stream, speed=self.speed, **how)
             return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
 
 
@@ -142,16 +143,16 @@ def player(
         caption=caption,
         source=poses.source,
         is_heavy=bool(poses.disk.eccentricity),
-        data=_motion(poses) | _playback(poses, speed),
+        data={
+            "times": poses.times,
+            "columns": dict(zip(COLUMNS, poses.table.T, strict=True)),
+            "radius": poses.disk.radius,
+            "shape": shape(poses.disk)._asdict(),
+            "marks": poses.marks,
+            **_playback(poses, speed),
+        },
     )
-    text = page(title, fragment)
-    return Animation(title=title, text=text, fragment=fragment, poses=poses, speed=speed)
-
-
-def page(title: str, body: str) -> str:
-    """A page of its own, of which the player begins to play when it is opened."""
-    alone = body.replace("<figure ", "<figure data-alone ", 1)
-    return render("page.html", title=title, body=alone)
+    return Animation(title=title, fragment=fragment, poses=poses, speed=speed)
 
 
 def render(template: str, **told: Any) -> str:
@@ -162,23 +163,13 @@ def render(template: str, **told: Any) -> str:
     """
     environment = Environment(autoescape=True, loader=FileSystemLoader(Path(__file__).parent))
     environment.filters["data"] = _script_data
-    return environment.get_template(template).render(**told)
+    return environment.get_template(template).render(look=LOOK, **told)
 
 
 def _script_data(value: Any) -> str:
     """JSON for a script element, within which only "</" could end it early."""
     text = json.dumps(value, default=lambda array: array.round(DIGITS).tolist())
     return text.replace("</", "<\\/")
-
-
-def _motion(poses: Keyframes) -> dict[str, object]:
-    return {
-        "times": poses.times,
-        "columns": dict(zip(COLUMNS, poses.table.T, strict=True)),
-        "radius": poses.disk.radius,
-        "shape": shape(poses.disk)._asdict(),
-        "marks": poses.marks,
-    }
 
 
 def _playback(poses: Keyframes, speed: float | None) -> dict[str, object]:

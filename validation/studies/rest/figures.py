@@ -2,13 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from analysis import CAUSES, Phases, SpatialMotion
 from validation.kit import figures
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _SHADES = (
     "#0072b2", "#56b4e9", "#000000", "#d55e00", "#e69f00", "#f0e442", "#cc79a7", "#009e73"
@@ -23,7 +25,7 @@ _CROWDED = 0.05
 """Part of the time within which the names of two phases would lie on each other."""
 
 
-def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figure:
+def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> "Figure":
     """The whole story over time, with the tilt of the engine's run, sampled so often in s."""
     figure = draw_story(motion)
     dots = np.arange(0, len(tilt), _DOT)
@@ -34,7 +36,7 @@ def story(motion: SpatialMotion, tilt: Sequence[float], spacing: float) -> Figur
     return figure
 
 
-def draw_story(motion: SpatialMotion) -> Figure:
+def draw_story(motion: SpatialMotion) -> "Figure":
     """Draw tilt, COG height, spin, energies and contact force, one below the other."""
     figure, axes = figures.new_figure(5, height=11.0)
     times = motion.times

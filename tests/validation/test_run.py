@@ -1,4 +1,4 @@
-"""One call for either side, and one loader for either kind of stored run."""
+"""One call for either side."""
 
 import subprocess
 import sys
