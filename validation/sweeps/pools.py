@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from analysis.problem.checks import choice, whole
 from analysis.problem.names import ArgumentError
-from analysis.problem.user_modules import is_user_name, user_object
+from analysis.problem.user_modules import error_text, is_user_name, user_object
 from validation.kit.processes import Processes
 
 KINDS = ("processes", "dask", "mpi")
@@ -81,12 +81,14 @@ def open_pool(
 
 def _own(name: str, workers: int) -> Pool:
     make = user_object("executor", name)
-    executor = make() if callable(make) else make
+    try:
+        executor = make() if callable(make) else make
+    except (Exception, SystemExit) as error:  # a function of one's own may fail in any way
+        fault = f"cannot be made: {error_text(error)}"
+        raise ArgumentError("executor", fault, f"executor {name!r}") from error
     if not isinstance(executor, Executor):
-        raise ValueError(
-            f"executor {name!r} must be a function that returns a concurrent.futures.Executor, "
-            f"got {executor!r}"
-        )
+        fault = f"must be a function that returns a concurrent.futures.Executor, got {executor!r}"
+        raise ArgumentError("executor", fault, f"executor {name!r}")
     return Pool(executor, workers)
 
 

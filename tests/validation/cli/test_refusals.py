@@ -31,6 +31,7 @@ REFUSED = {
     SWEEP + "spin=1,2 --keep spin_torque": "--keep: keep must name what Model 1 has",
     SWEEP + "spin=1,2 --executor cores": "executor must be one of",
     SWEEP + "spin=1,2 --executor os:getcwd": "must be a function that returns",
+    SWEEP + "spin=1,2 --executor json:dumps": "cannot be made: TypeError: dumps() missing",
     SWEEP + "spin=1,2 mu=0.1 --plot a.png": "--plot: plot cannot be made: several axes",
     EIGENVALUES + "5:5:10": "--spin: spin must be a value or first:last:number, of diff",
     EIGENVALUES + "1 --formulation floating": "--formulation: formulation needs --source",
