@@ -58,8 +58,8 @@ class Phases:
     rest: float | None
 
 
-def phases_of(motion: Any) -> Phases:
-    """When the phases of a `SpatialMotion` begin."""
+def phases_of(motion: "SpatialMotion") -> Phases:
+    """When the phases of a motion begin."""
     scenario, times, leaning = motion.scenario, motion.times, motion.leaning
     contact, disk = scenario.penalty_contact, scenario.disk
     limit = np.arctan(FLAT * contact.half_thickness / disk.radius) if contact.lies(disk) else 0.0

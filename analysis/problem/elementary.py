@@ -18,6 +18,8 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+T = TypeVar("T")
+
 Rows = npt.NDArray[np.intp]
 """Numbers of members."""
 
@@ -66,8 +68,6 @@ def in_columns(numbers: Iterable[Any], count: int) -> npt.NDArray[np.float64]:
         columns[:, column] = values
     return columns
 
-
-T = TypeVar("T")
 
 _LIBRARIES: dict[type, Any] = {
     complex: cmath,

@@ -22,7 +22,10 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.start import Start
 from analysis.problem.values import Value, is_word, read_value
 
+T = TypeVar("T")
 Numbers = dict[str, Any]
+Values = npt.NDArray[Any]
+Words = Mapping[str, Value]
 
 
 def check_fields(scenario: Scenario, values: Mapping[str, Any]) -> None:
@@ -133,11 +136,6 @@ def _body(disk: Body, given: Numbers) -> Numbers:
             f"{', '.join(SIX)}",
         )
     return ring | given
-
-
-T = TypeVar("T")
-Values = npt.NDArray[Any]
-Words = Mapping[str, Value]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
