@@ -152,6 +152,12 @@ def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
     assert (lean < 0.1) == body.has_edge
 
 
+def test_a_disk_as_thick_as_wide_stands_with_its_cog_below_its_centre() -> None:
+    radius = STEEL_DISK.radius
+    lowest = radius - STEEL_DISK.eccentricity
+    assert STEEL_DISK.resting_place(radius) == pytest.approx((lowest, 1.0), rel=1e-12)
+
+
 def test_ellipse_of_equal_axes_rests_as_the_disk_does() -> None:
     numbers = {each.name: getattr(STEEL_DISK, each.name) for each in fields(STEEL_DISK)}
     circle = replace(ELLIPSE, **numbers, other_radius=STEEL_DISK.radius)
