@@ -82,11 +82,8 @@ def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integra
 
     The arguments are those of `ways`.
     """
-    explicit, implicit = (
-        shared.simulation_effort(scene.scenario, times, method=method, tolerance=tolerance).seconds
-        for method in ("DOP853", "Radau")
-    )
-    return Integrator(name="Radau" if explicit > STIFF * implicit else "DOP853")
+    method = shared.usual_method(scene.scenario, times, tolerance=tolerance, stiff=STIFF)
+    return Integrator(name=method)
 
 
 def simulation_effort(

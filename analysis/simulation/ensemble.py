@@ -77,9 +77,9 @@ def simulate_many(
     **how
         Of every member, as in `simulate`: form, method, tolerance, local_tolerance, stop_when,
         allow_pulling and time_limit. Functions in `stop_when` must be importable by name. The
-        method is by default "taylor" where heyoka is installed, and DOP853 for members that
-        cannot be compiled or that it does not take to their tolerance: `Trajectory.method`
-        tells. Compiled members run in batches.
+        method is by default "taylor" where heyoka is installed, and that of `simulate` for
+        members that cannot be compiled or that it does not take to their tolerance:
+        `Trajectory.method` tells. Compiled members run in batches.
 
     Returns
     -------
@@ -187,7 +187,7 @@ def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
     parts: list[CompiledPart] = []
     outcomes: dict[int, Outcome] = {}
 
-    def alone(members: Iterable[int], method: Method) -> dict[int, Outcome]:
+    def alone(members: Iterable[int], method: Method | None) -> dict[int, Outcome]:
         call = partial(run_member, request=request, method=method)
         found = one_by_one(call, scenarios, (member - first for member in members))
         return {first + int(row): outcome for (row,), outcome in found}
@@ -201,5 +201,5 @@ def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
     if request.method is None and request.first_method == "taylor":
         kinds = (CannotCompileError, ToleranceError)
         cannot = [member for member, each in outcomes.items() if isinstance(each, kinds)]
-        outcomes |= alone(cannot, "DOP853")
+        outcomes |= alone(cannot, None)
     return parts, outcomes, (process_time() - begin) / len(scenarios)

@@ -22,7 +22,7 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.simulation.compiled.library import is_installed
 from analysis.simulation.forms import FORMS, Form, default_form
-from analysis.solve.effort import simulation_effort
+from analysis.solve.effort import simulation_effort, usual_method
 from analysis.solve.stepping import METHODS, Method, Run
 from analysis.solve.to_tolerance import tighter_and_tighter
 from analysis.solve.watch import Progress, Watch
@@ -42,8 +42,7 @@ class Request:
     times : ndarray, shape (n,)
     form : str or None
     method : str or None
-        By default the compiled one where heyoka is installed, and DOP853 for what that one
-        cannot do.
+        Asked for, if any.
     tolerance, local_tolerance : float or None
         `DEFAULT_TOLERANCE` if neither is given, and None where the other one is.
     conditions : dict
@@ -88,9 +87,15 @@ class Request:
         self.watch()
 
     @property
-    def first_method(self) -> Method:
-        """Method that is tried first."""
-        return self.method or ("taylor" if is_installed() else "DOP853")
+    def first_method(self) -> Method | None:
+        """Method that many runs are tried with first; None stands for `usual_method`."""
+        return self.method or ("taylor" if is_installed() else None)
+
+    def usual_method(self, scenario: Scenario) -> Method:
+        """Method of a scenario that is not compiled, where none is asked for."""
+        return usual_method(
+            scenario, self.times, tolerance=self.tolerance, local_tolerance=self.local_tolerance
+        )
 
     def watch(self, most: float = MOST_STEPS) -> Watch:
         """Who watches a run of so many steps at most."""

@@ -7,13 +7,13 @@ import numpy.typing as npt
 
 from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import choice, instance
+from analysis.problem.checks import instance
 from analysis.problem.friction import check_slipping
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.ensemble import simulate_compiled
 from analysis.simulation.forms import Form, default_form, pose
 from analysis.simulation.request import Request, trajectory
-from analysis.solve.stepping import METHODS, Method, Run, integrate
+from analysis.solve.stepping import Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
 from analysis.solve.watch import Progress
 
@@ -23,7 +23,7 @@ def simulate(
     times: npt.ArrayLike,
     *,
     form: Form | None = None,
-    method: Method = "DOP853",
+    method: Method | None = None,
     tolerance: float | None = None,
     local_tolerance: float | None = None,
     stop_when: StopWhen = (),
@@ -49,10 +49,11 @@ def simulate(
     form : {"index-1", "reduced", "free-body"}, optional
         Index-1 system (80), (79) or (92); the minimal coordinates (102) of Model 4; or the
         Newton-Euler equations of a free body on a penalty contact. By default that of the contact.
-    method : {"DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"}
+    method : {"DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"}, optional
         Of SciPy; Radau, BDF and LSODA are for stiff problems, and the first two are given exact
         Jacobians, which the steepest friction needs. Or Taylor's method, compiled, tens of times
-        as fast from the second run on (extra `fast`; ideal contact only).
+        as fast from the second run on (extra `fast`; ideal contact only). By default DOP853, or
+        Radau where friction is so stiff that its steps should take less time.
     tolerance : float, optional
         Largest error in beta and gamma in rad at any one time, and in s of the time of an ending;
         1e-8 if neither tolerance is given.
@@ -98,7 +99,7 @@ def simulate(
     request = Request(
         times,
         form=form,
-        method=choice("method", method, METHODS),
+        method=method,
         tolerance=tolerance,
         local_tolerance=local_tolerance,
         stop_when=stop_when,
@@ -110,12 +111,12 @@ def simulate(
     return run_member(scenario, request, method)
 
 
-def run_member(scenario: Scenario, request: Request, method: Method) -> Trajectory:
+def run_member(scenario: Scenario, request: Request, method: Method | None) -> Trajectory:
     """Trajectory of one scenario; parameters and errors are those of `simulate`."""
     check_slipping(scenario.friction)
     named_conditions(request.conditions.values(), scenario.initial_state)
     if method != "taylor":
-        return _stepped(scenario, request, method)
+        return _stepped(scenario, request, method or request.usual_method(scenario))
     parts, failures = simulate_compiled([scenario], request)
     for failure in failures.values():
         raise failure

@@ -6,7 +6,7 @@ Euler angles, which turn the faster the flatter the disk leans.
 """
 
 from math import inf, pi
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from analysis.problem.checks import Array, choice, positive
 from analysis.problem.elementary import sin, sqrt
@@ -38,6 +38,10 @@ METHODS: dict[Method, _Method] = {
 }
 """From measured runs; compiled steps take their time in parts of an evaluation."""
 
+STIFF = 20.0
+"""Times what implicit steps should take at which explicit ones are estimated where they begin to
+take longer: motions pass the finest speed of friction only now and then."""
+
 _SECONDS = 1.2e-5
 """Processor time in s that goes with one evaluation of the equations, the solver's included,"""
 
@@ -60,11 +64,36 @@ def contact_time(scenario: Scenario) -> float:
     return pi / sqrt(scenario.penalty_contact.stiffness * scenario.disk.contact_mobility)
 
 
+def usual_method(
+    scenario: Scenario,
+    times: Array,
+    *,
+    tolerance: float | None = None,
+    local_tolerance: float | None = None,
+    stiff: float = STIFF,
+) -> Literal["DOP853", "Radau"]:
+    """Method that is taken where none is asked for: Radau where friction is stiff, else DOP853.
+
+    Parameters
+    ----------
+    scenario, times, tolerance, local_tolerance
+        See `simulation_effort`.
+    stiff : float
+        See `STIFF`.
+    """
+
+    def seconds(method: Method) -> float:
+        accuracy = {"tolerance": tolerance, "local_tolerance": local_tolerance}
+        return simulation_effort(scenario, times, method=method, **accuracy).seconds
+
+    return "Radau" if seconds("DOP853") > stiff * seconds("Radau") else "DOP853"
+
+
 def simulation_effort(
     scenario: Scenario,
     times: Array,
     *,
-    method: Method = "DOP853",
+    method: Method | None = None,
     tolerance: float | None = None,
     local_tolerance: float | None = None,
 ) -> Effort:
@@ -75,8 +104,8 @@ def simulation_effort(
     scenario : Scenario
     times : ndarray, shape (n,)
         In s.
-    method : str
-        One of `METHODS`.
+    method : str, optional
+        One of `METHODS`; by default `usual_method`.
     tolerance, local_tolerance : float, optional
         As in `analysis.simulate`; a tolerance takes two runs or more.
 
@@ -85,8 +114,11 @@ def simulation_effort(
     ValueError
         If a tolerance is not positive, or the method is none.
     """
-    choice("method", method, METHODS)
-    used = METHODS[method]
+    if method is None:
+        method = usual_method(
+            scenario, times, tolerance=tolerance, local_tolerance=local_tolerance
+        )
+    used = METHODS[choice("method", method, METHODS)]
     name, wanted = "tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance
     if local_tolerance is not None:
         name, wanted = "local_tolerance", local_tolerance

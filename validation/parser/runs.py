@@ -42,7 +42,7 @@ class RunOptions:
     integrator : str or Integrator, optional
         Engine only: RK67, RK44, DOPRI5 without constraints (the most accurate).
     method : str, optional
-        In-house only: solver; taylor runs compiled (DOP853).
+        In-house only: solver; taylor runs compiled (DOP853, stiff friction Radau).
     stop_when : str, callable or iterable of them, optional
         End there, at the exact time: inverted, lost, or where module:function, a function of the
         State, turns negative.
@@ -120,7 +120,8 @@ class CaseOptions(RunOptions):
     tolerance : float, optional
         Largest error of beta and gamma in rad (1e-6; to rest 1e-3).
     method : str, optional
-        In-house only: solver; taylor runs compiled (DOP853; to rest LSODA).
+        In-house only: solver; taylor runs compiled (DOP853, stiff friction Radau; to
+        rest LSODA).
     time_limit : float
         Of each run, processor time in s.
     end : float
