@@ -4,12 +4,19 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, ToleranceError
+from analysis.motion.endings import TIME_LIMIT
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.simulation.forms import pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.solve.stepping import Run
-from analysis.solve.to_tolerance import Runs, agree, run_to, tighter_and_tighter
+from analysis.solve.to_tolerance import (
+    Runs,
+    agree,
+    estimated_errors,
+    run_to,
+    tighter_and_tighter,
+)
 
 TIMES = np.linspace(0.0, 0.6, 7)
 
@@ -53,3 +60,12 @@ def test_every_member_keeps_the_run_that_agreed_with_the_one_before() -> None:
     assert found.steps[:2].tolist() == [2, 3]
     assert found.states[1, 0, 0] < found.states[0, 0, 0] < 1.0
     assert {member: type(error) for member, error in failures.items()} == {2: ToleranceError}
+
+
+def test_a_run_out_of_time_is_judged_by_what_it_has_beyond_the_start() -> None:
+    fine, coarse = (Runs.empty(2, TIMES, 2, (TIME_LIMIT,)) for _ in range(2))
+    for each, error in ((fine, 0.0), (coarse, 1e-7)):
+        each.states[:] = each.last[:] = error
+    fine.reasons[:], fine.ends[:] = 0, TIMES[:2]
+    found = estimated_errors(fine, coarse, lambda states: states, lambda each: each.last)
+    assert found.tolist() == [np.inf, pytest.approx(2e-7)]

@@ -85,6 +85,13 @@ def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) 
         assert name in Path("made.svg").read_text(encoding="utf-8")
 
 
+def test_motions_of_one_side_are_told_apart_by_how_they_were_run(capsys: Capture) -> None:
+    one, other = (simulate(Scenario(), [0.0, 0.1], local_tolerance=tol) for tol in (1e-6, 1e-8))
+    shown = printed(capsys, "show", *stored(one=one, other=other))
+    found = re.search(r"method\.local_tolerance +(\S+) +(\S+)\n", shown)
+    assert [*map(float, not_none(found).groups())] == [1e-6, 1e-8]
+
+
 def test_motions_of_different_problems_are_told_apart_first(capsys: Capture) -> None:
     one = simulate(Scenario(), [0.0, 0.1], local_tolerance=1e-6)
     friction = SmoothCoulomb(coefficient=0.2)
