@@ -96,7 +96,7 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
 
 
 def position_residuals(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
-    """Position-level residuals of Eqs. (66) and (83) in m, 1 or 3, from a state of `states`."""
+    """Position-level residuals of Eqs. (66) and (83) in m, 1 or 3, from a state of `state_of`."""
     position, angles = state[:3], state[3:6]
     frame = EulerAngles.frame(angles)
     height = position[2] - disk.eccentricity * frame.up[0]
@@ -110,7 +110,7 @@ def position_residuals(constraints: ConstraintSet, disk: Any, state: Numbers) ->
 def velocity_residuals(
     constraints: ConstraintSet, disk: Any, state: Numbers, chart: type[EulerAngles] = EulerAngles
 ) -> list[Any]:
-    """Velocity-level residuals in m/s, and rates that are held in rad/s, from a state of `states`.
+    """Velocity-level residuals in m/s and held rates in rad/s, from a state of `state_of`.
 
     Those of `position_residuals` are their rates, seen from the turning frame.
     """

@@ -87,7 +87,7 @@ def derivative(
         Or, of a round disk, what has its mass, radius, eccentricity, `inertia_about_cog` and
         `products`, of any kind.
     state : sequence of 12 numbers
-        See `states`.
+        See `state_of`.
     gravity : tuple of 3 numbers
         In m/s², in axes of the table; the first two are the float 0.0 if it is level.
     friction : callable

@@ -209,7 +209,7 @@ class FreeBody:
     """A disk on a table that yields, in a chart that is regular in every attitude.
 
     Its state holds that of `Quaternion`, 13 numbers, and the energy taken so far by each of
-    `dissipation.CAUSES` (6).
+    `CAUSES` (6).
 
     Parameters
     ----------
