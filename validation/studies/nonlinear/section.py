@@ -82,18 +82,14 @@ def present(rows: Rows) -> Content:
         },
         figures={
             "bifurcations": _bifurcations(
-                _family(cycles, hopf, connection, "amplitude"),
-                hopf,
-                slow=families[families.case == SLOW],
-                engine=engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")],
+                _family(cycles, hopf, connection, "amplitude"), hopf, families, engine
             ),
             "periods": _family(cycles, hopf, connection, "period", "multiplier", "log_strong"),
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
         checks=[
             *_cycle_checks(fits, apart),
-            *_other_checks(connections, passages),
-            at_most("passage: power of the rate of decay", abs(law.exponent - 0.5), ROOT),
+            *_other_checks(connections, passages, law.exponent),
         ],
         verdicts=[
             _swings(cycles, hopf.spin, connection["spin"], fits.fold, apart),
@@ -123,9 +119,11 @@ def _family(
 
 
 def _bifurcations(
-    figure: Any, hopf: CriticalSpeed, *, slow: pd.DataFrame, engine: pd.DataFrame
+    figure: Any, hopf: CriticalSpeed, families: pd.DataFrame, engine: pd.DataFrame
 ) -> Any:
     """Amplitude over spin, with the stationary motions it leads between and cycles of others."""
+    slow = families[families.case == SLOW]
+    engine = engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")]
     (axes,) = figure.axes
     low, high = axes.get_xlim()
     for value, end in ((0.0, hopf.spin), (np.pi, high)):
@@ -177,7 +175,9 @@ def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
         yield at_most(f"cycles: {name}, fit over theory less 1", abs(ratio - 1.0), FIT)
 
 
-def _other_checks(connections: pd.DataFrame, passages: pd.DataFrame) -> Iterator[Check]:
+def _other_checks(
+    connections: pd.DataFrame, passages: pd.DataFrame, power_of_decay: float
+) -> Iterator[Check]:
     number = len(measured.disks_and_friction())
     yield equal("connections: found", int(connections.spin.notna().sum()), number)
     yield at_most("connections: bracket", largest(connections.bracket), SAME)
@@ -187,6 +187,7 @@ def _other_checks(connections: pd.DataFrame, passages: pd.DataFrame) -> Iterator
     sides = named.reindex([DISSIPATED, f"{DISSIPATED}, engine"])
     for name in ("crossing", "lost", "lowest_spin"):
         yield at_most(f"passage: {name}, engine", float(np.ptp(sides[name])), SAME_PASSAGE)
+    yield at_most("passage: power of the rate of decay", abs(power_of_decay - 0.5), ROOT)
 
 
 def _swings(
