@@ -315,7 +315,7 @@ def force_rounding(model: Model) -> float:
     scenario = model.scenario
     disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
     gravity, rates = scenario.table.gravity, model.start.rates[3:]
-    fastest = sqrt(sum(rate * rate for rate in rates) + gravity / disk.radius)
+    fastest = sqrt(sum(rate * rate for rate in rates) + scenario.fall)
     rim_speed = disk.radius * fastest
     largest = [disk.mass * (gravity + rim_speed * fastest)]
     largest += model.own_equations

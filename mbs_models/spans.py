@@ -16,7 +16,7 @@ from analysis.motion import frames
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Condition
 from analysis.problem.checks import Array
 from analysis.problem.limits import LEAST_TILT
-from analysis.problem.start import COORDINATES, FlatError, State, check_upright
+from analysis.problem.start import FlatError, State, check_upright
 from analysis.solve.stepping import Run, pulls_at_start
 from analysis.solve.watch import Watch
 from mbs_models.accelerations import AccelerationProblem
@@ -195,8 +195,8 @@ class _Spans:
         else could not be extrapolated.
         """
         scenario = self._call.scene.scenario
-        fall = np.sqrt(scenario.table.gravity / scenario.disk.radius)
-        fastest = 2.0 * (float(np.sum(np.abs(self._here[9:12]))) + fall)
+        turning = float(np.sum(np.abs(self._here[9:12])))
+        fastest = 2.0 * (turning + np.sqrt(scenario.fall))
         needed = int(np.ceil(fastest * spacing))
         if self._integrator.controls_step:
             return needed, int(np.ceil((substeps << halvings) / needed))
@@ -261,25 +261,21 @@ class _Spans:
         return np.column_stack((coordinates, rates, forces))
 
     def _unwrap(self, values: Array, moments: Array) -> None:
-        """Make alpha and gamma continuous in place, from the last sample on.
-
-        A record half a turn off what its rates predict cannot be told from the next.
-        """
+        """Make alpha and gamma continuous in place, from the last sample on."""
         if self._model.has_euler_angles:
             return
         upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
         rows, times = values[:upright], moments[:upright]
         rows[:, TURNING] += _whole_turns(self._here[TURNING] - rows[:1, TURNING])
-        frames.follow_turns(times, rows[:, PLACE], rows[:, RATES])
-        for column in TURNING:
-            angle, rate = rows[:, column], rows[:, 6 + column]
-            doubt = np.abs(0.5 * np.diff(times) * (rate[1:] + rate[:-1]) - np.diff(angle))
-            if np.any(doubt > 0.5 * np.pi):
-                raise EngineError(
-                    f"the turns of {COORDINATES[column]} cannot be followed after sample "
-                    f"{int(np.argmax(doubt))}: the disk lies flat, or the samples are too far "
-                    "apart"
-                )
+        fall = self._call.scene.scenario.fall
+        unseen = frames.follow_turns(times, rows[:, PLACE], rows[:, RATES], fall)
+        if np.any(unseen):
+            moment = float(times[np.argmax(unseen)])
+            raise FlatError(
+                f"alpha and gamma may turn unseen after t = {moment:.6g} s, between two records, "
+                "as the disk comes nearly flat: give times closer together",
+                moment,
+            )
 
     def _places(self, values: Array, samples: Samples, period: float) -> Iterator[Place]:
         """Places where the run may end, in no order."""

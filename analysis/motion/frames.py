@@ -3,8 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from analysis.problem.checks import Array
+
+Flags = npt.NDArray[np.bool_]
 
 
 class Poses(NamedTuple):
@@ -93,22 +96,57 @@ def from_poses(
     return coordinates, rates
 
 
-def follow_turns(times: Array, coordinates: Array, rates: Array) -> None:
-    """Make alpha and gamma continuous from their first values on, in place.
+def follow_turns(times: Array, coordinates: Array, rates: Array, fall: float) -> Flags:
+    """Make alpha and gamma continuous from their first values on, in place; where samples tell.
 
-    Their mean rates predict each sample, so that coarse sampling of a fast spin does not lose
-    turns as long as it is off by less than half of one.
+    Alpha is the direction in which the axis of the disk leans, and turns fast where that comes by
+    the vertical. Between samples over which the axis cannot have gone round the vertical, alpha
+    turns by less than half a turn. Else, as in a fast spin that is sampled coarsely, the mean
+    rates predict it, unless the disk may lean much less in between. Gamma follows from the sum of
+    both, on the other face from their difference, which is regular on a flat disk.
 
     Parameters
     ----------
     times : ndarray, shape (n,)
     coordinates, rates : ndarray, shape (n, 6)
+    fall : float
+        Acceleration in rad/s² of the axis by gravity, at most.
+
+    Returns
+    -------
+    ndarray of bool, shape (n - 1,)
+        Between which samples turns may have been lost.
     """
-    for column in (3, 5):
-        angle, rate = coordinates[:, column], rates[:, column]
-        predicted = 0.5 * np.diff(times) * (rate[1:] + rate[:-1])
-        turns = np.round((predicted - np.diff(angle)) / (2 * np.pi))
-        angle[1:] += 2 * np.pi * np.cumsum(turns)
+    spacing, (_, _, _, alpha, tilt, gamma) = np.diff(times), coordinates.T
+    _, _, _, spin, tilting, rolling = rates.T
+    reach = np.sin(tilt)
+    way = _farthest(np.hypot(tilting, spin * reach), spacing, fall)
+    near = way < reach[1:] + reach[:-1]
+    steady = _farthest(np.abs(tilting), spacing, fall) < 0.5 * np.minimum(reach[1:], reach[:-1])
+    expected = np.where(near, 0.0, 0.5 * spacing * (spin[1:] + spin[:-1]))
+    turned = _turn(alpha, expected)
+    unseen: Flags = ~near & (~steady | (np.abs(turned - expected) > _DOUBT))
+    face = np.where(tilt[1:] + tilt[:-1] < np.pi, 1.0, -1.0)
+    both = 0.5 * spacing * (spin[1:] + spin[:-1] + face * (rolling[1:] + rolling[:-1]))
+    expected = face * (both - turned)
+    unseen |= np.abs(_turn(gamma, expected) - expected) > _DOUBT
+    return unseen
+
+
+_DOUBT = 0.5 * np.pi
+"""How far off what is expected an angle may be in rad, if turns of it are to be told."""
+
+
+def _farthest(speed: Array, spacing: Array, fall: float) -> Array:
+    """How far anything can have gone between samples with these speeds, shape (n - 1,)."""
+    way: Array = spacing * np.maximum(speed[1:], speed[:-1]) + 0.5 * fall * spacing**2
+    return way
+
+
+def _turn(angle: Array, expected: Array) -> Array:
+    """Add whole turns to an angle, shape (n,), so that it changes as expected; by what it does."""
+    angle[1:] += 2 * np.pi * np.cumsum(np.round((expected - np.diff(angle)) / (2 * np.pi)))
+    return np.diff(angle)
 
 
 def accelerations_from_inertial(

@@ -5,18 +5,15 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from analysis.motion import frames
-from analysis.motion.frames import Poses
+from analysis.motion.frames import Flags, Poses
 from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import filled, quantities
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, choice, within
 from analysis.problem.contact import CAUSES
-
-Flags = npt.NDArray[np.bool_]
 
 ROLLING = 0.1
 """Rolling: the slip speed stays below this part of the contour speed."""
@@ -298,7 +295,8 @@ class SpatialMotion(SampledMotion):
         Raises
         ------
         ValueError
-            If fewer than two samples lie before `end`, or the disk comes too close to flat.
+            If fewer than two samples lie before `end`, or the disk comes too close to flat, or
+            so close between two samples that alpha and gamma may turn unseen.
         """
         count = int(np.searchsorted(self.times, np.inf if end is None else end, side="right"))
         leaning = self.leaning[:count]
@@ -309,7 +307,12 @@ class SpatialMotion(SampledMotion):
                 f"at t = {first:g} s"
             )
         coordinates, rates = frames.from_poses(*(each[:count] for each in self.poses))
-        frames.follow_turns(self.times[:count], coordinates, rates)
+        unseen = frames.follow_turns(self.times[:count], coordinates, rates, self.scenario.fall)
+        if np.any(unseen):
+            raise ValueError(
+                "end must lie before alpha and gamma may turn unseen between two samples, after "
+                f"t = {self.times[np.argmax(unseen)]:g} s; closer ones tell how far"
+            )
         estimate = self.error_estimate
         return Trajectory(
             times=self.times[:count],

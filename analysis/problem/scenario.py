@@ -164,6 +164,11 @@ class Scenario(Described):
         return self.disk.mass * self.table.pressing
 
     @property
+    def fall(self) -> float:
+        """Angular acceleration in rad/s² with which it falls over, at most."""
+        return self.table.gravity / self.disk.radius
+
+    @property
     def slip_decay(self) -> float:
         """Rate in 1/s at which friction under the weight brakes slip, at most."""
         return self.friction.slope(self.weight) * self.disk.contact_mobility

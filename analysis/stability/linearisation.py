@@ -63,7 +63,7 @@ Rounding, some 1e-12, splits a double zero into two of its square root.
 
 def spin_scale(scenario: Scenario) -> float:
     """Natural unit of spins and frequencies: sqrt(g / r) in rad/s."""
-    return sqrt(scenario.table.gravity / scenario.disk.radius)
+    return sqrt(scenario.fall)
 
 
 def require_spinning(scenario: Scenario, analysis: str, level: Level | None = None) -> None:

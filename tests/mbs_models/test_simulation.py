@@ -10,6 +10,7 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
+    CENTRED_DISK,
     LEVELS,
     POSSIBLE_SETS,
     STEEL_DISK,
@@ -22,6 +23,7 @@ from analysis import (
     Table,
     TimeLimitError,
 )
+from analysis.problem.start import FlatError
 from mbs_models import EngineError, Integrator, Scene
 from mbs_models.extrapolation import Ladder
 from tests.helpers import model, mostly_slow, not_none
@@ -176,3 +178,18 @@ def test_runs_print_nothing_and_write_nothing(
         mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
+
+
+def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_refused() -> None:
+    bounce = Scenario(
+        disk=CENTRED_DISK,
+        friction=SmoothCoulomb(coefficient=0.0),
+        contact=PenaltyContact(stiffness=1e5),
+        start=Start(beta=0.3, spin=3.0, gamma_rate=0.0),
+    )
+    scene, times = Scene(bounce, "floating-lie"), np.linspace(0.0, 0.15, 1501)
+    run = mbs_models.simulate(scene, times, step=1e-5)
+    np.testing.assert_allclose(run.coordinates, truth(bounce, times).coordinates, atol=0.01)
+    assert np.ptp(run.coordinate("alpha")) > 4.0 * np.pi
+    with pytest.raises(FlatError, match=r"alpha and gamma may turn unseen after t = 0\.05 s"):
+        mbs_models.simulate(scene, times[::500], step=1e-5)

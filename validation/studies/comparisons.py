@@ -65,9 +65,17 @@ END = 1.0
 
 MOTION = "β and γ of the motion in rad"
 
-Found = tuple[float | None, str]
-"""Largest difference and how it was found; infinite if the sides differ in more than numbers,
-None, with the reason, if there is nothing to compare."""
+
+class Found(NamedTuple):
+    """Largest difference and how it was found, of motions with the time in s that they last.
+
+    It is infinite if the sides differ in more than numbers; None, with the reason, if there is
+    nothing to compare.
+    """
+
+    difference: float | None
+    detail: str
+    over: float | None = None
 
 
 class Comparison(NamedTuple):
@@ -85,6 +93,8 @@ class Comparison(NamedTuple):
         Largest difference found; None if there is nothing to compare.
     detail : str
         How it was compared; or why there is nothing to compare.
+    over : float, optional
+        Time in s for which motions are compared.
     counted : int, optional
         Number of random states at which both sides have something to compare.
     """
@@ -94,6 +104,7 @@ class Comparison(NamedTuple):
     criterion: float
     difference: float | None
     detail: str
+    over: float | None = None
     counted: int | None = None
 
     @property
@@ -132,7 +143,7 @@ def compare_scene(
     if number < states:
         how = f"relative, at {number} of {states} random states: the others have no solution"
     for quantity, each in zip(("accelerations", "constraint forces"), differences, strict=True):
-        yield Comparison(quantity, way, ACCELERATION_LIMIT, each, how, number)
+        yield Comparison(quantity, way, ACCELERATION_LIMIT, each, how, counted=number)
     contact = scene.scenario.contact
     rounded = contact is not None and contact.is_rounded
     if end is not None and rounded and way == Scene(scene.scenario).built_as:
@@ -238,17 +249,17 @@ def _tried(compared: Callable[[], Found]) -> Found:
     try:
         return compared()
     except (EngineError, FlatError) as error:
-        return inf, f"a run fails: {error}"
+        return Found(inf, f"a run fails: {error}")
     except (ToleranceError, TimeLimitError, ValueError) as error:
-        return None, " ".join(str(error).split())
+        return Found(None, " ".join(str(error).split()))
 
 
 def motion_difference(scene: Scene, end: float) -> Found:
     """Largest difference of beta and gamma in rad, from the scenario's own start.
 
     The time is cut short of where the disk comes to lie flat, and where a run would take too long
-    or cannot be had to the tolerance. If one side ends because the contact would pull, the other
-    one has to do so there.
+    or cannot be had to the tolerance, which is then told. If one side ends because the contact
+    would pull, the other one has to do so there.
 
     Parameters
     ----------
@@ -258,9 +269,11 @@ def motion_difference(scene: Scene, end: float) -> Found:
     """
     whole = found = _tried(partial(_motion, scene, end))
     for part in (0.1, 0.01):
-        if found[0] is None:
+        if found.difference is None:
             found = _tried(partial(_motion, scene, part * end))
-    return whole if found[0] is None else found
+    if found.difference is None or found is whole:
+        return whole
+    return found._replace(detail=f"{found.detail}; over {end:.4g} s: {whole.detail}")
 
 
 def _motion(scene: Scene, end: float) -> Found:
@@ -276,9 +289,9 @@ def _motion(scene: Scene, end: float) -> Found:
     reason = _reason(engine)
     if reason != _reason(inhouse) or engine.times.size != inhouse.times.size:
         told = (str(each.ending or "runs through") for each in (engine, inhouse))
-        return inf, "engine {}; in-house {}".format(*told)
-    where = f", where {reason}" if reason else ""
-    return deviation(engine, inhouse), f"over {engine.times[-1]:.4g} s{where}"
+        return Found(inf, "engine {}; in-house {}".format(*told))
+    where, last = f", where {reason}" if reason else "", float(engine.times[-1])
+    return Found(deviation(engine, inhouse), f"over {last:.4g} s{where}", last)
 
 
 def _comparable(
@@ -327,8 +340,10 @@ def _rest(scene: Scene, end: float) -> Found:
     )
     late = TIME_LIMIT in (_reason(engine), _reason(inhouse))
     if not late and (engine.rest_time is None) != (inhouse.rest_time is None):
-        return inf, f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
-    return engine.deviation(inhouse), f"over {min(engine.times[-1], inhouse.times[-1]):.4g} s"
+        told = f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
+        return Found(inf, told)
+    last = float(min(engine.times[-1], inhouse.times[-1]))
+    return Found(engine.deviation(inhouse), f"over {last:.4g} s", last)
 
 
 # --- Eigenvalues --------------------------------------------------------------------------------
@@ -340,13 +355,13 @@ def eigenvalue_difference(scene: Scene, motion: Motion) -> Found:
     try:
         expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
     except ValueError as error:
-        return None, str(error)
+        return Found(None, str(error))
     except ArithmeticError as error:
-        return inf, str(error)
+        return Found(inf, str(error))
     scenes = (spinning(scenario, spin, formulation=way, motion=motion) for spin in SPINS)
     try:
         worst = largest(map(distance, map(mbs_models.eigenvalues, scenes), expected))
     except (ValueError, ArithmeticError) as error:
-        return inf, f"the engine fails: {error}"
+        return Found(inf, f"the engine fails: {error}")
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
-    return worst, f"relative to max(|λ|, 1), at {spins} rad/s"
+    return Found(worst, f"relative to max(|λ|, 1), at {spins} rad/s")

@@ -29,6 +29,7 @@ from validation.studies.comparisons import (
     ACCELERATION_LIMIT,
     ANGLE_LIMIT,
     END,
+    MOTION,
     SPINS,
     compare_scene,
 )
@@ -38,6 +39,14 @@ from validation.study import Check, Row, Study, at_most, equal
 TITLE = "Engine against in-house equations"
 
 MODELS_OF_PAPER, SETS, OTHERS = "the paper's models", "sets of constraints", "other bodies"
+
+HEADS = {
+    "kind": "compared over",
+    "states": "random states",
+    "lasting": "time in s",
+    "difference": "largest",
+    "criterion": "at most",
+}
 
 STATES = {MODELS_OF_PAPER: 250, SETS: 50, OTHERS: 50}
 """Random states of each scene."""
@@ -140,6 +149,7 @@ def present(rows: Rows) -> Content:
     worst = found.groupby(["kind", "quantity"], sort=False).agg(
         scenes=("case", "size"),
         states=("counted", "min"),
+        lasting=("over", "min"),
         difference=("difference", largest),
         criterion=("criterion", "max"),
     )
@@ -153,7 +163,6 @@ def present(rows: Rows) -> Content:
         for name, part in parts.items()
     }
     agrees, scenes = all(check.holds for check in checks), int(models["scenes"].max())
-    heads = ("compared over", "quantity", "scenes", "random states", "largest", "at most")
     return Content(
         numbers={
             **most,
@@ -163,7 +172,7 @@ def present(rows: Rows) -> Content:
             "turned_apart": apart,
         },
         tables={
-            "agreement": worst.reset_index().set_axis(heads, axis=1),
+            "agreement": worst.reset_index().rename(columns=HEADS),
             "scenes": found.set_index(["case", "formulation", "quantity"])["difference"]
             .unstack(sort=False)
             .reset_index(),
@@ -198,4 +207,6 @@ def _checks(worst: pd.DataFrame) -> list[Check]:
         found.append(equal(f"{name}, scenes", row["scenes"], scenes[kind]))
         if row["quantity"] == "accelerations":
             found.append(equal(f"{name}, states with a solution", row["states"], STATES[kind]))
+        elif row["quantity"] == MOTION:
+            found.append(equal(f"{name}, least time in s", row["lasting"], END))
     return found

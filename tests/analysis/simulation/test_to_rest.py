@@ -249,6 +249,22 @@ def test_flat_motion_has_no_trajectory_but_its_beginning_has(settled: SpatialMot
     np.testing.assert_allclose(begin.coordinate("beta"), settled.tilt[: begin.times.size])
 
 
+def test_turns_of_a_nearly_flat_disk_are_told_by_close_samples_alone() -> None:
+    smooth = SmoothCoulomb(coefficient=0.0, load="contact")
+    contact = PenaltyContact(stiffness=1e5, half_thickness=2e-4)
+    start = Start(beta=1.0, spin=0.5, gamma_rate=0.0)
+    scenario = Scenario.rest(disk=CENTRED_DISK, friction=smooth, contact=contact, start=start)
+    close, coarse = (
+        simulate_to_rest(scenario, 0.2, spacing=spacing, local_tolerance=1e-10)
+        for spacing in (5e-4, 1e-2)
+    )
+    expected = simulate(scenario, close.times, local_tolerance=1e-10).coordinates
+    np.testing.assert_allclose(close.to_trajectory().coordinates, expected, atol=1e-3)
+    assert np.ptp(expected[:, 3]) > 3.0 * pi
+    with pytest.raises(ValueError, match="before alpha and gamma may turn unseen between two"):
+        coarse.to_trajectory()
+
+
 @pytest.mark.parametrize("disk", [STEEL_DISK, CENTRED_DISK])
 @pytest.mark.parametrize(("tilt", "gamma"), [(0.0, -pi / 2), (1e-12, pi / 2), (1e-5, pi / 2)])
 def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Body, tilt: float, gamma: float) -> None:

@@ -107,15 +107,26 @@ def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
         ending = replace(not_none(found.ending), time=not_none(found.ending).time + 1e-6)
         return replace(found, times=found.times + 1e-6, ending=ending)
 
-    (right, detail), (wrong, _) = told(), told(late)
+    (right, detail, _), (wrong, *_) = told(), told(late)
     assert detail == "over 0.01587 s, where contact would pull"
     assert right < comparisons.ANGLE_LIMIT < wrong
-    difference, detail = told(lambda found: replace(found, ending=None))
+    difference, detail, _ = told(lambda found: replace(found, ending=None))
     assert difference == inf
     assert "engine runs through; in-house ended at" in detail
-    difference, detail = told(time_limit=1e-9)
-    assert difference is None
+    difference, detail, over = told(time_limit=1e-9)
+    assert difference is over is None
     assert "time limit" in detail
+
+
+def test_time_cut_short_is_told_with_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    def out_of_time(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
+        return run(scenario, times, **how | ({"time_limit": 1e-9} if times[-1] > 0.02 else {}))
+
+    monkeypatch.setattr(comparisons, "run", out_of_time)
+    difference, detail, over = comparisons.motion_difference(Scene(), 0.1)
+    assert holds(difference, comparisons.ANGLE_LIMIT)
+    assert over == pytest.approx(0.01)
+    assert detail.startswith("over 0.01 s; over 0.1 s: time limit met")
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
@@ -154,7 +165,7 @@ def test_one_state_without_a_number_on_one_side_is_no_agreement(
 
 def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
     falling = Scene(model(4, start=Start(spin=5.0, beta=0.5)))
-    difference, detail = comparisons.motion_difference(falling, 2.0)
+    difference, detail, _ = comparisons.motion_difference(falling, 2.0)
     assert holds(difference, comparisons.ANGLE_LIMIT)
     assert detail == "over 0.06118 s"
 
@@ -195,7 +206,7 @@ def compared() -> pd.DataFrame:
         if kind != crosscheck.OTHERS or "eigenvalues" not in each.quantity
     ]
     table = pd.DataFrame(rows)
-    return table.assign(counted=table["kind"].map(crosscheck.STATES))
+    return table.assign(counted=table["kind"].map(crosscheck.STATES), over=comparisons.END)
 
 
 def present(rows: pd.DataFrame, apart: float | None = 1e-8) -> Content:
@@ -226,3 +237,6 @@ def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> No
     assert missing == {"crosscheck: accelerations, the paper's models, scenes"}
     fewer = failing(present(planted(rows, 0, "counted", 249)).checks)
     assert fewer == {"crosscheck: accelerations, the paper's models, states with a solution"}
+    motion = int(rows.index[rows["quantity"] == comparisons.MOTION][0])
+    shorter = failing(present(planted(rows, motion, "over", 0.1)).checks)
+    assert shorter == {f"crosscheck: {comparisons.MOTION}, the paper's models, least time in s"}

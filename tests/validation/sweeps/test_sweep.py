@@ -295,6 +295,8 @@ def test_look_ahead_refuses_what_cannot_run_and_counts_what_partly_can() -> None
         look_ahead(sweep("spin=30,40", scenario=Scenario(), source="engine", witness_step=1e-3))
     with pytest.raises(ValueError, match=r"^stop_when .* must say a number of a State"):
         look_ahead(sweep("spin=30,40", stop_when="os:getcwd"))
+    alone, seen = (look_ahead(sweep("mu=0.2,0.3", witnesses=each))[0] for each in (0, 2))
+    assert seen > 1.5 * alone
     _, refused = look_ahead(sweep("mu=-1,0.2,0.3"))
     reason = "coefficient must not be negative, got -1"
     assert refused == f"1 of 3 cases looked at are refused, such as: {reason}"
