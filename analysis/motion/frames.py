@@ -9,6 +9,9 @@ from analysis.problem.checks import Array
 
 Flags = npt.NDArray[np.bool_]
 
+_DOUBT = 0.5 * np.pi
+"""How far off what is expected an angle may be in rad, if turns of it are to be told."""
+
 
 class Poses(NamedTuple):
     """Poses and how they move: shapes (n, 3), (n, 3, 3), (n, 3), (n, 3); see `from_poses`."""
@@ -100,10 +103,11 @@ def follow_turns(times: Array, coordinates: Array, rates: Array, fall: float) ->
     """Make alpha and gamma continuous from their first values on, in place; where samples tell.
 
     Alpha is the direction in which the axis of the disk leans, and turns fast where that comes by
-    the vertical. Between samples over which the axis cannot have gone round the vertical, alpha
-    turns by less than half a turn. Else, as in a fast spin that is sampled coarsely, the mean
-    rates predict it, unless the disk may lean much less in between. Gamma follows from the sum of
-    both, on the other face from their difference, which is regular on a flat disk.
+    the vertical. Between samples over which the axis cannot have gone round the vertical, at the
+    faster of its two speeds and what gravity adds, alpha turns by less than half a turn. Else, as
+    in a fast spin that is sampled coarsely, the mean rates predict it, unless the disk may lean
+    much less in between. Gamma follows from the sum of both, on the other face from their
+    difference, which is regular on a flat disk.
 
     Parameters
     ----------
@@ -119,22 +123,18 @@ def follow_turns(times: Array, coordinates: Array, rates: Array, fall: float) ->
     """
     spacing, (_, _, _, alpha, tilt, gamma) = np.diff(times), coordinates.T
     _, _, _, spin, tilting, rolling = rates.T
+    by_spin, by_rolling = (0.5 * spacing * (each[1:] + each[:-1]) for each in (spin, rolling))
     reach = np.sin(tilt)
     way = _farthest(np.hypot(tilting, spin * reach), spacing, fall)
     near = way < reach[1:] + reach[:-1]
     steady = _farthest(np.abs(tilting), spacing, fall) < 0.5 * np.minimum(reach[1:], reach[:-1])
-    expected = np.where(near, 0.0, 0.5 * spacing * (spin[1:] + spin[:-1]))
+    expected = np.where(near, 0.0, by_spin)
     turned = _turn(alpha, expected)
     unseen: Flags = ~near & (~steady | (np.abs(turned - expected) > _DOUBT))
     face = np.where(tilt[1:] + tilt[:-1] < np.pi, 1.0, -1.0)
-    both = 0.5 * spacing * (spin[1:] + spin[:-1] + face * (rolling[1:] + rolling[:-1]))
-    expected = face * (both - turned)
+    expected = by_rolling + face * (by_spin - turned)
     unseen |= np.abs(_turn(gamma, expected) - expected) > _DOUBT
     return unseen
-
-
-_DOUBT = 0.5 * np.pi
-"""How far off what is expected an angle may be in rad, if turns of it are to be told."""
 
 
 def _farthest(speed: Array, spacing: Array, fall: float) -> Array:

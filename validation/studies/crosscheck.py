@@ -47,6 +47,7 @@ HEADS = {
     "difference": "largest",
     "criterion": "at most",
 }
+"""Of the columns of the table of agreement, where they are called otherwise."""
 
 STATES = {MODELS_OF_PAPER: 250, SETS: 50, OTHERS: 50}
 """Random states of each scene."""
