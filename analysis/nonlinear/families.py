@@ -8,7 +8,7 @@ one for either sense of turning: on one side of its spin they join to the swingi
 other side each becomes a rotating motion of its own (a gluing bifurcation).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -77,7 +77,7 @@ def cycle_family(
         Of Model 4 with friction that knows the weight, and an eccentricity.
     amplitudes : array_like, shape (n,), optional
         Amplitudes of gamma about pi/2 in rad, rising, between 0 and 3 pi/2; by default up to
-        the heteroclinic connection, which lies at pi or, about a saddle-focus, beyond.
+        the heteroclinic connection, which lies at pi or beyond; see `last_amplitude`.
     progress : callable, optional
         Called after each cycle with how many there are and how many are wanted.
 
@@ -89,18 +89,22 @@ def cycle_family(
         If not even the first cycle is found.
     """
     flow.require_cycles(scenario, STEEPEST)
-    wanted = _amplitudes(scenario) if amplitudes is None else amplitudes
+    wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
     found = followed(reach, hopf_cycle(scenario), wanted.tolist())
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
-def _amplitudes(scenario: Scenario) -> Array:
-    """Those from the Hopf point to the connection, at pi if none is found."""
+def _amplitudes(scenario: Scenario) -> Iterator[float]:
+    """Those from the Hopf point to the connection, at pi if none is found.
+
+    That is looked for when they come to it.
+    """
+    yield from AMPLITUDES.tolist()
     last = float(np.pi)
     with suppress(NoConnectionError):
         last = last_amplitude(scenario)
-    return np.append(AMPLITUDES, last - np.geomspace(0.1 + last - np.pi, _SAME_END, 16))
+    yield from (last - np.geomspace(0.1 + last - np.pi, _SAME_END, 16)).tolist()
 
 
 def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
@@ -125,7 +129,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     why = "within half the critical speed of it, where cycles are looked for"
     in_range("spin", spin, low, high, is_above=True, is_below=True, why=why)
     spins = [before.spin]
-    for cycle in followed(reach, before, _amplitudes(scenario).tolist()):
+    for cycle in followed(reach, before, _amplitudes(scenario)):
         part = (spin - before.spin) / (cycle.spin - before.spin)
         if 0.0 < part <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.

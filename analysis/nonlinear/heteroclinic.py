@@ -3,13 +3,14 @@
 Noninverted spinning is a saddle with one growing direction. The motion that leaves it there with
 growing gamma either turns back before gamma has made a whole turn, or goes on over it; in between
 there is a spin at which it ends in the saddle again. Neither cycles nor boundary values are needed
-to find it. Where friction is weak or smooth, the decaying directions are a complex pair (a
-saddle-focus), about which the motion winds: whether it has turned back or gone over shows only
-where it passes inverted spinning again.
+to find it. Which it does shows only where it passes inverted spinning again: by the saddle it may
+swing through the saddle's gamma and upright, or wind about them (a saddle-focus, where friction is
+weak or smooth).
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import sin
 from typing import Any
 
 import numpy as np
@@ -24,15 +25,20 @@ from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.printed import critical_speed, reduced_matrices
 
-Ending = Callable[[float, Array], float]
-
 _DEPARTURE = 1e-6
 """Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""
 
-_LONGEST = 60.0
-"""End of a run in time constants of the growing direction; it takes 14 to leave."""
+_LONGEST = 1000.0
+"""End of a run in time constants of the growing direction; it takes 14 to leave, and some 100
+near the critical speed, where a motion about inverted spinning hardly grows or decays."""
 
-_TOLERANCE = 1e-11
+_SETTLED = 1e-3
+"""Distance in rad from inverted spinning at which a motion that has lasted so long has settled."""
+
+_NEAR = 1e-2
+"""Distance in rad from the saddle that motions on either side of a connection come within."""
+
+_TOLERANCE = 1e-12
 """Relative error of a step of a run."""
 
 _BESIDE = 1e-9
@@ -50,13 +56,22 @@ class Fall:
     ----------
     states : ndarray, shape (n, 3)
         beta, gamma in rad and rate of beta in rad/s.
-    miss : float
-        Negative, gamma less 3 pi/2 where it turns back; or positive, beta less pi/2 (at most
-        pi/2: the disk falls flat) where gamma reaches 3 pi/2. About a saddle-focus -1 or 1.
+    side : float
+        -1 where it turns back or settles in inverted spinning, 1 where it goes over it. A disk
+        that falls flat has gone over if gamma has passed the saddle.
+    distances : ndarray, shape (n,)
+        In rad, from the saddle, a turn further, of beta, gamma, and the rate of beta over that at
+        which the growing direction grows.
     """
 
     states: Array
-    miss: float
+    side: float
+    distances: Array
+
+    @property
+    def distance(self) -> float:
+        """The least of the distances from the saddle, in rad."""
+        return float(self.distances.min())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,49 +147,58 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     ValueError
         If an argument is out of range or the scenario has no cycles.
     NoConnectionError
-        If noninverted spinning is no saddle, or the run fails.
+        If noninverted spinning is no saddle, the run fails, or it comes to neither.
     """
     flow.require_cycles(scenario, _STEEPEST)
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
-
-    rates = reduced.right_hand_side(scenario, spin)
-    winds = values[1].imag != 0.0
+    growth = values[0].real
     run = solve_ivp(
-        rates,
-        (0.0, _LONGEST / values[0].real),
+        reduced.right_hand_side(scenario, spin),
+        (0.0, _LONGEST / growth),
         np.array((np.pi / 2, -np.pi / 2, 0.0)) + _DEPARTURE * growing,
         # The strong direction is stiff where friction is steep.
         method="LSODA",
         rtol=_TOLERANCE,
         atol=_TOLERANCE * 1e-2,
-        events=_endings(winds=winds),
+        events=_ENDINGS,
     )
     if not run.success:
         raise NoConnectionError(f"the motion at {spin:.9g} rad/s fails: {run.message}")
-    has_turned, *has_passed = (times.size > 0 for times in run.t_events)
-    # Closer than rounding to the saddle, it stays there.
-    miss = 0.0
-    if has_turned:
-        miss = -1.0 if winds else float(run.y[1, -1]) - 1.5 * np.pi
-    elif any(has_passed):
-        miss = 1.0 if winds else float(run.y[0, -1]) - np.pi / 2
-    return Fall(states=run.y.T, miss=miss)
+
+    def distances(turns: float) -> Array:
+        """From spinning upright with this gamma, over pi."""
+        away = (run.y.T - np.array((np.pi / 2, turns * np.pi, 0.0))) / (1.0, 1.0, growth)
+        found: Array = np.linalg.norm(away, axis=1)
+        return found
+
+    has_turned, has_passed, is_flat = (times.size > 0 for times in run.t_events)
+    if not (has_turned or has_passed or is_flat or distances(0.5)[-1] < _SETTLED):
+        raise NoConnectionError(
+            f"the motion from noninverted spinning at {spin:.9g} rad/s neither turns back nor "
+            f"goes over within {run.t[-1]:.3g} s"
+        )
+    is_over = has_passed or (is_flat and run.y[1, -1] > 1.5 * np.pi)
+    return Fall(states=run.y.T, side=1.0 if is_over else -1.0, distances=distances(1.5))
 
 
-def _endings(*, winds: bool) -> tuple[Ending, Ending, Ending]:
-    """Events that end a run: it turns back, it goes over, the disk falls flat."""
-    # Back at inverted spinning; or upright again, which it becomes where gamma is largest.
-    place, over = (1, 2.5 * np.pi) if winds else (0, 1.5 * np.pi)
-    events: tuple[Any, Any, Any] = (
-        lambda _, x: float(x[place]) - np.pi / 2,
-        lambda _, x: float(x[1]) - over,
-        lambda _, x: np.pi - float(x[0]),
-    )
-    for event in events:
-        event.terminal = True
-    events[0].direction = -1.0
-    return events
+def _ending(direction: float, of: Callable[[Array], float]) -> Any:
+    """Event at which a function of the state crosses zero this way, and a run ends."""
+
+    def event(_: float, state: Array) -> float:
+        return of(state)
+
+    found: Any = event
+    found.terminal, found.direction = True, direction
+    return found
+
+
+_ENDINGS = (
+    _ending(-1.0, lambda state: float(state[1]) - 0.5 * np.pi),
+    _ending(1.0, lambda state: float(state[1]) - 2.5 * np.pi),
+    _ending(-1.0, lambda state: sin(state[0])),
+)
+"""Events that end a run: back at inverted spinning, a turn further, and flat."""
 
 
 def heteroclinic_connection(scenario: Scenario) -> Connection:
@@ -188,39 +212,47 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     Returns
     -------
     Connection
-        Found to 1e-11 rad/s. The runs add some 1e-9 to its error, 3e-8 for friction a hundred
-        times as steep as the paper's.
+        Found to 1e-11 rad/s. The runs add some 1e-10 to its error, 3e-9 for friction a hundred
+        times as steep as the paper's, 2e-8 for a thousand times.
 
     Raises
     ------
     ValueError
         If an argument is out of range or the scenario has no cycles.
     NoConnectionError
-        If there is none within half the critical speed.
+        If there is none within half the critical speed, or a run comes to neither side.
     """
-    tried: dict[float, float] = {}
+    tried: dict[float, Fall] = {}
 
-    def miss(spin: float) -> float:
+    def side(spin: float) -> float:
         if spin not in tried:
-            tried[spin] = fall(scenario, spin).miss
-        return tried[spin]
+            tried[spin] = fall(scenario, spin)
+        return tried[spin].side
 
     centre = critical_speed(scenario).spin
-    found = nearest_root(miss, centre)
+    found = nearest_root(side, centre)
     if found is None:
-        side = "turns back" if tried[centre] < 0.0 else "goes over"
+        does = "turns back" if side(centre) < 0.0 else "goes over"
         raise NoConnectionError(
             f"no heteroclinic connection between {centre * (1 - WIDEST):.6g} and "
-            f"{centre * (1 + WIDEST):.6g} rad/s: the motion from noninverted spinning {side} at "
+            f"{centre * (1 + WIDEST):.6g} rad/s: the motion from noninverted spinning {does} at "
             "all spins tried"
         )
+    # The nearest ones on either side.
+    lowest = side(min(tried))
+    below = max((each for each in tried if side(each) == lowest and each <= found), default=found)
+    above = min((each for each in tried if side(each) != lowest and each >= found), default=found)
+    if (distance := max(tried[below].distance, tried[above].distance)) > _NEAR:
+        raise NoConnectionError(
+            f"no heteroclinic connection at {found:.9g} rad/s, where the motion from noninverted "
+            "spinning begins to turn back or to go over: it comes no nearer to it again than "
+            f"{distance:.2g} rad"
+        )
     growing, slow, strong = saddle(scenario, found)[0].tolist()
-    # The nearest ones that are surely on either side.
-    low, high = tried[min(tried)], tried[max(tried)]
     return Connection(
         spin=found,
-        below=max((s for s, v in tried.items() if s <= found and v * low > 0.0), default=found),
-        above=min((s for s, v in tried.items() if s >= found and v * high > 0.0), default=found),
+        below=below,
+        above=above,
         growing=growing.real,
         slow=slow.real,
         strong=strong.real,
@@ -229,19 +261,21 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
 
 
 def last_amplitude(scenario: Scenario) -> float:
-    """Amplitude in rad of the cycles next to the connection: pi, or more about a saddle-focus.
+    """Amplitude in rad of the cycles next to the connection.
+
+    It is pi where the motion ends in the saddle with rising gamma, and more where it has swung
+    beyond: about a saddle-focus, and where the eccentricity is large, such as a fifth of the
+    radius with the paper's friction.
 
     Parameters
     ----------
     scenario : Scenario
         See `heteroclinic_connection`; so are the errors.
     """
-    if not np.any(saddle(scenario, critical_speed(scenario).spin)[0].imag):
-        return float(np.pi)
     found = heteroclinic_connection(scenario)
     sides = (fall(scenario, side) for side in (found.below - _BESIDE, found.above + _BESIDE))
     # The one that turns back is nearly the cycle's own way.
-    overshoot = max(float(np.max(way.states[:, 1])) for way in sides if way.miss < 0.0)
+    overshoot = max(float(np.max(way.states[:, 1])) for way in sides if way.side < 0.0)
     return max(float(np.pi), overshoot - np.pi / 2)
 
 

@@ -186,7 +186,13 @@ def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
 
     def draw() -> Any:
         spins = [found.spin + side for side in (-_SIDE, 0.0, _SIDE)]
-        named = [(f"{spin:.6f} rad/s", fall(scenario, spin).states) for spin in spins]
+        ways = [fall(scenario, spin) for spin in spins]
+        # The connection ends in the saddle.
+        ends = (None, int(ways[1].distances.argmin()) + 1, None)
+        named = [
+            (f"{spin:.6f} rad/s", way.states[:end])
+            for spin, way, end in zip(spins, ways, ends, strict=True)
+        ]
         return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi))
 
     return Result(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import DISKS, Scenario, SmoothCoulomb, ViscousFriction
+from analysis import DISKS, Disk, Scenario, SmoothCoulomb, ViscousFriction
 from analysis.nonlinear.families import cycle_family
 from analysis.nonlinear.heteroclinic import (
     Connection,
@@ -35,7 +35,7 @@ def with_smoothing(smoothing: float) -> Scenario:
 def test_motions_fall_to_different_sides_of_the_connection() -> None:
     for disk, spin in (("steel", 30.120961805), ("steel-rounded", 30.084842472)):
         scenario = replace(PAPER, disk=DISKS[disk])
-        assert fall(scenario, spin - 1e-6).miss > 0.0 > fall(scenario, spin + 1e-6).miss
+        assert fall(scenario, spin - 1e-6).side > 0.0 > fall(scenario, spin + 1e-6).side
 
 
 @pytest.mark.slow
@@ -55,7 +55,7 @@ def test_motions_wind_about_a_saddle_focus_and_fall_to_different_sides() -> None
     scenario = with_smoothing(1.0)
     assert saddle(scenario, 29.5)[0][1].imag != 0.0
     falls = [fall(scenario, 29.528215473 + side) for side in (-1e-6, 1e-6)]
-    assert [way.miss for way in falls] == [1.0, -1.0]
+    assert [way.side for way in falls] == [1.0, -1.0]
     # Back where it came from, or a turn further, and beyond the saddle before it turns back.
     assert [way.states[-1, 1] for way in falls] == pytest.approx([2.5 * np.pi, 0.5 * np.pi])
     assert np.max(falls[1].states[:, 1]) == pytest.approx(1.5 * np.pi + 0.12917, abs=1e-4)
@@ -71,6 +71,49 @@ def test_cycles_swing_beyond_a_saddle_focus_and_end_in_its_connection() -> None:
     cycle = family.motions[-1]
     assert cycle.spin == pytest.approx(29.528215473, abs=1e-5)
     assert cycle.stable
+
+
+def with_eccentricity(part: float) -> Scenario:
+    """A disk whose centre of gravity lies this part of its radius off its middle."""
+    radius, mass = 0.045, 0.4
+    offset = mass * (part * radius) ** 2
+    x, y, z = (share * mass * radius**2 for share in (0.3, 0.25, 0.5))
+    disk = Disk(
+        radius=radius,
+        mass=mass,
+        eccentricity=part * radius,
+        inertia_x=x,
+        inertia_y=y + offset,
+        inertia_z=z + offset,
+    )
+    return replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.01))
+
+
+@pytest.mark.slow
+def test_cycles_of_a_large_eccentricity_swing_beyond_and_end_in_the_connection() -> None:
+    scenario = with_eccentricity(0.5)
+    assert saddle(scenario, 32.29)[0][1].imag == 0.0
+    found, last = heteroclinic_connection(scenario), last_amplitude(scenario)
+    assert last > np.pi + 0.3
+    amplitudes = (1.0, 2.0, 2.7, 3.0, np.pi, last - 4e-3, last - 4e-4)
+    family = cycle_family(scenario, amplitudes)
+    assert family.reason is None
+    assert family.motions[-1].spin == pytest.approx(found.spin, abs=1e-4)
+
+
+def test_a_connection_may_lie_far_below_the_critical_speed() -> None:
+    # Near the critical speed, a motion winds about inverted spinning for a hundred time constants.
+    scenario = with_eccentricity(0.9)
+    assert critical_speed(scenario).spin == pytest.approx(56.1063, abs=1e-4)
+    falls = [fall(scenario, spin) for spin in (56.1063, 30.0, 29.471985041 + 1e-6, 29.47)]
+    assert [way.side for way in falls] == [-1.0, -1.0, -1.0, 1.0]
+    assert falls[2].distance < 0.02 < falls[1].distance
+
+
+@pytest.mark.slow
+def test_where_all_motions_turn_back_there_is_no_connection() -> None:
+    with pytest.raises(NoConnectionError, match="turns back at all spins tried"):
+        heteroclinic_connection(with_eccentricity(0.97))
 
 
 def test_cycles_on_the_slow_manifold_begin_in_the_hopf_point_as_the_normal_form_says() -> None:
