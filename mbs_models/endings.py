@@ -5,8 +5,8 @@ between any two steps, in which one search finds whatever comes first.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import exudyn as exu
 import numpy as np
@@ -24,6 +24,8 @@ from analysis.solve.stepping import (
 )
 from analysis.solve.watch import Watch, intervals
 from mbs_models.solving import SingularError, solving
+
+T = TypeVar("T")
 
 LOCAL = 1e-11
 """Error in a step with which endings are located."""
@@ -48,6 +50,43 @@ class Place(NamedTuple):
     row: int
     width: float
     reason: str
+
+
+def turning_negative(
+    conditions: Mapping[str, Callable[[T], float]], start: T
+) -> Callable[[T], str | None]:
+    """What tells of one state after the other which condition has turned negative, if one has.
+
+    One that is negative from the start on waits until it has not been.
+    """
+    armed = {name for name, condition in conditions.items() if condition(start) >= 0.0}
+
+    def turned(state: T) -> str | None:
+        for name, condition in conditions.items():
+            if condition(state) >= 0.0:
+                armed.add(name)
+            elif name in armed:
+                return name
+        return None
+
+    return turned
+
+
+def beyond(stopped: tuple[float, str], last: int, period: float) -> Iterator[Place]:
+    """Where a run has been stopped after its last record, the one of this number.
+
+    Parameters
+    ----------
+    stopped : tuple of float and str
+        Time in s since the start of the run, and why.
+    last : int
+    period : float
+        Time between records in s.
+    """
+    moment, reason = stopped
+    width = moment / period - last
+    if width > 1e-9:
+        yield Place(last, width, reason)
 
 
 class Stepped(Protocol):

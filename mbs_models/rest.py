@@ -26,7 +26,7 @@ from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import Progress
 from mbs_models.effort import rest_effort
-from mbs_models.endings import dips, until_ending
+from mbs_models.endings import beyond, dips, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever, loads_of
@@ -148,7 +148,7 @@ def simulate_to_rest(
             f"{gradient:g}, got {step:g}"
         )
     motion = way.by_steps(step)
-    if np.max(np.abs(motion.energy_residual)) > motion.energies[0].sum():
+    if np.max(np.abs(motion.energy_residual)) > motion.starting_energy:
         raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
     return motion
 
@@ -314,6 +314,7 @@ class EngineWay(WayToRest):
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
         spacing = float(self.times[1])
+        turned = turning_negative(self.conditions, state)
         samples = run(
             model,
             Integrator(name="RK44"),
@@ -321,16 +322,23 @@ class EngineWay(WayToRest):
             intervals=times.size - 1,
             substeps=int(np.ceil(spacing / step - 1e-9)),
             begin=float(times[0]),
+            stop=(lambda _: turned(states_of(model.record()[None])[0]))
+            if self.conditions
+            else None,
         )
         states, counts = states_of(samples.records), Counter(samples.counts)
+        times = times[: len(states)]
+        places = [
+            place
+            for reason, says in self.conditions.items()
+            for place in dips(np.array([says(each) for each in states]), reason)
+        ]
+        if samples.stopped is not None:
+            places += beyond(samples.stopped, len(states) - 1, spacing)
         ended, times, states = until_ending(
             times,
             states,
-            (
-                place
-                for reason, says in self.conditions.items()
-                for place in dips(np.array([says(each) for each in states]), reason)
-            ),
+            places,
             self,
             period=spacing,
             work=counts,

@@ -20,7 +20,7 @@ from analysis.problem.start import FlatError, State, check_upright
 from analysis.solve.stepping import Run, pulls_at_start
 from analysis.solve.watch import Watch
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import Place, dips, pulling_times, until_ending
+from mbs_models.endings import Place, beyond, dips, pulling_times, turning_negative, until_ending
 from mbs_models.integrators import Integrator
 from mbs_models.runs import Samples, Stop, run
 from mbs_models.scene import Scene, build
@@ -231,7 +231,7 @@ class _Spans:
         """What ends a run that pulls, meets a condition or is out of time, if any may."""
         model, conditions, watch = self._model, self._call.conditions, self._call.watch
         pulls = self._must_not_pull and model.contact_equation is not None
-        armed: set[str] = set()
+        turned = turning_negative(conditions, state_of(self._here))
         data, angles = model.system.systemData, self._here[TURNING]
         end = float(self._call.times[-1])
 
@@ -245,11 +245,8 @@ class _Spans:
                 angles = row[TURNING]
                 if leaning(row) < LEAST_TILT:
                     return FLAT
-                for name, condition in conditions.items():
-                    if condition(state_of(row)) >= 0.0:
-                        armed.add(name)
-                    elif name in armed:
-                        return name
+                if (name := turned(state_of(row))) is not None:
+                    return name
             return TIME_LIMIT if watch.is_over(begin + moment, end) else None
 
         return stop if pulls or conditions or not watch.is_idle else None
@@ -291,10 +288,8 @@ class _Spans:
             yield from dips(upright[:, NORMAL_FORCE], CONTACT_WOULD_PULL)
         for name, condition in self._call.conditions.items():
             yield from dips(np.array([condition(state_of(row)) for row in upright]), name)
-        moment, reason = samples.stopped or (0.0, TIME_LIMIT)
-        beyond = moment - period * (len(values) - 1)
-        if reason != TIME_LIMIT and beyond > 1e-9 * period:
-            yield Place(last, beyond / period, reason)
+        if samples.stopped is not None and samples.stopped[1] != TIME_LIMIT:
+            yield from beyond(samples.stopped, len(values) - 1, period)
 
 
 def leaning(rows: Array) -> Array:

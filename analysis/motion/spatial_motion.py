@@ -200,12 +200,21 @@ class SpatialMotion(SampledMotion):
         result: Array = total - total[0]
         return result
 
+    @property
+    def starting_energy(self) -> float:
+        """Energy at the start in J, that of gravity by the height above the table alone.
+
+        On a table that leans, the place has an energy of its own, of any size.
+        """
+        kinetic, _, elastic = self.energies[0].tolist()
+        return float(kinetic + self.scenario.weight * self.cog_height[0] + elastic)
+
     def deviation(self, other: "SpatialMotion") -> float:
         """Largest difference from another motion over the samples that both have.
 
         It is that of the vertical's direction seen from the disk in rad, which beta and gamma
-        make up, or that of an energy as a part of the energy at the start, whichever is larger:
-        of all the energy left, and of that taken by any cause.
+        make up, or that of an energy as a part of `starting_energy`, whichever is larger: of all
+        the energy left, and of that taken by any cause.
 
         Parameters
         ----------
@@ -228,7 +237,7 @@ class SpatialMotion(SampledMotion):
         one, two = (
             np.column_stack(
                 (
-                    motion.rotations[:count, 2] * motion.energies[0].sum(),
+                    motion.rotations[:count, 2] * motion.starting_energy,
                     motion.energies[:count].sum(axis=1),
                     motion.dissipated[:count],
                 )
@@ -238,7 +247,7 @@ class SpatialMotion(SampledMotion):
         difference = np.abs(one - two)
         turned = np.linalg.norm(difference[:, :3], axis=1)
         largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
-        return largest / float(self.energies[0].sum())
+        return largest / self.starting_energy
 
     def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
         values = np.column_stack((self.positions, self.quaternions))

@@ -191,11 +191,12 @@ class WayToRest(ABC):
             states[done + 1 : done + size + 1] = found.states[1:]
             counts.update(steps=found.steps, right_hand_sides=found.evaluations)
             done += size
-            if ended is None:
-                first = max(0, done + 1 - size - enough)
-                rest = self.criterion.first(*self.still(states[first : done + 1]), spacing)
-                rest = None if rest is None else first + rest
-            else:
+            # One that the run has ended with may lie off the grid, and comes after rest.
+            even = done if ended is None else done - 1
+            first = max(0, done + 1 - size - enough)
+            rest = self.criterion.first(*self.still(states[first : even + 1]), spacing)
+            rest = None if rest is None else first + rest
+            if ended is not None:
                 times = np.append(times[:done], found.times[-1])
         if rest is not None:
             done, ended = min(done, rest + enough - 1), AT_REST
@@ -295,7 +296,7 @@ def _apart(fine: SpatialMotion, coarse: SpatialMotion) -> float:
     left, other_left = (
         np.append(motion.energies[-1].sum(), motion.dissipated[-1]) for motion in (fine, coarse)
     )
-    energy = np.max(np.abs(left - other_left)) / fine.energies[0].sum()
+    energy = np.max(np.abs(left - other_left)) / fine.starting_energy
     ended = error_at_ending(
         [np.linalg.norm(up - other_up), energy],
         fine.times[-1] - coarse.times[-1],

@@ -1,5 +1,6 @@
 """The disk until rest: agreement before the fall, energy, either face, phases, endings."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import log2, pi
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import mbs_models
 from analysis import (
     CENTRED_DISK,
     STEEL_DISK,
@@ -399,3 +401,70 @@ def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
     assert estimate(1.0, ended, ahead) == pytest.approx(1e-4 + 1e-5)
     with pytest.raises(ToleranceError, match="differ by inf"):
         estimate(1.0, *[ended, whole] * 5)
+
+
+ROLLING_LOW = Scenario.rest(
+    dissipation=Dissipation(rolling_viscous=5e-3, pivoting=1e-3), start=Start(beta=0.1, spin=0.0)
+)
+
+
+def nearly_flat(state: State) -> float:
+    beta = state.coordinates[4]
+    return min(beta, pi - beta) - 1e-4
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_condition_that_is_met_for_less_than_a_sample_ends_the_motion(source: Source) -> None:
+    fine: dict[str, Any] = {"local_tolerance": 1e-11, "spacing": 2e-5}
+    low = simulate_to_rest(ROLLING_LOW, 0.05, **fine)
+    below = low.times[low.leaning < 1e-4]
+    # Twenty steps of those below, and not one sample.
+    assert 3e-4 < np.ptp(below) < 5e-4
+    how: dict[str, Any] = {"step": 2e-5} if source == "engine" else {"local_tolerance": 1e-9}
+    motion = run_to_rest(ROLLING_LOW, 0.05, source=source, stop_when=nearly_flat, **how)
+    assert not_none(motion.ending).time == pytest.approx(below[0], abs=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("simulated", "how"),
+    [
+        (simulate_to_rest, {"local_tolerance": 1e-9}),
+        (mbs_models.simulate_to_rest, {"step": 2e-5}),
+    ],
+)
+def test_rest_ends_a_motion_before_a_condition_that_is_met_later(
+    simulated: Callable[..., SpatialMotion], how: dict[str, Any]
+) -> None:
+    patient = RestCriterion(energy=1.0, height=1.0, duration=0.03)
+    how |= {"stop_when": nearly_flat, "criterion": patient}
+    motion = simulated(ROLLING_LOW, 0.05, **how)
+    assert motion.rest_time == 0.0
+    assert (not_none(motion.ending).reason, motion.times[-1]) == ("at rest", pytest.approx(0.03))
+
+
+@pytest.mark.parametrize(
+    "simulated",
+    [
+        simulate_to_rest,
+        mbs_models.simulate_to_rest,
+        lambda scenario, end: mbs_models.simulate_to_rest(scenario, end, step=1e-5),
+    ],
+)
+def test_errors_on_a_leaning_table_do_not_depend_on_the_place(
+    simulated: Callable[..., SpatialMotion],
+) -> None:
+    here, there = (
+        simulated(
+            Scenario.rest(
+                table=Table(inclination=0.3),
+                start=Start(beta=0.8, spin=0.0, x=x, y=0.0, x_rate=0.0, y_rate=0.0),
+            ),
+            0.1,
+        )
+        for x in (0.0, 0.5)
+    )
+    # From the first place on, it has less energy than nothing.
+    assert there.energies[0].sum() < 0.0 < here.energies[0].sum()
+    assert there.starting_energy == pytest.approx(here.starting_energy, rel=1e-12)
+    if here.error_estimate is not None:
+        assert there.error_estimate == pytest.approx(here.error_estimate, rel=0.01)
