@@ -206,7 +206,7 @@ class Linearisation:
         Raises
         ------
         ArithmeticError
-            If a direction is not neutral that should be.
+            If a direction is not neutral that should be, or the constraints depend on each other.
         """
         every = self._at(spins)
         jacobians = every[:, :12]
@@ -235,8 +235,13 @@ class Linearisation:
         if has_drift(held):
             neutral += [0, 1]
         others = np.array([each for each in range(12) if each not in neutral])
-        best = qr(self._powers[0][12:, others], mode="r", pivoting=True)[1]
-        count = normals.shape[1]
+        triangle, best = qr(self._powers[0][12:, others], mode="r", pivoting=True)
+        pivots, count = np.abs(np.diag(triangle)), normals.shape[1]
+        if pivots[count - 1] < ROUND_OFF * pivots[0]:
+            raise ArithmeticError(
+                f"singular linearisation of {self._scenario.name}: one of its constraints holds "
+                "nothing that the others leave free"
+            )
         solved, free = others[best[:count]], others[np.sort(best[count:])]
         bases = np.zeros((len(normals), 12, free.size))
         bases[:, free] = np.eye(free.size)

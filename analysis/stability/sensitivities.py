@@ -30,6 +30,9 @@ POWERS = {
 _STEP = 1e-5
 """Relative step of the differences of matrices."""
 
+_APART = 1e-5
+"""Distance of eigenvalues, in parts of the largest, within which they move together."""
+
 
 def sensitivities(
     scenario: Scenario,
@@ -56,7 +59,8 @@ def sensitivities(
     Raises
     ------
     ValueError
-        If the system or the motion is unknown, or the scenario none of this system.
+        If the system or the motion is unknown, the scenario none of this system, or more than
+        one eigenvalue crosses there, such as beside one that is always zero.
     """
 
     def matrix(scenario: Scenario, spin: float = crossing.spin) -> Array:
@@ -64,7 +68,13 @@ def sensitivities(
         return result
 
     values, left, right = eig(matrix(scenario), left=True)
-    critical = np.argmin(np.abs(values - 1j * crossing.frequency))
+    away = np.abs(values - 1j * crossing.frequency)
+    critical, *others = np.argsort(away)
+    if (count := 1 + int(np.sum(away[others] < _APART * np.max(np.abs(values))))) > 1:
+        raise ValueError(
+            "crossing must be that of one eigenvalue or pair for its spin to have derivatives, "
+            f"got {count} eigenvalues at the same place at {crossing.spin:.9g} rad/s"
+        )
     w, v = left[:, critical].conj(), right[:, critical]
 
     def growth(behind: Array, ahead: Array) -> float:

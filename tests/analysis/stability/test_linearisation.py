@@ -157,6 +157,16 @@ def test_a_place_that_is_not_stationary_is_refused() -> None:
         system.matrices(np.array([20.0]))
 
 
+@pytest.mark.parametrize("radius", [0.05, 0.1])
+def test_constraints_that_hold_the_same_are_refused(radius: float) -> None:
+    # Upright, a held centre of gravity that may not slip sideways cannot tilt. One radius meets
+    # an exact zero, the other rounding.
+    held: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
+    scenario = Scenario(constraints=held, disk=replace(STEEL_DISK, radius=radius))
+    with pytest.raises(ArithmeticError, match="singular"):
+        spinning(scenario).matrices(np.array([30.0]))
+
+
 @pytest.mark.parametrize("smoothing", [1e-5, 1e-8])
 def test_friction_may_bend_as_finely_as_it_likes(smoothing: float) -> None:
     scenario = Scenario(friction=SmoothCoulomb(coefficient=1e-4, smoothing=smoothing))

@@ -89,3 +89,14 @@ def test_sensitivities_are_derivatives_of_the_critical_speeds(level: Level) -> N
     # In units of the disk's size, size**(1/2) * mu / epsilon is the friction.
     for each in found:
         assert each["size"] == pytest.approx(-0.5 + 0.5 * each["friction_gradient"], abs=1e-8)
+
+
+def test_sensitivities_need_one_eigenvalue_that_crosses_alone() -> None:
+    # A centred disk spins at any gamma: one eigenvalue is always zero.
+    scenario = Scenario(constraints=MODELS[4], disk=replace(STEEL_DISK, eccentricity=0.0))
+    found = critical_speeds(scenario, (5.0, 80.0)).crossings
+    assert found
+    assert {each.kind for each in found} == {"static"}
+    for each in found:
+        with pytest.raises(ValueError, match=r"one eigenvalue or pair.* got 2 eigenvalues"):
+            sensitivities(scenario, each)
