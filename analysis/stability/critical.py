@@ -152,9 +152,7 @@ def critical_speeds(
     """
     low, high = spin_interval(interval)
     matrices = matrices_over_spin(scenario, system, motion)
-    # Where all eigenvalues are zero, as those of a round disk that is held in all but its tilt,
-    # what rounding makes of them is not to be judged against itself.
-    spectra = Spectra(matrices, helper_spins(low, high), ZERO * spin_scale(scenario))
+    spectra = Spectra(matrices, helper_spins(low, high), spin_scale(scenario))
     crossings: tuple[Crossing, ...] = ()
     reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
     if scenario.rubs:
@@ -184,16 +182,17 @@ class Spectra:
         State matrices at any spins.
     spins : ndarray, shape (n,)
         A fine grid in rad/s.
-    zero : float
-        Size in 1/s below which eigenvalues are zero.
+    scale : float
+        Size in 1/s that eigenvalues are compared with where all are smaller: what rounding makes
+        of those of a round disk, held in all but its tilt, is not to be judged against itself.
     """
 
-    def __init__(self, matrices: Matrices, spins: Array, zero: float = 0.0) -> None:
+    def __init__(self, matrices: Matrices, spins: Array, scale: float = 0.0) -> None:
         self._matrices, self._neutral = matrices, 0
         values = self._eigenvalues(spins)
-        values[np.abs(values) < zero] = 0.0
-        self._largest = float(np.max(np.abs(values)))
-        none = np.abs(values) <= ZERO * np.max(np.abs(values), axis=1, keepdims=True)
+        largest = np.maximum(scale, np.max(np.abs(values), axis=1, keepdims=True))
+        self._largest = float(np.max(largest))
+        none = np.abs(values) <= ZERO * largest
         self._neutral = int(np.min(np.sum(none, axis=1)))
         values = self._moving(values)
         # One that lies on the axis at a single spin crosses between the spins beside it.

@@ -10,7 +10,9 @@ from analysis import (
     MOTIONS,
     POSSIBLE_SETS,
     ConstraintSet,
+    Disk,
     Level,
+    LubricatedCoulomb,
     Motion,
     Scenario,
     SmoothCoulomb,
@@ -143,3 +145,24 @@ def test_an_interval_without_crossing_says_so_and_one_that_is_none_is_refused() 
     for interval in ((10.0, 10.0), (-5.0, 10.0), (0.0, float("nan"))):
         with pytest.raises(ValueError, match="interval must "):
             critical_speeds(model(4), interval)
+
+
+def test_an_eigenvalue_that_comes_slowly_to_one_that_stays_zero_crosses() -> None:
+    # It stays within 1e-4 1/s of zero over two steps of the search.
+    disk = Disk(
+        radius=3.6e-3,
+        mass=1.77,
+        eccentricity=2.17e-5,
+        inertia_x=1.322e-5,
+        inertia_y=1.302e-5,
+        inertia_z=1.147e-5,
+    )
+    law = LubricatedCoulomb(load="contact", smoothing=0.266, coefficient=0.6555, film=0.17625)
+    held: ConstraintSet = ("contact", "no-slip-along", "constant-spin", "held-tilt-rate")
+    scenario = Scenario(constraints=held, disk=disk, friction=law)
+    (crossing,) = critical_speeds(scenario, (0.0, 300.0)).crossings
+    assert (crossing.kind, crossing.stable_side) == ("static", "above")
+    values = matrices_over_spin(scenario)(crossing.spin + np.array((-0.01, 0.01)))
+    below, above = np.sort(np.linalg.eigvals(values).real)[:, -2:].tolist()
+    assert below == pytest.approx((0.0, 1.7e-5), abs=2e-6)
+    assert above == pytest.approx((-1.7e-5, 0.0), abs=2e-6)
