@@ -173,9 +173,13 @@ def _tables(file: sqlite3.Connection, sweep: Sweep) -> Iterator[pd.DataFrame]:
     """Rows of a store, so many at a time; empty cells are None in words, and nan in numbers."""
     kinds: Any = {"REAL": float, "TEXT": object}
     dtype = {name: kinds.get(kind, int) for name, kind in tables(sweep)["cases"].items()}
+    words = [name for name, kind in dtype.items() if kind is object]
     try:
-        yield from pd.read_sql(
+        for table in pd.read_sql(
             "SELECT * FROM cases ORDER BY number", file, dtype=dtype, chunksize=_BLOCK
-        )
+        ):
+            # Beside words, some versions of pandas read an empty cell as nan.
+            table[words] = table[words].where(table[words].notna(), None)
+            yield table
     except pd.errors.DatabaseError as error:
         raise error.__cause__ or error from None

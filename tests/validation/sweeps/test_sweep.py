@@ -117,6 +117,22 @@ def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_pat
     assert table["start.spin"].tolist() == [30.0, 30.0, 35.0, 35.0, 40.0, 40.0]
 
 
+def test_an_empty_cell_is_none_beside_words_and_nan_beside_numbers(tmp_path: Path) -> None:
+    # Of four cases one is refused, and one is seen by the other side.
+    wanted = sweep("spin=30,40", "mu=0.2,-0.1", witnesses=1)
+    found = swept(wanted, tmp_path / "a.db")
+    words = {
+        name: found.columns[name].tolist() for name in ("reason", "ending", "other_inversion")
+    }
+    assert words["ending"] == [None] * 4
+    assert [type(each) for each in words["reason"]] == [type(None), str] * 2
+    assert sorted(map(str, words["other_inversion"])) == ["None"] * 3 + ["not inverted"]
+    assert [{name: row[name] for name in words} for row in found.rows()] == [
+        dict(zip(words, cells, strict=True)) for cells in zip(*words.values(), strict=True)
+    ]
+    assert np.isnan(found.columns["error_estimate"]).tolist() == [False, True] * 2
+
+
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """Store of `WANTED` that holds its first case."""
