@@ -149,10 +149,13 @@ def instance(name: str, value: Any, kind: type[T]) -> T:
     if isinstance(value, kind):
         return value
     if value is kind:
-        raise ArgumentError(
-            name, f"must be a {kind.__name__}, got the class: write {kind.__name__}()"
-        )
-    raise ArgumentError(name, f"must be a {kind.__name__}, got {value!r}")
+        raise ArgumentError(name, f"must be {one(kind)}, got the class: write {kind.__name__}()")
+    raise ArgumentError(name, f"must be {one(kind)}, got {value!r}")
+
+
+def one(kind: type) -> str:
+    """Name of a class with its article."""
+    return f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
 
 
 def function(name: str, value: T) -> T:

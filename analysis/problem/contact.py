@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, Described, not_negative, positive
+from analysis.problem.checks import Array, Described, not_negative, one, positive
 from analysis.problem.elementary import cos, sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import THINNEST_RIM, default
@@ -174,8 +174,7 @@ class PenaltyContact(Described):
         if self.is_rounded and not disk.has_edge:
             raise ArgumentError(
                 "half_thickness",
-                f"must be 0 for a {type(disk).__name__}, which has no edge, "
-                f"got {self.half_thickness:g}",
+                f"must be 0 for {one(type(disk))}, which has no edge, got {self.half_thickness:g}",
             )
         least = weight / (LARGEST_PART * disk.radius)
         if self.stiffness < least:

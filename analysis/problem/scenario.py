@@ -7,7 +7,7 @@ from typing import Any
 
 from analysis.problem.bodies import check_surface
 from analysis.problem.body import Body
-from analysis.problem.checks import Described, choice, instance
+from analysis.problem.checks import Described, choice, instance, one
 from analysis.problem.constraints import (
     MODELS,
     ConstraintSet,
@@ -103,14 +103,14 @@ class Scenario(Described):
             )
         if is_round:
             return
-        kind = type(self.disk).__name__
+        kind = one(type(self.disk))
         if self.model != 1:
             raise ArgumentError(
-                "constraints", f"must be those of Model 1 for a {kind}, got {self.name}"
+                "constraints", f"must be those of Model 1 for {kind}, got {self.name}"
             )
         if self.dissipation.air_drag:
             raise ArgumentError(
-                "air_drag", "acts on the faces of a round disk alone, and the body is a " + kind
+                "air_drag", "acts on the faces of a round disk alone, and the body is " + kind
             )
 
     def _check_contact(self) -> None:
