@@ -32,6 +32,10 @@ it is extrapolated."""
 TIMES = (30.0, 45.0, 60.0)
 """In s: what is left of the start has died away, end of the fit, end of its check."""
 
+STEP_ERROR = 1e-12
+"""Allowed in a step: the rate then holds to 1e-7 of it. With 1e-9 it is off by 2e-3, and differs
+by 1e-5 from one processor to the next."""
+
 MEAN_TIME = 2.5
 """Time in s over which the energy is averaged."""
 
@@ -69,7 +73,7 @@ def measure(smoothing: float) -> list[Row]:
     """The law of a run."""
     scenario = scenario_of(smoothing)
     motion = run_to_rest(
-        scenario, TIMES[-1], source="in-house", spacing=1e-2, local_tolerance=1e-9
+        scenario, TIMES[-1], source="in-house", spacing=1e-2, local_tolerance=STEP_ERROR
     )
     block = round(MEAN_TIME / 1e-2)
     times, energy = (
@@ -104,7 +108,7 @@ STUDY = Study(
     cases=lambda: SMOOTHINGS,
     measure=measure,
     sample=(next(reversed(SMOOTHINGS)),),
-    confirm={"rate": relative("rate", 1e-5), "part": 1e-5, "error": 1e-6},
+    confirm={"rate": relative("rate", 1e-6), "part": 1e-6, "error": 1e-7},
     columns={
         "rate": "growth in 1/s, fitted",
         "part": "part of that for weak friction",
