@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Container, Iterable
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -91,6 +92,11 @@ def slope(function: Callable[[float], Array], time: float) -> Array:
     return derivative(lambda inner: function(time + inner), OUTER_STEP)
 
 
+def angles_apart(first: Trajectory, second: Trajectory) -> float:
+    """Largest difference in beta and gamma in rad."""
+    return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
+
+
 def random_disk(random: Generator, products: float = 0.0) -> Disk:
     """Disk with all parameters of order one, so that no term of an equation can hide.
 
@@ -169,6 +175,13 @@ def random_scenario(
     state = scenario.initial_state
     return scenario, np.array(state.coordinates), np.array(state.rates)
 
+
+needs_heyoka = pytest.mark.skipif(
+    find_spec("heyoka") is None, reason="heyoka has wheels for Linux alone"
+)
+
+EITHER_METHOD = ("DOP853", pytest.param("taylor", marks=needs_heyoka))
+"""Of either kind: pure and compiled."""
 
 all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
 
