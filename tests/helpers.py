@@ -73,11 +73,11 @@ def derivative(function: Callable[[float], Array], step: float = 4e-3) -> Array:
     return result
 
 
-def jacobian(function: Callable[[Array], Array], place: Array) -> Array:
+def jacobian(function: Callable[[Array], Array], place: Array, step: float = 4e-3) -> Array:
     """Jacobian matrix at `place`, one `derivative` for each column."""
 
     def along(axis: Array) -> Array:
-        return derivative(lambda t: function(place + t * axis))
+        return derivative(lambda t: function(place + t * axis), step)
 
     return np.column_stack([along(axis) for axis in np.eye(place.size)])
 
