@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Container, Iterable
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -72,11 +73,11 @@ def derivative(function: Callable[[float], Array], step: float = 4e-3) -> Array:
     return result
 
 
-def jacobian(function: Callable[[Array], Array], place: Array) -> Array:
+def jacobian(function: Callable[[Array], Array], place: Array, step: float = 4e-3) -> Array:
     """Jacobian matrix at `place`, one `derivative` for each column."""
 
     def along(axis: Array) -> Array:
-        return derivative(lambda t: function(place + t * axis))
+        return derivative(lambda t: function(place + t * axis), step)
 
     return np.column_stack([along(axis) for axis in np.eye(place.size)])
 
@@ -89,6 +90,11 @@ def second_derivative(function: Callable[[float], Array]) -> Array:
 def slope(function: Callable[[float], Array], time: float) -> Array:
     """Derivative at `time`, to be differentiated once more with `OUTER_STEP`."""
     return derivative(lambda inner: function(time + inner), OUTER_STEP)
+
+
+def angles_apart(first: Trajectory, second: Trajectory) -> float:
+    """Largest difference in beta and gamma in rad."""
+    return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
 
 
 def random_disk(random: Generator, products: float = 0.0) -> Disk:
@@ -169,6 +175,13 @@ def random_scenario(
     state = scenario.initial_state
     return scenario, np.array(state.coordinates), np.array(state.rates)
 
+
+needs_heyoka = pytest.mark.skipif(
+    find_spec("heyoka") is None, reason="heyoka has wheels for Linux alone"
+)
+
+EITHER_METHOD = ("DOP853", pytest.param("taylor", marks=needs_heyoka))
+"""Of either kind: pure and compiled."""
 
 all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
 

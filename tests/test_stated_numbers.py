@@ -1,15 +1,12 @@
 """What the README states stands in all results, which are made from the report."""
 
-import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from analysis import MODELS, Level, Scenario, simulate
+from analysis import MODELS, Scenario
 from analysis.stability.critical import critical_speeds
 from analysis.stability.printed import critical_speed
-from tests.helpers import not_none
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness.outcomes import CASES, explained
@@ -49,22 +46,11 @@ def test_differences_in_the_runs_of_the_figures_are_the_largest_of_their_table()
         assert stands(stated, [max(float(row[place]) for row in runs)]), column
 
 
-@pytest.mark.parametrize(
-    ("stated", "found", "expected"),
-    [
-        ("0.9", 0.8812, True),
-        ("0.88", 0.8912, False),
-        ("8e-5", 8.6e-5, False),
-        ("−3", -3.0, True),
-        ("5e-9", 3.2e-9, True),
-        ("5e-9", 8.0e-9, False),
-        ("5e-9", 5.0e-10, False),
-    ],
-)
-def test_number_stands_to_the_digits_it_is_stated_with(
-    stated: str, found: float, *, expected: bool
-) -> None:
-    assert stands(stated, [found]) is expected
+def test_number_stands_to_the_digits_it_is_stated_with_or_if_it_is_small_to_its_size() -> None:
+    right = (("0.9", 0.8812), ("−3", -3.0), ("5e-9", 3.2e-9))
+    wrong = (("0.88", 0.8912), ("8e-5", 8.6e-5), ("5e-9", 8.0e-9), ("5e-9", 5.0e-10))
+    assert all(stands(stated, [found]) for stated, found in right)
+    assert not any(stands(stated, [found]) for stated, found in wrong)
 
 
 def test_numbers_are_told_from_names() -> None:
@@ -84,12 +70,3 @@ def test_critical_speeds_are_those_that_come_out() -> None:
     closed = critical_speed(Scenario(constraints=MODELS[4])).spin
     assert f"critical speed of {closed:.2f} rad/s is confirmed" in SAID
     assert f"they are {low:.2f} and {high:.2f}, in" in SAID
-
-
-@pytest.mark.parametrize("level", [1, 2, 3, 4])
-def test_times_of_inversion_are_those_that_come_out(level: Level) -> None:
-    run = simulate(
-        Scenario(constraints=MODELS[level]), np.linspace(0.0, 2.0, 201), local_tolerance=1e-6
-    )
-    found = re.search(r"after (0\.\d\d), (0\.\d\d), (0\.\d\d) and (0\.\d\d) s", SAID)
-    assert not_none(found)[level] == f"{run.inversion_time:.2f}"

@@ -449,7 +449,7 @@ LAWS = Kinds[FrictionLaw](
 """Laws by name, as files and the command line know them; others are `module:class`."""
 
 
-_LOADS = (0.1, 1.0, 10.0)
+_LOADS = (0.1, 10.0)
 """Loads in N at which a law of one's own is tried."""
 
 _SPEEDS = tuple(10.0**power for power in range(-6, 2))

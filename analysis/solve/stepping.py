@@ -283,7 +283,9 @@ def _jacobian(problem: InitialValueProblem) -> Callable[[float, Array], Array]:
 
 def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
     """Whether the contact pulls at the start; `ValueError` if it does and must not."""
-    force = 0.0 if problem.normal_force is None else problem.normal_force(problem.start)
+    if problem.normal_force is None:
+        return False
+    force = problem.normal_force(problem.start)
     if force < 0.0 and not allow_pulling:
         raise ValueError(
             f"start needs a contact that pulls, with a normal force of {force:.3g} N; "

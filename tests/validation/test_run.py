@@ -1,13 +1,12 @@
 """One call for either side."""
 
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
 import pytest
 
 from analysis import Scenario, Start
+from tests.calls import python
 from validation.run import run, run_effort
 
 TIMES = np.linspace(0.0, 0.05, 6)
@@ -57,4 +56,4 @@ def test_in_house_run_does_not_load_the_engine() -> None:
         "import sys; from validation.run import run; from analysis import Scenario; "
         "run(Scenario(), [0.0, 0.01], source='in-house'); assert 'exudyn' not in sys.modules"
     )
-    subprocess.run([sys.executable, "-c", code], check=True)
+    python("-c", code)

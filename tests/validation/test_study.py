@@ -152,6 +152,7 @@ def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
     assert "| power | value |\n| --- | --- |\n| 1 | 1 |\n" in text
     assert "*Figure in the report: A sketch.* A line." in text
     assert '<a href="toy-section-powers.csv">' in page
+    assert '<td data-head="code since">the same</td>' in page
     assert not re.search("[<\ue000]", text)
     assert "\ue000" not in page
     assert pd.read_csv(tmp_path / "checks.csv")["holds"].all()
@@ -179,6 +180,8 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(
     assert [section.name for section in made.sections] == ["toy-section"]
     assert made.page == tmp_path / "report.html"
     assert not (tmp_path / "other.html").exists()
+    with pytest.raises(ValueError, match=r"^study must be one of modelled, .* got 'models'$"):
+        report.make(tmp_path, only=("models",))
 
 
 def test_files_of_an_earlier_report_go_and_foreign_ones_stay(make: Make, tmp_path: Path) -> None:

@@ -3,19 +3,17 @@
 import numpy as np
 import pytest
 
-from analysis import MODELS, ConstraintSet, Disk, Scenario, Table
+from analysis import ConstraintSet, Disk, Scenario, Table
 from analysis.mechanics import paper
 from analysis.problem.checks import Array
 from tests.helpers import (
     all_sets,
     assert_close,
-    cog,
     derivative,
     jacobian,
     lagrange,
     random_disk,
     random_state,
-    rotation,
     turn_z,
 )
 
@@ -51,18 +49,6 @@ def test_rate_matrix_is_the_derivative_of_the_inertial_coordinates(seed: int) ->
     _, z, u = sample(seed)
     rates = derivative(lambda t: _inertial_coordinates(z + t * u))
     assert_close(paper.rate_matrix(z) @ u, rates)
-
-
-@seeds
-def test_constraints_hold_the_lowest_point_of_the_rim_and_the_cog(seed: int) -> None:
-    disk, z, _ = sample(seed)
-    found = paper.constraint_positions(MODELS[2], disk, z)
-    around = np.linspace(-np.pi, np.pi, 200_001)
-    rim = disk.radius * np.array([np.cos(around), np.sin(around), np.zeros_like(around)])
-    lowest = np.min(z[2] + rotation(z)[2] @ rim)
-    # The lowest of the sampled points lies at most radius * step² / 8 above the lowest of all.
-    assert found[0] == pytest.approx(lowest, abs=1e-9)
-    assert_close(found[1:], (turn_z(-z[3]) @ cog(disk, z))[:2])
 
 
 @all_sets

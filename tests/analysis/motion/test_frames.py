@@ -126,5 +126,11 @@ def test_a_fast_spin_is_followed_from_coarse_samples_by_its_rates() -> None:
     cut[1:, [3, 5]] = np.angle(np.exp(1j * whole[1:, [3, 5]]))
     assert not np.any(frames.follow_turns(times, cut, rates, 10.0))
     np.testing.assert_allclose(cut, whole, atol=1e-12)
+    # Two radians are nearer to what the rates say than any whole turn more or less, and too far.
+    for angle in (3, 5):
+        other = cut.copy()
+        other[3:, angle] += 2.0
+        unseen = frames.follow_turns(times, other, rates, 10.0)
+        assert np.flatnonzero(unseen).tolist() == [2]
     # In the time between two samples it may as well fall and rise again.
     assert np.all(frames.follow_turns(times, cut, rates, 200.0))

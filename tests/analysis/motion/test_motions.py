@@ -37,6 +37,7 @@ from analysis.motion.interpolation import extremes
 from tests.bodies import ELLIPSE
 from tests.helpers import (
     all_sets,
+    angles_apart,
     arc,
     centre,
     cog,
@@ -194,7 +195,7 @@ def test_error_between_samples_is_within_its_estimate_and_all_converge(fine: Tra
     for count in (200, 100, 10):
         coarse = every(fine, count)
         between = coarse.resampled(fine.times, tolerance=1e-3)
-        apart = np.abs(between.coordinates - fine.coordinates)[:, 4:].max()
+        apart = angles_apart(between, fine)
         promised = not_none(between.error_estimate) - not_none(coarse.error_estimate)
         assert apart < promised + 1e-11
         assert promised < 1e-6 * (count / 100) ** 3 or count > 100

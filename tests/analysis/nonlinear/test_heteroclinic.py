@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import DISKS, Disk, Scenario, SmoothCoulomb, ViscousFriction
+from analysis.nonlinear import heteroclinic
 from analysis.nonlinear.families import cycle_family
 from analysis.nonlinear.heteroclinic import (
     Connection,
@@ -134,6 +135,14 @@ def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
         missing.append(cycle.spin - slow.spin)
         assert cycle.period == pytest.approx(slow.period, rel=1e-5)
     assert np.log(missing[0] / missing[1]) / np.log(2.0) == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_motion_that_has_not_left_says_how_long_it_was_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(heteroclinic, "_LONGEST", 1.0)
+    with pytest.raises(NoConnectionError, match=r"goes over within 0\.\d+ s: The solver"):
+        fall(PAPER, 30.0)
 
 
 LOOSE = replace(PAPER, friction=SmoothCoulomb(coefficient=0.02))

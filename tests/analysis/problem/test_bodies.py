@@ -140,6 +140,14 @@ def test_surface_lies_above_its_lowest_point_whose_depth_is_the_clearance(
     np.testing.assert_allclose(slopes, jacobian(depth, place)[0], atol=1e-9 * body.radius)
 
 
+def test_a_rounded_rim_is_a_spheroid_that_lies_on_the_middle_of_either_face() -> None:
+    up = np.vstack((attitudes(300), [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]))
+    x, y, z = STEEL_DISK.lowest_point(up.T, 2e-3)
+    square = (x**2 + y**2) / STEEL_DISK.radius**2 + (z / 2e-3) ** 2
+    np.testing.assert_allclose(square, 1.0, rtol=1e-12)
+    assert z[-2:].tolist() == [-2e-3, 2e-3]
+
+
 @every_body
 def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
     half = 2e-3

@@ -30,7 +30,6 @@ from analysis import (
     load_run,
 )
 from analysis.mechanics.recorded import accelerations, any_contact_load
-from analysis.problem.plain_data import as_plain
 from analysis.problem.user_modules import foreign_names
 from analysis.stability import spectra
 from mbs_models import Scene, formulations
@@ -147,14 +146,6 @@ def test_accelerations_agree_under_every_law_and_on_a_yielding_table(scenario: S
         found, multipliers = mbs_models.acceleration(Scene(scenario, formulation))
         np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
         np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
-
-
-@pytest.mark.parametrize("law", [*SHIPPED, Own(strength=0.2)], ids=name)
-def test_law_comes_back_from_a_stored_motion(law: FrictionLaw, tmp_path: Path) -> None:
-    run = analysis.simulate(Scenario(friction=law), TIMES, local_tolerance=1e-4)
-    run.save(tmp_path / "run.npz")
-    assert load_run(tmp_path / "run.npz", Trajectory).scenario.friction == law
-    assert LAWS.made(**as_plain(law)) == law
 
 
 def test_file_runs_no_module_that_it_names() -> None:

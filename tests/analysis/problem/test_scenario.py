@@ -149,21 +149,6 @@ def test_disk_refuses_inertia_above_the_triangle_bound(axis: str) -> None:
 SOFT = PenaltyContact(stiffness=1e5)
 
 
-def test_replacing_one_field_of_a_scenario_changes_all_that_follows_from_it() -> None:
-    plain = Scenario()
-    soft, held = replace(plain, contact=SOFT), replace(plain, constraints=MODELS[2])
-    heavy = replace(soft, table=Table(gravity=2 * GRAVITY))
-    other = replace(held, disk=replace(STEEL_DISK, eccentricity=0.001))
-    sunk = plain.weight / SOFT.stiffness
-    places = {soft: (0.0, 0.045 - sunk), heavy: (0.0, 0.045 - 2 * sunk)}
-    places |= {held: (-0.0025 * np.sin(0.1), 0.045), other: (-0.001 * np.sin(0.1), 0.045)}
-    for scenario, place in places.items():
-        assert scenario.initial_state.coordinates[:3:2] == pytest.approx(place, rel=1e-9)
-    assert replace(soft, contact=None) == plain
-    with pytest.raises(ValueError, match=r"^gamma_rate must be .* in Model 3"):
-        replace(replace(plain, start=Start(gamma_rate=3.0)), constraints=MODELS[3])
-
-
 def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
     sharp = Scenario(contact=SOFT, start=Start(height=0.005))
     assert sharp.initial_state.coordinates[2] == pytest.approx(0.05, rel=1e-12)

@@ -34,7 +34,7 @@ from analysis.mechanics.recorded import solver
 from analysis.problem.checks import Array
 from analysis.problem.quantities import LOADS
 from analysis.simulation import request
-from analysis.simulation.compiled import code, library, systems
+from analysis.simulation.compiled import library, systems
 from analysis.simulation.compiled.ensemble import simulate_compiled
 from analysis.simulation.compiled.runs import integrate
 from analysis.simulation.compiled.systems import SIGN, Structure
@@ -42,7 +42,15 @@ from analysis.simulation.forms import pose
 from analysis.simulation.request import Request
 from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, TIPPE_TOP
-from tests.helpers import assert_close, model, mostly_slow, not_none, random_disk, random_table
+from tests.helpers import (
+    angles_apart,
+    assert_close,
+    model,
+    mostly_slow,
+    not_none,
+    random_disk,
+    random_table,
+)
 from tests.wayward_law import Answering
 from validation import benchmark, by_hand
 
@@ -51,11 +59,6 @@ heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone
 TIMES = np.linspace(0.0, 0.6, 121)
 TURNING = Start(beta=1.2, gamma=-0.8, spin=30.0, beta_rate=2.0)
 """Its slip soon changes sign in Model 4."""
-
-
-@pytest.fixture(autouse=True)
-def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(code, "COMPACT", True)
 
 
 def values(symbols: list[Any], system: systems.System, scenario: Scenario, states: Array) -> Array:
@@ -75,11 +78,6 @@ def assert_rows_close(actual: Array, expected: Any, relative: float) -> None:
     expected = np.array(expected)
     apart = np.max(np.abs(actual - expected), axis=1)
     assert np.all(apart <= relative * np.max(np.abs(expected), axis=1))
-
-
-def difference(first: Trajectory, second: Trajectory) -> float:
-    """Largest difference in beta and gamma in rad."""
-    return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
 
 
 @pytest.mark.parametrize(
@@ -151,7 +149,7 @@ def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(
     run = simulate(scenario, TIMES + 2.0, form=form, method="taylor", tolerance=1e-8)
     pure = simulate(scenario, TIMES + 2.0, form=form, local_tolerance=1e-13)
     assert run.error_estimate is not None
-    assert difference(run, pure) <= run.error_estimate <= 1e-8
+    assert angles_apart(run, pure) <= run.error_estimate <= 1e-8
     for name in ("coordinates", "rates", "multipliers"):
         assert_close(getattr(run, name), getattr(pure, name), relative=1e-9)
     assert "heyoka" in run.versions
@@ -165,7 +163,7 @@ def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
     times = np.linspace(0.0, 2.0, 21)
     pure = simulate(scenario, times, local_tolerance=1e-12)
     run = simulate(scenario, times, method="taylor", local_tolerance=1e-9)
-    assert difference(run, pure) < 1e-7
+    assert angles_apart(run, pure) < 1e-7
 
 
 def turned(state: State) -> float:

@@ -26,7 +26,7 @@ from analysis.motion.endings import REACHED
 from analysis.problem import limits
 from analysis.problem.limits import LEAST_TILT
 from mbs_models import Integrator, Scene
-from tests.helpers import model, mostly_slow, not_none
+from tests.helpers import EITHER_METHOD, angles_apart, model, mostly_slow, not_none
 
 TIMES = np.linspace(0.0, 0.6, 121)
 SOFT = Scenario(contact=PenaltyContact(stiffness=1e6, damping=300.0))
@@ -58,11 +58,9 @@ def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(
     assert above[count] != above[0]
 
 
-@pytest.mark.parametrize("method", ["DOP853", "taylor"])
+@pytest.mark.parametrize("method", EITHER_METHOD)
 @pytest.mark.parametrize("form", ["index-1", "reduced"])
 def test_a_condition_may_ask_for_any_coordinate(form: str, method: str) -> None:
-    if method == "taylor":
-        pytest.importorskip("heyoka")
     scenario = model(4, start=Start(alpha=0.3))
     how: Any = {
         "form": form,
@@ -115,7 +113,7 @@ def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
     # Steps across that kink would be short, and twice as many.
     assert run.counts["right_hand_sides"] < 2000
     whole = simulate(scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9)
-    assert np.max(np.abs(run.coordinates - whole.coordinates)[:, 4:]) < tolerance
+    assert angles_apart(run, whole) < tolerance
 
 
 QUICK, ALL = 8, 300
@@ -196,11 +194,9 @@ def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: i
     assert ended > starts // 4
 
 
-@pytest.mark.parametrize("method", ["DOP853", "taylor"])
+@pytest.mark.parametrize("method", EITHER_METHOD)
 @pytest.mark.parametrize("order", [1, -1])
 def test_of_two_endings_within_1e_11_s_the_earlier_one_counts(order: int, method: Method) -> None:
-    if method == "taylor":
-        pytest.importorskip("heyoka")
     # Gamma turns at 15 rad/s there; a step is some milliseconds long.
     conditions = [turned_by(angle) for angle in (0.5, 0.5 + 1e-10)][::order]
     how: dict[str, Any] = {"form": "reduced", "method": method, "local_tolerance": 1e-9}
@@ -255,7 +251,7 @@ def test_disk_that_passes_nearly_flat_goes_on_alike_on_both_sides() -> None:
     sides = {"in-house": 1e-6, "contact-tree": 1e-4}
     found = [run(side, HIDDEN, [0.0, 0.05], tolerance=asked) for side, asked in sides.items()]
     assert [each.ending for each in found] == [None, None]
-    assert np.abs(found[0].coordinates - found[1].coordinates)[:, 4:].max() < 2e-6
+    assert angles_apart(*found) < 2e-6
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
@@ -264,7 +260,7 @@ def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(level: Level) 
     coarse, fine = (simulate(low, [0.0, 0.1], tolerance=each) for each in (1e-5, 1e-9))
     assert fine.counts["right_hand_sides"] < 100_000
     assert coarse.ending is None is fine.ending
-    assert np.abs(coarse.coordinates - fine.coordinates)[:, 4:].max() < 1e-5
+    assert angles_apart(coarse, fine) < 1e-5
 
 
 DOPRI5 = Integrator(name="DOPRI5", local_tolerance=1e-12)

@@ -30,8 +30,7 @@ from analysis import (
 from analysis.motion.outcomes import DONE, OUTCOMES, Row
 from analysis.problem.variations import changed
 from analysis.simulation import ensemble as many
-from analysis.simulation.compiled import code
-from tests.helpers import TILTED, assert_close, model, not_none
+from tests.helpers import EITHER_METHOD, TILTED, assert_close, model, needs_heyoka, not_none
 from tests.sweeps import sweep
 from validation.sweeps.case import COLUMNS, NUMBERS, run_chunk
 
@@ -39,11 +38,6 @@ TIMES = np.linspace(0.0, 1.0, 51)
 SHORT = TIMES[:11]
 SOME = 6
 REDUCED: dict[str, Any] = {"form": "reduced"}
-
-
-@pytest.fixture(autouse=True)
-def _compiled_in_a_quarter_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(code, "COMPACT", True)
 
 
 def spins(*values: float, **fields: Any) -> Ensemble:
@@ -71,8 +65,8 @@ def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> Non
             assert np.isnan(whole[count:]).all()
 
 
+@needs_heyoka
 def test_members_of_a_compiled_ensemble_are_those_of_single_runs() -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     # More than one batch, and members that end: inverted, or flat.
     ensemble = spins(
         *(20.0, 33.0, 36.0, 40.0, 44.0, 48.0, 52.0, 56.0, 0.0),
@@ -95,10 +89,10 @@ def test_members_of_a_pure_ensemble_are_those_of_single_runs() -> None:
     assert_same_as_alone(runs, 1e-15, **how, **REDUCED)
 
 
+@needs_heyoka
 def test_ensemble_in_pieces_is_the_same_told_by_arrays_or_listed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     monkeypatch.setattr(many, "COMPILED_CHUNK", 3)
     turning, leaning = np.array([[0.0, 0.0, 30.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.1, 0.0]])
     ensemble = spins(30.0, 40.0, 60.0, 50.0, 50.0, beta_rate=turning, inclination=leaning)
@@ -198,10 +192,8 @@ def assert_alike(found: Row, expected: Row, relative: float) -> None:
             assert cell == other, name
 
 
-@pytest.mark.parametrize("method", ["taylor", "DOP853"])
+@pytest.mark.parametrize("method", EITHER_METHOD)
 def test_outcomes_of_arrays_are_those_of_single_motions(method: str) -> None:
-    if method == "taylor":
-        pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     ensemble = Ensemble(scenario=model(4), fields=ENDING)
     how: dict[str, Any] = {"tolerance": 1e-6, "method": method, "workers": 1, **REDUCED}
     runs = simulate_many(ensemble, np.linspace(0.0, 2.0, 201), **how)
@@ -219,8 +211,8 @@ def test_outcomes_of_arrays_are_those_of_single_motions(method: str) -> None:
         assert_alike({name: found[name] for name in OUTCOMES}, expected, 1e-11)
 
 
+@needs_heyoka
 def test_rows_of_a_batch_are_those_of_its_cases() -> None:
-    pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
     axes = ("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30")
     wanted = sweep(*axes, method="taylor", tolerance=1e-6, end=1.5, keep=("beta",))
     numbers = range(wanted.design.size)

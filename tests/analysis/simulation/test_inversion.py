@@ -114,7 +114,9 @@ def test_inversion_and_its_loss_are_located_between_samples(count: int, begin: f
         (found.time, found.time_error, np.arcsin(REACHED) / rate),
         (found.lost, found.lost_error, 2.5),
     ):
-        assert abs(not_none(time) - begin - truth) <= not_none(error) + 1e-14 + 1e-15 * begin
+        # Of a smooth motion the best polynomial is far better than those it is told from.
+        apart = abs(not_none(time) - begin - truth)
+        assert apart <= 0.01 * not_none(error) + 1e-14 + 1e-15 * begin
         assert not_none(error) < min(spacing, 0.1 * spacing**4)
 
 

@@ -27,15 +27,6 @@ from analysis.stability.spectra import System, matrices_over_spin
 from tests.helpers import model, not_none
 
 
-def test_full_system_has_two_hopf_crossings_in_opposite_directions() -> None:
-    found = critical_speeds(model(1))
-    places = [(each.spin, each.frequency) for each in found.hopf]
-    np.testing.assert_allclose(places, [(26.87362, 22.66749), (30.10488, 5.75203)], atol=5e-6)
-    assert found.hopf == found.crossings
-    assert [crossing.stable_side for crossing in found.hopf] == ["below", "above"]
-    assert (found.reason, found.stable) == (None, ())
-
-
 def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
     first, *others = critical_speeds(model(4), (0.0, 100.0)).pair_changes
     assert first.spin == pytest.approx(12.51344, abs=5e-6)
