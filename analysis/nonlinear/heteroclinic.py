@@ -171,7 +171,8 @@ def fall(scenario: Scenario, spin: float) -> Fall:
         return found
 
     has_turned, has_passed, is_flat = (times.size > 0 for times in run.t_events)
-    if not (has_turned or has_passed or is_flat or distances(0.5)[-1] < _SETTLED):
+    has_settled = run.success and distances(0.5)[-1] < _SETTLED
+    if not (has_turned or has_passed or is_flat or has_settled):
         raise NoConnectionError(
             f"the motion from noninverted spinning at {spin:.9g} rad/s neither turns back nor "
             f"goes over within {run.t[-1]:.3g} s: {run.message}"
