@@ -1,4 +1,4 @@
-"""Stiff runs: implicit methods are given the exact Jacobian of the equations in every form."""
+"""Stiff runs: implicit methods are given the exact Jacobian in every formulation."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ from analysis import (
     simulate_many,
 )
 from analysis.problem.checks import Array
-from analysis.simulation.forms import pose
+from analysis.simulation.formulations import pose
 from analysis.solve.stepping import InitialValueProblem
 from tests.bodies import EGG
 
@@ -39,7 +39,7 @@ def central(problem: InitialValueProblem, state: Array, step: float) -> Array:
 
 
 @pytest.mark.parametrize(
-    ("form", "scenario"),
+    ("formulation", "scenario"),
     [
         ("index-1", Scenario(friction=Stribeck(load="contact"))),
         ("index-1", Scenario(constraints=MODELS[2], friction=AnisotropicCoulomb())),
@@ -50,13 +50,13 @@ def central(problem: InitialValueProblem, state: Array, step: float) -> Array:
         ("free-body", Scenario(contact=SOFT, friction=PowerLawCoulomb(load="contact"))),
     ],
 )
-def test_jacobian_is_that_of_central_differences(form: str, scenario: Scenario) -> None:
-    problem = pose(scenario, form, {}).problem
+def test_jacobian_is_that_of_central_differences(formulation: str, scenario: Scenario) -> None:
+    problem = pose(scenario, formulation, {}).problem
     assert problem.jacobian is not None
     exact, random = problem.jacobian(), np.random.default_rng(5)
     for _ in range(3):
         state = problem.start + 0.01 * random.normal(size=problem.start.size)
-        if form == "free-body":
+        if formulation == "free-body":
             # Neither lifted nor where the damper has just let go.
             state[2] = problem.start[2] - 3e-4
         coarse, fine = (central(problem, state, step) for step in (2e-7, 1e-7))
