@@ -58,7 +58,7 @@ from analysis.simulation.energies import (
     power,
 )
 from analysis.simulation.ensemble import Outcome, simulate_many
-from analysis.simulation.forms import FORMS, Form
+from analysis.simulation.formulations import FORMULATIONS, Formulation, formulations
 from analysis.simulation.outcomes import outcomes
 from analysis.simulation.simulate import simulate
 from analysis.simulation.to_rest import REST_METHODS, RestMethod, simulate_to_rest
@@ -74,7 +74,7 @@ __all__ = [
     "CONSTRAINTS",
     "COORDINATES",
     "DISKS",
-    "FORMS",
+    "FORMULATIONS",
     "GRAVITY",
     "LAWS",
     "LEVELS",
@@ -98,7 +98,7 @@ __all__ = [
     "Ending",
     "Ensemble",
     "FlatError",
-    "Form",
+    "Formulation",
     "FrictionLaw",
     "Hole",
     "Inversion",
@@ -138,6 +138,7 @@ __all__ = [
     "contact_forces",
     "energies",
     "energy_residual",
+    "formulations",
     "load_run",
     "load_scenario",
     "multiplier_names",

@@ -25,7 +25,7 @@ from analysis import (
     MODELS,
     Dissipation,
     Ensemble,
-    Form,
+    Formulation,
     Scenario,
     Start,
     Trajectory,
@@ -85,9 +85,9 @@ RUNS: tuple[tuple[str, Scenario, How, float, float], ...] = (
         for each in (MODEL_2, MODEL_3, MODEL_4)
     ),
     *(
-        (f"in-house, {each.name}, {form}", each,
-         {"source": "in-house", "formulation": form, "local_tolerance": local}, 1e-9, limit)
-        for each, form, local, limit in (
+        (f"in-house, {each.name}, {formulation}", each,
+         {"source": "in-house", "formulation": formulation, "local_tolerance": local}, 1e-9, limit)
+        for each, formulation, local, limit in (
             (MODEL_1, "index-1", 1e-10, 100.0), (MODEL_4, "reduced", 1e-10, 100.0),
             (MODEL_2, "index-1", 3e-12, 150.0), (MODEL_3, "index-1", 1e-11, 150.0),
         )
@@ -107,11 +107,11 @@ SWEPT: tuple[tuple[str, Scenario, How], ...] = (
 CASES = 10
 """Of a sweep that is timed."""
 
-COMPILED: tuple[tuple[Scenario, Form, int], ...] = (
+COMPILED: tuple[tuple[Scenario, Formulation, int], ...] = (
     (MODEL_1, "index-1", 64),
     (MODEL_4, "reduced", 512),
 )
-"""Scenario and form of a system that is compiled, and members of its ensemble."""
+"""Scenario and formulation of a system that is compiled, and members of its ensemble."""
 
 
 LOCAL = 1e-9
@@ -183,12 +183,15 @@ def compiled_runs(repeats: int) -> Iterator[Check]:
 
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
     """
-    for scenario, form, _ in COMPILED:
-        label, how = f"{scenario.name}, {form}", {**COMPILED_RUN, "form": form}
+    for scenario, formulation, _ in COMPILED:
+        label, how = (
+            f"{scenario.name}, {formulation}",
+            {**COMPILED_RUN, "formulation": formulation},
+        )
         ours = partial(analysis.simulate, scenario, TIMES, **how)
         error = deviation(ours(), _truth(scenario))
         yield measured(f"{label}, compiled: error", error, "rad", 1e-9)
-        hand = by_hand.single(scenario, form, LOCAL, TIMES)
+        hand = by_hand.single(scenario, formulation, LOCAL, TIMES)
         # Ten in a row, as in a loop: alone, a call waits for memory longer than it computes. By
         # the clock, since heyoka reads many states off on several threads, which wait for work.
         ten = (partial(_ten, ours), partial(_ten, hand))
@@ -209,14 +212,18 @@ def ensembles(repeats: int) -> Iterator[Check]:
     list: a Scenario and a Trajectory for each. To 1e-6 rad: with the second run that checks it.
     One run each: local tolerance 1e-9. By hand, nothing is made of the sampled states.
     """
-    for scenario, form, size in COMPILED:
+    for scenario, formulation, size in COMPILED:
         base, spins = replace(scenario, start=Start(beta=1.5)), np.linspace(34.0, 50.0, size)
 
         def made(base: Scenario = base, spins: Array = spins) -> Ensemble:
             return Ensemble(scenario=base, fields={"spin": spins})
 
-        def many(members: Any = None, form: Form = form, **how: Any) -> object:
-            found: object = simulate_many(members or made(), TIMES, form=form, workers=1, **how)
+        def many(
+            members: Any = None, formulation: Formulation = formulation, **how: Any
+        ) -> object:
+            found: object = simulate_many(
+                members or made(), TIMES, formulation=formulation, workers=1, **how
+            )
             return found
 
         members = list(made())
@@ -225,7 +232,7 @@ def ensembles(repeats: int) -> Iterator[Check]:
             ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
             ("one run each, from a list", partial(many, members, **COMPILED_RUN), size),
             ("one run each", partial(many, **COMPILED_RUN), size),
-            ("one run each, by hand", by_hand.batches(members, form, LOCAL, TIMES), size),
+            ("one run each, by hand", by_hand.batches(members, formulation, LOCAL, TIMES), size),
         )
         times = milliseconds(*(call for _, call, _ in calls), repeats=repeats)
         for (label, _, count), taken in zip(calls, times, strict=True):
@@ -243,7 +250,7 @@ def basin(repeats: int) -> Iterator[Check]:
 
     def judge() -> None:
         starts = Ensemble(scenario=scenario, fields=fields)
-        how: Any = {"form": "reduced", "tolerance": 1e-6, "workers": 1}
+        how: Any = {"formulation": "reduced", "tolerance": 1e-6, "workers": 1}
         _ = simulate_many(starts, times, **how).inversions.outcomes
 
     (taken,) = milliseconds(judge, repeats=min(repeats, 3))

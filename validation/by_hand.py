@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Form, Scenario
+from analysis import Formulation, Scenario
 from analysis.problem.checks import Array
 from analysis.simulation.compiled import systems
 from analysis.simulation.compiled.code import kinks
@@ -19,10 +19,10 @@ from analysis.simulation.request import Request
 
 
 def single(
-    scenario: Scenario, form: Form, local_tolerance: float, times: Array
+    scenario: Scenario, formulation: Formulation, local_tolerance: float, times: Array
 ) -> Callable[[], Any]:
     """Sampling of one run with an integrator of heyoka."""
-    solver, numbers, starts = _solver([scenario], form, local_tolerance)
+    solver, numbers, starts = _solver([scenario], formulation, local_tolerance)
 
     def call() -> Any:
         solver.time = 0.0
@@ -34,11 +34,11 @@ def single(
 
 
 def batches(
-    members: Sequence[Scenario], form: Form, local_tolerance: float, times: Array
+    members: Sequence[Scenario], formulation: Formulation, local_tolerance: float, times: Array
 ) -> Callable[[], Any]:
     """Sampling of many runs with a batch integrator of heyoka."""
     width = heyoka().recommended_simd_size()
-    solver, numbers, starts = _solver(members, form, local_tolerance, width)
+    solver, numbers, starts = _solver(members, formulation, local_tolerance, width)
     grid = np.ascontiguousarray(np.broadcast_to(times[:, None], (times.size, width)))
 
     def call() -> Any:
@@ -54,10 +54,12 @@ def batches(
 
 
 def _solver(
-    members: Sequence[Scenario], form: Form, local_tolerance: float, width: int = 0
+    members: Sequence[Scenario], formulation: Formulation, local_tolerance: float, width: int = 0
 ) -> tuple[Any, Array, Array]:
     """An integrator, or one for batches, and parameters and starts of members alike."""
-    once = Request(times=np.array((0.0, 1e-3)), form=form, method="taylor", local_tolerance=1e-9)
+    once = Request(
+        times=np.array((0.0, 1e-3)), formulation=formulation, method="taylor", local_tolerance=1e-9
+    )
     (part,), _ = simulate_compiled(members, once)
     system, starts = systems.build(part.group.code.structure), part.group.starts
     library = heyoka()

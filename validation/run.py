@@ -48,7 +48,7 @@ def run(
     options = RunOptions(**how)
     given = _given(options, *_HOW, *_ENDS, "allow_pulling") | {"progress": progress}
     if options.source == "in-house":
-        return analysis.simulate(scenario, times, form=options.formulation, **given)  # type: ignore[arg-type]
+        return analysis.simulate(scenario, times, formulation=options.formulation, **given)  # type: ignore[arg-type]
     import mbs_models
 
     return mbs_models.simulate(_scene(scenario, options), times, **given)

@@ -10,7 +10,7 @@ from analysis.motion.quantities import filled
 from analysis.motion.sampled import FORMAT, described
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import choice
+from analysis.problem.checks import choice, settings
 from analysis.problem.scenario import Scenario
 from analysis.problem.user_modules import foreign_names
 
@@ -19,6 +19,9 @@ StoredRun = Trajectory | SpatialMotion
 
 _OLDER = {"t": "times", "q": "coordinates", "u": "rates", "spatial_meta": "meta"}
 """What format 2, which is otherwise the present one, called some arrays."""
+
+_OLDER_SETTINGS = {"form": "formulation"}
+"""What files called some settings before."""
 
 Kind = TypeVar("Kind", bound=StoredRun)
 
@@ -81,6 +84,10 @@ def _description(text: str, kind: type[StoredRun]) -> dict[str, Any]:
     for name in meta:
         choice("meta", name, described(kind))
     found = {name: meta[name] for name in described(kind)}
+    found["method"] = {
+        _OLDER_SETTINGS.get(name, name): each
+        for name, each in settings("method", found["method"]).items()
+    }
     with foreign_names():
         found["scenario"] = Scenario.from_values(found["scenario"])
     if found["ending"] is not None:

@@ -75,10 +75,10 @@ def simulate_many(
     progress : callable, optional
         Called with the number of members done and of all.
     **how
-        Of every member, as in `simulate`: form, method, tolerance, local_tolerance, stop_when,
-        allow_pulling and time_limit. Functions in `stop_when` must be importable by name. The
-        method is by default "taylor" where heyoka is installed, and that of `simulate` for
-        members that cannot be compiled or that it does not take to their tolerance:
+        Of every member, as in `simulate`: formulation, method, tolerance, local_tolerance,
+        stop_when, allow_pulling and time_limit. Functions in `stop_when` must be importable by
+        name. The method is by default "taylor" where heyoka is installed, and that of `simulate`
+        for members that cannot be compiled or that it does not take to their tolerance:
         `Trajectory.method` tells. Compiled members run in batches.
 
     Returns

@@ -21,7 +21,7 @@ from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, E
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.simulation.compiled.library import is_installed
-from analysis.simulation.forms import FORMS, Form, default_form
+from analysis.simulation.formulations import FORMULATIONS, Formulation, default_formulation
 from analysis.solve.effort import simulation_effort, usual_method
 from analysis.solve.stepping import METHODS, Method, Run
 from analysis.solve.to_tolerance import tighter_and_tighter
@@ -40,7 +40,7 @@ class Request:
     Attributes
     ----------
     times : ndarray, shape (n,)
-    form : str or None
+    formulation : str or None
     method : str or None
         Asked for, if any.
     tolerance, local_tolerance : float or None
@@ -60,7 +60,7 @@ class Request:
         self,
         times: npt.ArrayLike,
         *,
-        form: Form | None = None,
+        formulation: Formulation | None = None,
         method: Method | None = None,
         tolerance: float | None = None,
         local_tolerance: float | None = None,
@@ -70,7 +70,9 @@ class Request:
         progress: Progress | None = None,
     ) -> None:
         self.times = increasing_times(times)
-        self.form = None if form is None else choice("form", form, FORMS)
+        self.formulation = (
+            None if formulation is None else choice("formulation", formulation, FORMULATIONS)
+        )
         self.method = None if method is None else choice("method", method, METHODS)
         self.tolerance, self.local_tolerance = tolerance, local_tolerance
         if local_tolerance is None:
@@ -174,7 +176,7 @@ def trajectory(
         scenario=scenario,
         source="in-house",
         method={
-            "form": request.form or default_form(scenario),
+            "formulation": request.formulation or default_formulation(scenario),
             "method": method,
             "tolerance": request.tolerance,
             "local_tolerance": run.local_tolerance,

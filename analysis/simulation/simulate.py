@@ -11,7 +11,7 @@ from analysis.problem.checks import instance
 from analysis.problem.friction import check_slipping
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.ensemble import simulate_compiled
-from analysis.simulation.forms import Form, default_form, pose
+from analysis.simulation.formulations import Formulation, default_formulation, pose
 from analysis.simulation.request import Request, trajectory
 from analysis.solve.stepping import Method, Run, integrate
 from analysis.solve.to_tolerance import run_to
@@ -22,7 +22,7 @@ def simulate(
     scenario: Scenario,
     times: npt.ArrayLike,
     *,
-    form: Form | None = None,
+    formulation: Formulation | None = None,
     method: Method | None = None,
     tolerance: float | None = None,
     local_tolerance: float | None = None,
@@ -46,7 +46,7 @@ def simulate(
     scenario : Scenario
     times : array_like, shape (n,)
         Strictly increasing times in s at which the motion is wanted; it starts at the first.
-    form : {"index-1", "reduced", "free-body"}, optional
+    formulation : {"index-1", "reduced", "free-body"}, optional
         Index-1 system (80), (79) or (92); the minimal coordinates (102) of Model 4; or the
         Newton-Euler equations of a free body on a penalty contact. By default that of the contact.
     method : {"DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"}, optional
@@ -98,7 +98,7 @@ def simulate(
     """
     request = Request(
         times,
-        form=form,
+        formulation=formulation,
         method=method,
         tolerance=tolerance,
         local_tolerance=local_tolerance,
@@ -126,7 +126,8 @@ def run_member(scenario: Scenario, request: Request, method: Method | None) -> T
 def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory:
     """The same by one of SciPy's solvers."""
     watch = request.watch(request.effort(scenario, method).most)
-    posed = pose(scenario, request.form or default_form(scenario), request.conditions)
+    formulation = request.formulation or default_formulation(scenario)
+    posed = pose(scenario, formulation, request.conditions)
     rungs, tolerance = request.local_tolerances(method), request.tolerance or inf
     seconds = 0.0
 

@@ -20,7 +20,7 @@ TIMES = np.linspace(0.0, 0.05, 6)
         ({"local_tolerance": 1e-9}, {"integrator": "DOPRI5"}),
         (
             {"source": "in-house", "formulation": "index-1", "method": "RK45", "tolerance": 1e-6},
-            {"form": "index-1", "method": "RK45", "tolerance": 1e-6},
+            {"formulation": "index-1", "method": "RK45", "tolerance": 1e-6},
         ),
     ],
 )

@@ -4,22 +4,24 @@ import warnings
 from dataclasses import dataclass
 from typing import Any
 
-from analysis import Form, Method, Scenario, Trajectory
+import analysis
+import mbs_models
+from analysis import Method, Scenario, Trajectory
 from analysis.motion.sampled import Source
 from analysis.problem.checks import Array
-from mbs_models import Formulation, Integrator, IntegratorName
+from mbs_models import Integrator, IntegratorName
 from validation.run import run
 
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A way to compute a motion: formulation and integrator, or in-house form and method.
+    """A way to compute a motion: formulation, and integrator or in-house method.
 
     What is left out, the side chooses.
     """
 
     source: Source
-    formulation: Formulation | Form | None = None
+    formulation: mbs_models.Formulation | analysis.Formulation | None = None
     integrator: Integrator | IntegratorName | Method | None = None
 
     @property
@@ -37,23 +39,6 @@ class Way:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return run(scenario, times, source=self.source, formulation=self.formulation, **how)
-
-
-def forms(scenario: Scenario) -> tuple[Form, ...]:
-    """In-house forms that know what is in a scenario, as `mbs_models.formulations` has them.
-
-    Examples
-    --------
-    >>> from analysis import MODELS, Scenario
-    >>> forms(Scenario(constraints=MODELS[4]))
-    ('index-1', 'reduced')
-    """
-    if scenario.contact is not None:
-        return ("free-body",)
-    by_weight = scenario.friction.load == "weight"
-    if scenario.model == 4 and by_weight and scenario.table.is_horizontal:
-        return ("index-1", "reduced")
-    return ("index-1",)
 
 
 class WorkLimitError(ArithmeticError):

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import analysis
 from analysis import MODELS, Scenario
 from analysis.problem.checks import Array, whole, within
 from analysis.problem.values import unit
 from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
-from validation.kit.ways import forms
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 from validation.sweeps.sweep import Sweep
@@ -145,12 +145,12 @@ def quickest_plan(
     on_tree = scenario.model == 1 and scenario.disk.is_round_disk
     if on_tree and not compiled:
         return Plan(source="engine", step=ENGINE_STEP, **how)
-    form = "reduced" if "reduced" in forms(scenario) else None
+    formulation = "reduced" if "reduced" in analysis.formulations(scenario) else None
     if compiled:
         of_tree = {"witness_step": ENGINE_STEP}
         how |= of_tree if on_tree else {"witness_tolerance": 1e-3}
-        return Plan(formulation=form, method="taylor", tolerance=1e-6, **how)
-    return Plan(formulation=form, local_tolerance=1e-6, **how)
+        return Plan(formulation=formulation, method="taylor", tolerance=1e-6, **how)
+    return Plan(formulation=formulation, local_tolerance=1e-6, **how)
 
 
 def critical_points(sweep: Sweep) -> Array:

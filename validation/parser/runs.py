@@ -9,7 +9,7 @@ Source = Literal["engine", "in-house"]
 SOURCES: tuple[Source, ...] = get_args(Source)
 Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
 FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
-FORMS = ("index-1", "reduced", "free-body")
+IN_HOUSE_FORMULATIONS = ("index-1", "reduced", "free-body")
 INTEGRATORS = (
     *("RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"),
     *("DOP853", "Radau", "LSODA"),
@@ -59,7 +59,7 @@ class RunOptions:
     """
 
     source: Annotated[str, {"choices": SOURCES}] = "engine"
-    formulation: Annotated[str | None, {"choices": (*FORMULATIONS, *FORMS)}] = None
+    formulation: Annotated[str | None, {"choices": (*FORMULATIONS, *IN_HOUSE_FORMULATIONS)}] = None
     tolerance: float | None = None
     step: float | None = None
     local_tolerance: float | None = None
@@ -72,7 +72,8 @@ class RunOptions:
     def __post_init__(self) -> None:
         self._choose("source", SOURCES)
         if self.formulation is not None:
-            self._choose("formulation", FORMULATIONS if self.source == "engine" else FORMS)
+            is_engine = self.source == "engine"
+            self._choose("formulation", FORMULATIONS if is_engine else IN_HOUSE_FORMULATIONS)
         foreign = ("method",) if self.source == "engine" else ("step", "integrator")
         for name in foreign:
             self.refuse(name, f"source {self.source!r}, which does not know it")

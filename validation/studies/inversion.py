@@ -67,7 +67,7 @@ def measure(case: Case) -> list[Row]:
     return [
         {
             "source": each.source,
-            "formulation": each.method.get("formulation") or each.method["form"],
+            "formulation": each.method["formulation"],
             "error_estimate": each.error_estimate,
             **{name: getattr(each, name) for name in CURVES},
         }

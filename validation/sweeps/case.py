@@ -113,7 +113,7 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
     ensemble = Ensemble.unchecked(sweep.scenario, fields)
     how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
-    runs = simulate_many(ensemble, plan.times, form=plan.formulation, workers=1, **how)
+    runs = simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
     found = list(outcomes(runs).rows())
     each = (time.process_time() - begin) / len(cases)
     rows: list[CaseRow] = [

@@ -13,7 +13,7 @@ from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array, choice, positive, whole, within
 from analysis.problem.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.problem.names import ArgumentError
-from analysis.simulation.forms import default_form, pose
+from analysis.simulation.formulations import default_formulation, pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from validation.parser.runs import ACCURACIES, OPTIONS, CaseOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
@@ -150,6 +150,6 @@ class Plan(CaseOptions):
         if self.to_rest:
             return rest_effort(scenario, self.end, **how)
         if self.source == "in-house":
-            form: Any = self.formulation or default_form(scenario)
-            pose(scenario, form, {})
+            formulation: Any = self.formulation or default_formulation(scenario)
+            pose(scenario, formulation, {})
         return run_effort(scenario, self.times, **how)

@@ -15,7 +15,7 @@ from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled import systems
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
 from analysis.simulation.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
-from analysis.simulation.forms import Form
+from analysis.simulation.formulations import Formulation
 
 WIDEST_INDEX_1 = 4
 """Most members of a batch of an index-1 system.
@@ -70,7 +70,7 @@ class Code:
         self._system = systems.build(structure)
         self.reasons = (*self._system.endings, TIME_LIMIT)
         self.size = len(self._system.variables)
-        self.attitudes = slice(0, 2) if structure.form == "reduced" else slice(4, 6)
+        self.attitudes = slice(0, 2) if structure.formulation == "reduced" else slice(4, 6)
         self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
@@ -110,7 +110,7 @@ class Code:
     def width(self) -> int:
         """Members of a batch."""
         widest: int = heyoka().recommended_simd_size()
-        return min(widest, WIDEST_INDEX_1) if self.structure.form == "index-1" else widest
+        return min(widest, WIDEST_INDEX_1) if self.structure.formulation == "index-1" else widest
 
     @cached_property
     def _readings(self) -> Any:
@@ -142,7 +142,11 @@ class Code:
 
 
 def code_for(
-    scenario: Scenario, form: Form, conditions: Mapping[str, Condition], *, allow_pulling: bool
+    scenario: Scenario,
+    formulation: Formulation,
+    conditions: Mapping[str, Condition],
+    *,
+    allow_pulling: bool,
 ) -> Code:
     """Code of the runs of a scenario, or of members that are alike in structure.
 
@@ -152,7 +156,7 @@ def code_for(
     ----------
     scenario : Scenario
         With the ideal contact.
-    form : {"index-1", "reduced"}
+    formulation : {"index-1", "reduced"}
     conditions : mapping
         From reasons to functions of a `State`; a run ends where one turns negative.
     allow_pulling : bool
@@ -164,9 +168,9 @@ def code_for(
         If heyoka is not installed or something cannot be expressed in its symbols.
     """
     heyoka()
-    if form == "free-body":
+    if formulation == "free-body":
         raise CannotCompileError(
-            "method 'taylor' knows the ideal contact alone, no form 'free-body'"
+            "method 'taylor' knows the ideal contact alone, no formulation 'free-body'"
         )
     if not scenario.disk.is_round_disk:
         kind = type(scenario.disk).__name__
@@ -181,7 +185,7 @@ def code_for(
             "allow_pulling must be left out with method 'taylor' where friction has the load "
             "'contact', which then comes and goes"
         )
-    structure = Structure.of(scenario, form, conditions, allow_pulling=allow_pulling)
+    structure = Structure.of(scenario, formulation, conditions, allow_pulling=allow_pulling)
     return _code(structure, COMPACT)
 
 

@@ -20,7 +20,7 @@ from analysis.simulation.compiled import systems
 from analysis.simulation.compiled.code import Code, code_for
 from analysis.simulation.compiled.runs import Group, integrate
 from analysis.simulation.compiled.systems import SIGN
-from analysis.simulation.forms import check_form, default_form, pose
+from analysis.simulation.formulations import check_formulation, default_formulation, pose
 from analysis.simulation.request import Request, trajectory
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import pulls_at_start
@@ -100,7 +100,7 @@ class CompiledPart:
     def _trajectory(self, row: int, scenario: Scenario, arrays: Sequence[Array]) -> Trajectory:
         run = self.runs.run(row)
         coordinates, rates, forces = (each[: run.times.size] for each in arrays)
-        if self.group.code.structure.form == "index-1":
+        if self.group.code.structure.formulation == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
@@ -175,12 +175,12 @@ Columns = tuple[Code, Sequence[float]]
 
 def _columns(request: Request, scenario: Scenario) -> Columns:
     """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
-    form = request.form or default_form(scenario)
-    code = code_for(scenario, form, request.conditions, allow_pulling=request.allow_pulling)
-    check_form(scenario, form)
+    formulation = request.formulation or default_formulation(scenario)
+    code = code_for(scenario, formulation, request.conditions, allow_pulling=request.allow_pulling)
+    check_formulation(scenario, formulation)
     effort = request.effort(scenario, "taylor")
     numbers = systems.parameters(scenario, float(request.times[0]))
-    start = systems.start(scenario, form)
+    start = systems.start(scenario, formulation)
     return code, (longest_step(scenario), effort.most, *numbers, *start)
 
 
@@ -199,7 +199,7 @@ def _refused(group: Group, scenarios: Scenarios, first: int) -> dict[int, Except
         try:
             scenario = scenarios[int(group.rows[row]) - first]
             pulls_at_start(
-                pose(scenario, group.code.structure.form, {}).problem, allow_pulling=False
+                pose(scenario, group.code.structure.formulation, {}).problem, allow_pulling=False
             )
         except (ArithmeticError, ValueError) as error:
             found[row] = error

@@ -21,7 +21,7 @@ from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
-from analysis.simulation.forms import Form
+from analysis.simulation.formulations import Formulation
 
 FAINT = 1e-8
 """Slip speed in m/s over which the kink of friction is rounded if slip has two directions.
@@ -40,7 +40,7 @@ class Structure(NamedTuple):
 
     Parameters
     ----------
-    form : str
+    formulation : str
         "index-1" or "reduced".
     equations : newton_euler.Structure
     options : tuple of pairs
@@ -53,7 +53,7 @@ class Structure(NamedTuple):
         Reasons and functions of a state that end a run, too.
     """
 
-    form: Form
+    formulation: Formulation
     equations: newton_euler.Structure
     options: tuple[tuple[str, Any], ...]
     kinked: bool
@@ -65,7 +65,7 @@ class Structure(NamedTuple):
     def of(
         cls,
         scenario: Scenario,
-        form: Form,
+        formulation: Formulation,
         conditions: Mapping[str, Condition],
         *,
         allow_pulling: bool,
@@ -87,7 +87,13 @@ class Structure(NamedTuple):
         flips = kinked and any(slip in scenario.constraints for slip in SLIPS)
         equations = newton_euler.Structure.of(scenario, EulerTurning)
         return cls(
-            form, equations, options, kinked, flips, allow_pulling, tuple(conditions.items())
+            formulation,
+            equations,
+            options,
+            kinked,
+            flips,
+            allow_pulling,
+            tuple(conditions.items()),
         )
 
 
@@ -96,10 +102,10 @@ def _names(law: type[FrictionLaw]) -> tuple[str, ...]:
     return tuple(field.name for field in fields(law))
 
 
-def start(scenario: Scenario, form: Form) -> tuple[float, ...]:
+def start(scenario: Scenario, formulation: Formulation) -> tuple[float, ...]:
     """State at the start, of a scenario or of `Members`."""
     first = scenario.initial_state
-    if form == "reduced":
+    if formulation == "reduced":
         return *first.coordinates[4:6], first.rates[4]
     return state_of(scenario.disk, first.coordinates, first.rates, EulerTurning)
 
@@ -182,7 +188,7 @@ def build(structure: Structure) -> System:
     """
     library, scenario = heyoka(), _symbolic(structure)
     speed = _signed if structure.flips else _size(FAINT)
-    if structure.form == "reduced":
+    if structure.formulation == "reduced":
         variables = library.make_vars("beta", "gamma", "beta_rate")
         coordinates, rates = reduced.expanded(
             scenario.disk, scenario.spin, scenario.alpha, variables
@@ -191,7 +197,7 @@ def build(structure: Structure) -> System:
     else:
         variables = state = library.make_vars(*recorded.STATE)
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    solve = _reduced if structure.form == "reduced" else _index_1
+    solve = _reduced if structure.formulation == "reduced" else _index_1
     derivatives, forces, slips, feedback = solve(structure, scenario, variables, speed)
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
     if feedback:

@@ -70,7 +70,10 @@ def test_file_gives_back_exactly_what_was_saved(saved: StoredRun, tmp_path: Path
 @pytest.mark.parametrize("saved", MOTIONS, ids=repr)
 def test_file_of_format_2_loads(saved: StoredRun, path: Path) -> None:
     saved.save(path)
-    rewrite(path, meta={"format": 2})
+    method = {
+        "form" if name == "formulation" else name: each for name, each in saved.method.items()
+    }
+    rewrite(path, meta={"format": 2, "method": method})
     with np.load(path) as stored:
         arrays: Stored = dict(stored)
     older = {"meta": "spatial_meta"}

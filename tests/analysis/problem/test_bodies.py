@@ -241,7 +241,9 @@ def test_analyses_of_the_papers_disk_refuse_products_of_inertia() -> None:
         lambda: eigenvalues(scenario, [30.0], system="numeric"),
         lambda: critical_speeds(scenario),
         lambda: mbs_models.eigenvalues(mbs_models.Scene(scenario)),
-        lambda: simulate(replace(scenario, constraints=MODELS[4]), [0.0, 1.0], form="reduced"),
+        lambda: simulate(
+            replace(scenario, constraints=MODELS[4]), [0.0, 1.0], formulation="reduced"
+        ),
     )
     for analysis in analyses:
         with pytest.raises(ValueError, match="needs a round disk whose line from centre to cen"):

@@ -14,7 +14,7 @@ from analysis import (
     POSSIBLE_SETS,
     ConstraintSet,
     Ensemble,
-    Form,
+    Formulation,
     FrictionLaw,
     Level,
     Load,
@@ -38,7 +38,7 @@ from analysis.simulation.compiled import library, systems
 from analysis.simulation.compiled.ensemble import simulate_compiled
 from analysis.simulation.compiled.runs import integrate
 from analysis.simulation.compiled.systems import SIGN, Structure
-from analysis.simulation.forms import pose
+from analysis.simulation.formulations import pose
 from analysis.simulation.request import Request
 from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, TIPPE_TOP
@@ -135,19 +135,19 @@ def test_compiled_and_pure_reduced_systems_are_the_same_under_every_law(
     assert_rows_close(found, read, relative=1e-12)
 
 
-CASES: list[tuple[Scenario, Form]] = [
+CASES: list[tuple[Scenario, Formulation]] = [
     (model(4, start=TURNING), "reduced"),
     (model(1), "index-1"),
     (model(1, disk=COMPOSED, start=TURNING), "index-1"),
 ]
 
 
-@pytest.mark.parametrize(("scenario", "form"), CASES)
+@pytest.mark.parametrize(("scenario", "formulation"), CASES)
 def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(
-    scenario: Scenario, form: Form
+    scenario: Scenario, formulation: Formulation
 ) -> None:
-    run = simulate(scenario, TIMES + 2.0, form=form, method="taylor", tolerance=1e-8)
-    pure = simulate(scenario, TIMES + 2.0, form=form, local_tolerance=1e-13)
+    run = simulate(scenario, TIMES + 2.0, formulation=formulation, method="taylor", tolerance=1e-8)
+    pure = simulate(scenario, TIMES + 2.0, formulation=formulation, local_tolerance=1e-13)
     assert run.error_estimate is not None
     assert angles_apart(run, pure) <= run.error_estimate <= 1e-8
     for name in ("coordinates", "rates", "multipliers"):
@@ -172,13 +172,13 @@ def turned(state: State) -> float:
 
 def test_compiled_run_ends_where_the_pure_one_does() -> None:
     pulling = model(1, start=Start(spin=200.0))
-    for scenario, form, stop_when, reason in (
+    for scenario, formulation, stop_when, reason in (
         (pulling, None, (), "contact would pull"),
         (model(4), "reduced", "inverted", "inverted"),
         (model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)), "reduced", (), "flat"),
         (model(4), "reduced", turned, "turned"),
     ):
-        how: dict[str, Any] = {"form": form, "stop_when": stop_when}
+        how: dict[str, Any] = {"formulation": formulation, "stop_when": stop_when}
         times = np.linspace(0.0, 2.0, 201)
         pure = simulate(scenario, times, **how, local_tolerance=1e-12)
         run = simulate(scenario, times, **how, method="taylor", local_tolerance=1e-12)
@@ -204,8 +204,16 @@ def fast(state: State) -> float:
 @pytest.mark.parametrize(
     ("scenario", "how", "message"),
     [
-        (model(4, friction=BRANCHING), {"form": "reduced"}, "cannot express .* law Answering"),
-        (model(4), {"form": "reduced", "stop_when": fast}, "cannot express stop_when 'fast'"),
+        (
+            model(4, friction=BRANCHING),
+            {"formulation": "reduced"},
+            "cannot express .* law Answering",
+        ),
+        (
+            model(4),
+            {"formulation": "reduced", "stop_when": fast},
+            "cannot express stop_when 'fast'",
+        ),
         (Scenario(contact=PenaltyContact(stiffness=1e5)), {}, "knows the ideal contact alone"),
         (Scenario(disk=TIPPE_TOP), {}, "knows round disks alone, got a Sphere"),
         (model(4, disk=COMPOSED), {}, "more than 4 constraint forces, got Model 4"),
@@ -233,7 +241,7 @@ def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.Monkey
 
 
 def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
-    how = Request(TIMES, form="reduced", method="taylor", local_tolerance=1e-12)
+    how = Request(TIMES, formulation="reduced", method="taylor", local_tolerance=1e-12)
     (part,), _ = simulate_compiled([model(4)], how)
     part.group.starts[0, 2] = np.nan
     only = np.array([0])
@@ -243,7 +251,7 @@ def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
 
 def test_time_limit_ends_a_compiled_run() -> None:
     told: list[tuple[float, float]] = []
-    how: dict[str, Any] = {"form": "reduced", "method": "taylor", "local_tolerance": 1e-12}
+    how: dict[str, Any] = {"formulation": "reduced", "method": "taylor", "local_tolerance": 1e-12}
     run = simulate(
         model(4), TIMES, time_limit=1e-9, progress=lambda *each: told.append(each), **how
     )
@@ -253,14 +261,14 @@ def test_time_limit_ends_a_compiled_run() -> None:
 
 
 @pytest.mark.parametrize(
-    ("level", "form"),
+    ("level", "formulation"),
     [(4, "reduced"), pytest.param(1, "index-1", marks=pytest.mark.slow)],
 )
 def test_estimates_cover_the_time_at_which_a_condition_ends_a_member(
-    level: Level, form: str
+    level: Level, formulation: str
 ) -> None:
     spins = Ensemble(scenario=model(level), fields={"spin": np.array((36.0, 40.0, 44.0))})
-    how: dict[str, Any] = {"form": form, "stop_when": "inverted", "method": "taylor"}
+    how: dict[str, Any] = {"formulation": formulation, "stop_when": "inverted", "method": "taylor"}
     ends = [0.0, 1.0]
     runs = simulate_many(spins, ends, **how, tolerance=1e-3)
     coarse, fine = (
@@ -278,7 +286,7 @@ def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
 ) -> None:
     monkeypatch.setattr(request, "COMPILED_TOLERANCES", (1e-6, 1e-6))
     spins = Ensemble(scenario=model(4), fields={"spin": np.array([30.0, 40.0])})
-    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-9}
+    how: dict[str, Any] = {"formulation": "reduced", "tolerance": 1e-9}
     listed, arrays = (simulate_many(each, TIMES, **how) for each in (list(spins), spins))
     for number, member in enumerate(spins):
         alone = simulate(member, TIMES, **how)
@@ -293,7 +301,11 @@ def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
 def test_members_of_a_batch_pull_when_they_do_alone() -> None:
     fields = {"spin": np.array([40.0, 60.0]), "beta_rate": np.array([2.0, 25.0])}
     ensemble = Ensemble(scenario=model(4), fields=fields)
-    how: dict[str, Any] = {"form": "reduced", "allow_pulling": True, "local_tolerance": 1e-12}
+    how: dict[str, Any] = {
+        "formulation": "reduced",
+        "allow_pulling": True,
+        "local_tolerance": 1e-12,
+    }
     runs = simulate_many(ensemble, TIMES, method="taylor", **how)
     for run, scenario in zip(runs, ensemble, strict=True):
         pure = simulate(scenario, TIMES, **how)
@@ -303,18 +315,22 @@ def test_members_of_a_batch_pull_when_they_do_alone() -> None:
 
 def test_members_that_cannot_be_compiled_run_all_the_same() -> None:
     members = [model(4, friction=BRANCHING), model(4)]
-    runs = simulate_many(members, TIMES, form="reduced", tolerance=1e-6)
+    runs = simulate_many(members, TIMES, formulation="reduced", tolerance=1e-6)
     methods = [run.method["method"] for run in runs if isinstance(run, Trajectory)]
     assert methods == ["DOP853", "taylor"]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scenario", "form", "_"), benchmark.COMPILED, ids=["index-1", "reduced"])
-def test_heyoka_driven_by_hand_samples_the_same_motion(scenario: Any, form: Any, _: int) -> None:
+@pytest.mark.parametrize(
+    ("scenario", "formulation", "_"), benchmark.COMPILED, ids=["index-1", "reduced"]
+)
+def test_heyoka_driven_by_hand_samples_the_same_motion(
+    scenario: Any, formulation: Any, _: int
+) -> None:
     times = benchmark.TIMES
-    run = simulate(scenario, times, form=form, method="taylor", local_tolerance=1e-9)
-    alone = by_hand.single(scenario, form, 1e-9, times)()[-1]
-    many = by_hand.batches([scenario] * 8, form, 1e-9, times)()[0][:, :, 0]
-    columns = slice(0, 2) if form == "reduced" else slice(4, 6)
+    run = simulate(scenario, times, formulation=formulation, method="taylor", local_tolerance=1e-9)
+    alone = by_hand.single(scenario, formulation, 1e-9, times)()[-1]
+    many = by_hand.batches([scenario] * 8, formulation, 1e-9, times)()[0][:, :, 0]
+    columns = slice(0, 2) if formulation == "reduced" else slice(4, 6)
     for sampled in (alone, many):
         np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)

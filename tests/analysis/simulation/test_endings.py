@@ -59,11 +59,11 @@ def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(
 
 
 @pytest.mark.parametrize("method", EITHER_METHOD)
-@pytest.mark.parametrize("form", ["index-1", "reduced"])
-def test_a_condition_may_ask_for_any_coordinate(form: str, method: str) -> None:
+@pytest.mark.parametrize("formulation", ["index-1", "reduced"])
+def test_a_condition_may_ask_for_any_coordinate(formulation: str, method: str) -> None:
     scenario = model(4, start=Start(alpha=0.3))
     how: Any = {
-        "form": form,
+        "formulation": formulation,
         "method": method,
         "stop_when": lambda state: 1.7 - state.coordinates[3],
     }
@@ -86,7 +86,7 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     assert first.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-7)
     assert ending.value == pytest.approx(0.0, abs=1e-9)
     # The spin of Model 4 is held.
-    other = simulate(model(4), [0.0, 3.0], form="reduced", stop_when=[slow, "inverted"])
+    other = simulate(model(4), [0.0, 3.0], formulation="reduced", stop_when=[slow, "inverted"])
     assert not_none(other.ending).reason == "inverted"
 
 
@@ -112,7 +112,9 @@ def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
     assert not_none(run.ending).time == pytest.approx(time, abs=tolerance / 3.0)
     # Steps across that kink would be short, and twice as many.
     assert run.counts["right_hand_sides"] < 2000
-    whole = simulate(scenario, run.times, form="reduced", method="Radau", local_tolerance=1e-9)
+    whole = simulate(
+        scenario, run.times, formulation="reduced", method="Radau", local_tolerance=1e-9
+    )
     assert angles_apart(run, whole) < tolerance
 
 
@@ -167,7 +169,7 @@ def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:
 
 def test_conditions_say_nothing_of_what_comes_after_a_fall() -> None:
     start = Start(spin=9.4667, beta=1.18926, gamma=1.70513, beta_rate=-0.44891)
-    how: dict[str, Any] = {"form": "reduced", "tolerance": 1e-3}
+    how: dict[str, Any] = {"formulation": "reduced", "tolerance": 1e-3}
     run = simulate(model(4, start=start), [0.0, 1.5], stop_when="lost", **how)
     assert_ends(run, "flat", 0.148187, 1e-5)
 
@@ -180,7 +182,7 @@ def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: i
         scenario = random_scenario(random)
         how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
         if scenario.model == 4 and number % 2:
-            how["form"] = "reduced"
+            how["formulation"] = "reduced"
         between = np.sort(random.uniform(0.0, 0.6, 40))
         few = simulate(scenario, [0.0, 0.6], **how)
         others = [simulate(scenario, [0.0, *between, 0.6], **how)]
@@ -199,7 +201,7 @@ def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: i
 def test_of_two_endings_within_1e_11_s_the_earlier_one_counts(order: int, method: Method) -> None:
     # Gamma turns at 15 rad/s there; a step is some milliseconds long.
     conditions = [turned_by(angle) for angle in (0.5, 0.5 + 1e-10)][::order]
-    how: dict[str, Any] = {"form": "reduced", "method": method, "local_tolerance": 1e-9}
+    how: dict[str, Any] = {"formulation": "reduced", "method": method, "local_tolerance": 1e-9}
     run = simulate(model(4, start=Start(beta=2.0)), [0.0, 1.0], stop_when=conditions, **how)
     assert_ends(run, "turned by 0.5", 0.03129032383, 1e-9)
 

@@ -37,7 +37,7 @@ from validation.sweeps.case import COLUMNS, NUMBERS, run_chunk
 TIMES = np.linspace(0.0, 1.0, 51)
 SHORT = TIMES[:11]
 SOME = 6
-REDUCED: dict[str, Any] = {"form": "reduced"}
+REDUCED: dict[str, Any] = {"formulation": "reduced"}
 
 
 def spins(*values: float, **fields: Any) -> Ensemble:

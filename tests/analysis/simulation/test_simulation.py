@@ -12,7 +12,7 @@ from analysis import (
     LEVELS,
     STEEL_DISK,
     ConstraintSet,
-    Form,
+    Formulation,
     Level,
     Method,
     PenaltyContact,
@@ -34,10 +34,10 @@ def reference(level: Level) -> Trajectory:
     return simulate(model(level), TIMES, local_tolerance=1e-13)
 
 
-@pytest.mark.parametrize("form", ["index-1", "reduced"])
-def test_forms_agree_and_keep_alpha_and_the_clock_of_the_start(form: Form) -> None:
+@pytest.mark.parametrize("formulation", ["index-1", "reduced"])
+def test_forms_agree_and_keep_alpha_and_the_clock_of_the_start(formulation: Formulation) -> None:
     turned = model(4, start=Start(alpha=2.0))
-    late = simulate(turned, TIMES + 5.0, form=form, local_tolerance=1e-13)
+    late = simulate(turned, TIMES + 5.0, formulation=formulation, local_tolerance=1e-13)
     expected = reference(4).coordinates + np.array([0.0, 0.0, 0.0, 2.0, 0.0, 0.0])
     np.testing.assert_array_equal(late.times, TIMES + 5.0)
     # Subtracting the start from the late times leaves 1e-15 s, at 40 rad/s.

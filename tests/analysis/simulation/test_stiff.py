@@ -1,4 +1,4 @@
-"""Stiff runs: implicit methods are given the exact Jacobian of the equations in every form."""
+"""Stiff runs: implicit methods are given the exact Jacobian in every formulation."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ from analysis import (
     simulate,
     simulate_many,
 )
-from analysis.simulation.forms import pose
+from analysis.simulation.formulations import pose
 from tests.bodies import EGG
 from tests.helpers import angles_apart, jacobian
 
@@ -27,7 +27,7 @@ SOFT = PenaltyContact(stiffness=1e6, damping=300.0, half_thickness=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("form", "scenario"),
+    ("formulation", "scenario"),
     [
         ("index-1", Scenario(friction=Stribeck(load="contact"))),
         ("index-1", Scenario(constraints=MODELS[2], friction=AnisotropicCoulomb())),
@@ -38,13 +38,13 @@ SOFT = PenaltyContact(stiffness=1e6, damping=300.0, half_thickness=1e-3)
         ("free-body", Scenario(contact=SOFT, friction=PowerLawCoulomb(load="contact"))),
     ],
 )
-def test_jacobian_is_that_of_differences(form: str, scenario: Scenario) -> None:
-    problem = pose(scenario, form, {}).problem
+def test_jacobian_is_that_of_differences(formulation: str, scenario: Scenario) -> None:
+    problem = pose(scenario, formulation, {}).problem
     assert problem.jacobian is not None
     exact, random = problem.jacobian(), np.random.default_rng(5)
     for _ in range(3):
         state = problem.start + 0.01 * random.normal(size=problem.start.size)
-        if form == "free-body":
+        if formulation == "free-body":
             # Neither lifted nor where the damper has just let go.
             state[2] = problem.start[2] - 3e-4
         found = jacobian(lambda moved: np.array(problem.right_hand_side(0.0, moved)), state, 1e-6)

@@ -90,26 +90,30 @@ ONE: list[tuple[str, str, Any, str]] = [
 ]  # fmt: skip
 """A call, an argument and its value, and what is said behind its name."""
 
-REDUCED: dict[str, Any] = {"form": "reduced"}
+REDUCED: dict[str, Any] = {"formulation": "reduced"}
 SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
 CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
 
 SEVERAL: list[tuple[str, dict[str, Any], str]] = [
     ("in-house", {"times": [0.0, 1.0, 1.0]}, "times must increase strictly, got 1 before 1"),
     ("in-house", {"times": [0.0]}, "times must be one-dimensional with at least 2 entries"),
-    ("in-house", {"form": "index-2"}, "form must be one of index-1, reduced, free-body, got"),
+    ("in-house", {"formulation": "index-2"},
+     "formulation must be one of index-1, reduced, free-body, got"),
     ("in-house", {"tolerance": nan}, "tolerance must be a finite number, got nan"),
     ("in-house", {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
     ("in-house", {"time_limit": 0.0}, "time_limit must be positive, got 0"),
-    ("in-house", {"scenario": model(3)} | REDUCED, "form 'reduced' exists for Model 4 alone, got"),
+    ("in-house", {"scenario": model(3)} | REDUCED,
+     "formulation 'reduced' exists for Model 4 alone, got"),
     ("in-house", {"scenario": model(4, friction=SmoothCoulomb(load="contact"))} | REDUCED,
-     "form 'reduced' takes the load 'weight'"),
+     "formulation 'reduced' takes the load 'weight'"),
     ("in-house", {"scenario": model(4, table=Table(inclination=0.1))} | REDUCED,
-     "form 'reduced' needs a hor"),
+     "formulation 'reduced' needs a hor"),
     ("in-house", {"scenario": model(2, start=Scenario().initial_state)},
      "start breaks 'fixed centre of gravity"),
-    ("in-house", {"form": "free-body"}, "form 'free-body' needs penalty contact, got"),
-    ("in-house", {"scenario": PENALTY, "form": "index-1"}, "form 'index-1' knows no penalty co"),
+    ("in-house", {"formulation": "free-body"},
+     "formulation 'free-body' needs a penalty contact, got"),
+    ("in-house", {"scenario": PENALTY, "formulation": "index-1"},
+     "formulation 'index-1' takes no penalty contact, got"),
     ("in-house", {"stop_when": "asleep"},
      "stop_when must be one of inverted, lost, module:function, got 'asleep'"),
     ("in-house", {"stop_when": "math:pi"}, "stop_when must hold names or functions of a State"),

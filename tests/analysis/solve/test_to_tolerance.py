@@ -7,7 +7,7 @@ from analysis import Scenario, ToleranceError
 from analysis.motion.endings import TIME_LIMIT
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
-from analysis.simulation.forms import pose
+from analysis.simulation.formulations import pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import (

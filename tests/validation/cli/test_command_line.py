@@ -64,7 +64,7 @@ EVERY = pytest.mark.parametrize("command", COMMANDS, ids=[each.name for each in 
 def test_choices_are_those_of_the_packages() -> None:
     assert runs.SOURCES == SOURCES
     assert runs.FORMULATIONS == mbs_models.FORMULATIONS
-    assert runs.FORMS == analysis.FORMS
+    assert runs.IN_HOUSE_FORMULATIONS == analysis.FORMULATIONS
     assert runs.INTEGRATORS == INTEGRATORS
     assert runs.METHODS == METHODS
     for command, option, known in (

@@ -104,8 +104,8 @@ def keyframes(
         phases, told = asdict(motion.phases), "on a unilateral contact"
         starts = {name.replace("_", " "): time for name, time in phases.items()}
     else:
-        form = motion.method.get("formulation") or motion.method.get("form")
-        told = f"{motion.scenario.name}, {form}" if form else motion.scenario.name
+        formulation = motion.method.get("formulation")
+        told = f"{motion.scenario.name}, {formulation}" if formulation else motion.scenario.name
         starts = {"inversion": motion.inversion_time}
     marks = [(name, time) for name, time in starts.items() if time is not None]
     inside = motion.times[(motion.times > begin) & (motion.times < end)]

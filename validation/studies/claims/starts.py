@@ -36,8 +36,8 @@ def outcome(scenario: Scenario, source: Source, end: float, **accuracy: Any) -> 
     """What becomes of a start until an end in s, one of `OUTCOMES`; `ValueError` if none."""
     times = np.linspace(0.0, end, round(100 * end) + 1)
     if source == "in-house":
-        form = "reduced" if scenario.model == 4 else "index-1"
-        accuracy = {"formulation": form, "local_tolerance": 1e-6}
+        formulation = "reduced" if scenario.model == 4 else "index-1"
+        accuracy = {"formulation": formulation, "local_tolerance": 1e-6}
     try:
         found = run(scenario, times, source=source, **accuracy)
     except FlatError:
@@ -52,7 +52,7 @@ def inverts(result: str) -> bool:
 
 
 def critical_speed() -> float:
-    """That of the reduced system in closed form, in rad/s."""
+    """That of the reduced system in closed formulation, in rad/s."""
     return printed.critical_speed(Scenario(constraints=MODELS[4])).spin
 
 

@@ -21,7 +21,7 @@ from validation.kit.references import (
     energy_error,
     reference,
 )
-from validation.kit.ways import StepLimit, Way, WorkLimitError, forms
+from validation.kit.ways import StepLimit, Way, WorkLimitError
 from validation.studies.robustness.problems import Problem, problems
 from validation.study import Row, Study, load
 
@@ -88,7 +88,9 @@ def ways(problem: Problem) -> list[Way]:
         return found
     methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
     return found + [
-        Way("in-house", form, method) for form in forms(scenario) for method in methods
+        Way("in-house", formulation, method)
+        for formulation in analysis.formulations(scenario)
+        for method in methods
     ]
 
 

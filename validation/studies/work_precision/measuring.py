@@ -12,13 +12,14 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
+import analysis
 import mbs_models
 from analysis import Trajectory
 from analysis.motion.sampled import Source
 from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
 from mbs_models.integrators import ACCELERATED
-from validation.kit.ways import Way, forms
+from validation.kit.ways import Way
 from validation.studies.work_precision.problems import (
     PROBLEMS,
     SPACING,
@@ -117,7 +118,7 @@ def curves() -> dict[str, Curve]:
     found = [
         Curve(problem, formulation, scheme)
         for problem, scenario in PROBLEMS.items()
-        for formulation in (*mbs_models.formulations(scenario), *forms(scenario))
+        for formulation in (*mbs_models.formulations(scenario), *analysis.formulations(scenario))
         for scheme in _schemes(problem, formulation)
     ]
     return {", ".join(curve): curve for curve in found}

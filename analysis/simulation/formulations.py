@@ -1,6 +1,7 @@
-"""Forms of the equations of motion as initial value problems, and the way back to trajectories."""
+"""Formulations of the equations of motion as initial value problems, and the way back."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import sin
@@ -14,17 +15,18 @@ from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_res
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, choice
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem
 
-Form = Literal["index-1", "reduced", "free-body"]
-FORMS: tuple[Form, ...] = get_args(Form)
+Formulation = Literal["index-1", "reduced", "free-body"]
+FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PosedForm:
+class PosedProblem:
     """An initial value problem and the way back from its states.
 
     Parameters
@@ -39,29 +41,52 @@ class PosedForm:
     expand: Callable[[Array, Array], tuple[Array, Array, Array]]
 
 
-def default_form(scenario: Scenario) -> Form:
-    """Form that a scenario is simulated in: that of its contact."""
+def default_formulation(scenario: Scenario) -> Formulation:
+    """Formulation that a scenario is simulated in: that of its contact."""
     return "index-1" if scenario.contact is None else "free-body"
 
 
-def pose(scenario: Scenario, form: str, conditions: Mapping[str, Condition]) -> PosedForm:
+def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
+    """Formulations that can describe a scenario, the default one first.
+
+    Parameters
+    ----------
+    scenario : Scenario
+
+    Examples
+    --------
+    >>> from analysis import MODELS, Scenario, formulations
+    >>> formulations(Scenario(constraints=MODELS[4]))
+    ('index-1', 'reduced')
+    """
+    found: list[Formulation] = []
+    for each in FORMULATIONS:
+        with suppress(ValueError):
+            _check_described(scenario, each)
+            found.append(each)
+    return tuple(found)
+
+
+def pose(
+    scenario: Scenario, formulation: str, conditions: Mapping[str, Condition]
+) -> PosedProblem:
     """Initial value problem of a scenario.
 
     Parameters
     ----------
     scenario : Scenario
-    form : str
-        One of `FORMS`.
+    formulation : str
+        One of `FORMULATIONS`.
     conditions : mapping
         From reasons to functions of a `State`; the motion ends where one turns negative.
 
     Raises
     ------
     ValueError
-        If the form does not know what is in the scenario, or the start breaks a constraint.
+        If the formulation cannot describe the scenario, or the start breaks a constraint.
     """
-    check_form(scenario, form)
-    return (_reduced if form == "reduced" else _full)(scenario, conditions)
+    check_formulation(scenario, formulation)
+    return (_reduced if formulation == "reduced" else _full)(scenario, conditions)
 
 
 def _in_states(
@@ -76,34 +101,39 @@ def _in_states(
     return {reason: partial(evaluated, condition) for reason, condition in conditions.items()}
 
 
-def check_form(scenario: Scenario, form: str) -> None:
-    """Raise `ValueError` unless a form knows what is in a scenario, whose start is admissible.
+def check_formulation(scenario: Scenario, formulation: str) -> None:
+    """Raise `ValueError` unless a formulation can describe a scenario, from an admissible start.
 
     Parameters
     ----------
     scenario : Scenario
         Or that of `Members`.
-    form : str
+    formulation : str
     """
-    choice("form", form, FORMS)
-    if (form == "free-body") != (scenario.contact is not None):
-        raise ValueError(
-            f"form {form!r} {'needs' if form == 'free-body' else 'knows no'} penalty contact, got "
-            f"contact {scenario.contact!r}"
-        )
-    if form != "free-body":
+    _check_described(scenario, choice("formulation", formulation, FORMULATIONS))
+    if scenario.contact is None:
         check_admissible(scenario, scenario.initial_state)
-    if form == "reduced":
+
+
+def _check_described(scenario: Scenario, formulation: str) -> None:
+    """Raise `ValueError` unless a formulation can describe a scenario."""
+    needs_contact, subject = formulation == "free-body", f"formulation {formulation!r}"
+    fault = ""
+    if needs_contact != (scenario.contact is not None):
+        what = "needs a" if needs_contact else "takes no"
+        fault = f"{what} penalty contact, got contact {scenario.contact!r}"
+    elif formulation == "reduced":
         if scenario.model != 4:
-            raise ValueError(f"form 'reduced' exists for Model 4 alone, got {scenario.name}")
-        if scenario.friction.load != "weight":
-            raise ValueError(
-                f"form 'reduced' takes the load 'weight' alone, got {scenario.friction.load!r}"
-            )
-        scenario.require_plain("form 'reduced'")
+            fault = f"exists for Model 4 alone, got {scenario.name}"
+        elif scenario.friction.load != "weight":
+            fault = f"takes the load 'weight' alone, got {scenario.friction.load!r}"
+        else:
+            scenario.require_plain(subject)
+    if fault:
+        raise ArgumentError("formulation", fault, subject)
 
 
-def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
+def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProblem:
     start, solved = scenario.initial_state, recorded.solver(scenario)
     to_paper = partial(paper_arrays, scenario.disk)
     longest = longest_step(scenario)
@@ -129,10 +159,10 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
         slip if scenario.rubs and len(slips) == 1 else None,
         jacobian=partial(recorded.jacobian, scenario),
     )
-    return PosedForm(problem, expand)
+    return PosedProblem(problem, expand)
 
 
-def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:
+def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProblem:
     start, disk = scenario.initial_state, scenario.disk
     spin, alpha = start.rates[3], start.coordinates[3]
     full, solved = recorded.solver(scenario), reduced.solver(scenario, spin)
@@ -168,7 +198,7 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedFo
         (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
         jacobian=jacobian,
     )
-    return PosedForm(problem, expand)
+    return PosedProblem(problem, expand)
 
 
 def _multipliers(solved: Solver, states: Array) -> Array:
