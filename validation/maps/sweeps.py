@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from analysis.problem.values import is_text
+from analysis.problem.values import is_word
 from validation.kit import figures as kit
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
@@ -31,7 +32,7 @@ _CURVES: tuple[tuple[str, Mapping[str, str]], ...] = (
 MOST_PAIRED = 8
 """Axes that are drawn in pairs: with more, the panels are too small."""
 
-_LETTERS = 20
+_LETTERS = 22
 """Of a label in a line beside a panel of a pair."""
 
 _BINS = 10
@@ -46,9 +47,7 @@ def check_drawable(sweep: Sweep) -> None:
     if len(axes) > 1 and layout == "grid" and min(sweep.design.shape) < 2:
         raise ValueError("several axes can be drawn if each has two values at least")
     for axis in axes:
-        if is_text(axis.field) or axis.field in ("model", "contact.bilateral"):
-            raise ValueError(f"axis {axis.field} cannot be drawn, since it holds no measure")
-        if list(axis.values) != sorted(axis.values):
+        if not _is_named(axis) and list(axis.values) != sorted(axis.values):
             raise ValueError(
                 f"axis {axis.field} can be drawn if its values rise, got {axis.values}"
             )
@@ -71,9 +70,11 @@ def draw(results: Results) -> Figure:
     cells = pd.DataFrame([cell(sweep, row, to_rest=to_rest) for row in results.rows()])
     table = pd.DataFrame(results.columns).assign(outcome=cells["outcome"])
     axes = sweep.design.axes
+    for axis in filter(_is_named, axes):
+        table[axis.field] = table[axis.field].map(axis.values.index)
     if len(axes) == 1:
         return _curves(axes[0], table.sort_values(axes[0].field))
-    if len(axes) > 2 or sweep.design.layout != "grid":
+    if len(axes) > 2 or sweep.design.layout != "grid" or any(map(_is_named, axes)):
         return _pairs(sweep, table)
     figure = figures.draw({"": Panel(sweep=sweep, cells=cells)})
     figure.axes[0].set(xscale=_scale(axes[1]), yscale=_scale(axes[0]))
@@ -82,6 +83,19 @@ def draw(results: Results) -> Figure:
 
 def _scale(axis: Axis) -> str:
     return "log" if axis.log else "linear"
+
+
+def _is_named(axis: Axis) -> bool:
+    """Whether values are names or marks, which are drawn at the places they have in their list."""
+    return is_word(axis.field) or axis.field == "model"
+
+
+def _mark(axes: Axes, way: str, axis: Axis) -> None:
+    """Mark the values of an axis along "x" or "y"."""
+    axes.set(**{f"{way}scale": _scale(axis)})
+    if _is_named(axis):
+        ticks, names = range(len(axis.values)), list(map(str, axis.values))
+        axes.set(**{f"{way}ticks": ticks, f"{way}ticklabels": names})
 
 
 def _curves(axis: Axis, table: pd.DataFrame) -> Figure:
@@ -94,11 +108,14 @@ def _curves(axis: Axis, table: pd.DataFrame) -> Figure:
     for axes, (text, columns) in zip(others, _CURVES, strict=True):
         shown = [name for name in columns if table[name].notna().any()]
         for name, look in zip(shown, kit.MARKED, strict=False):
-            axes.plot(x, table[name], markersize=3, label=columns[name], **look)
+            (line,) = axes.plot(x, table[name], markersize=3, label=columns[name], **look)
+            if _is_named(axis):
+                line.set_linestyle("none")  # nothing lies between names
         if shown:
             kit.legend_above(axes)
         axes.set(ylabel=text)
-    others[-1].set(xlabel=label(axis.field), xscale=_scale(axis))
+    _mark(others[-1], "x", axis)
+    others[-1].set(xlabel=label(axis.field))
     return figure
 
 
@@ -106,7 +123,7 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
     """Share of cases with an outcome over each axis, and over each pair of axes below."""
     design, count = sweep.design, len(sweep.design.axes)
     counted = "upper face" if sweep.plan.to_rest else "inverted"
-    judged = ~table["outcome"].isin(("refused", "failed"))
+    judged = ~table["outcome"].isin(("refused", "failed", "not decided"))
     table["hit"] = (table["outcome"] == counted).where(judged).astype(float)
     figure, axes = kit.new_figure(
         count, columns=count, width=1.6 * count + 1.2, height=1.4 * count + 0.8
@@ -117,17 +134,20 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
         if column > row:
             each.set_axis_off()
             continue
-        each.set(xscale=_scale(right))
+        _mark(each, "x", right)
         if row == column:
-            # Drawn cases lie on no grid: those of as many each are counted together.
+            # Cases drawn on a range lie on no grid: as many each are counted together.
             values = table[up.field]
-            bins = values if design.layout == "grid" else pd.qcut(values, _BINS)
+            bins = values if up.values or design.layout == "grid" else pd.qcut(values, _BINS)
             shares = table.groupby(bins, observed=True)[[up.field, "hit"]].mean().dropna()
-            each.plot(shares[up.field], shares["hit"], ".-k", ms=4)
+            each.plot(shares[up.field], shares["hit"], ".k" if _is_named(up) else ".-k", ms=4)
             each.set(ylim=(-0.05, 1.05))
         else:
             image = _scatter(each, table.groupby([right.field, up.field])["hit"].mean())
-            each.set(yscale=_scale(up))
+            _mark(each, "y", up)
+        if not (_is_named(right) or right.log):
+            # More would run into each other in so narrow a panel.
+            each.xaxis.set_major_locator(MaxNLocator(3, steps=(1, 2, 5, 10)))
         each.tick_params(labelsize=7, labelleft=column in (0, row))
         if row == count - 1:
             each.set_xlabel(fill(label(right.field), _LETTERS), fontsize=8)
@@ -136,7 +156,7 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
             each.set_ylabel(text, fontsize=8)
     figure.colorbar(image, ax=axes, label=f"share of cases: {counted}", shrink=0.6)
     title = f"Sweep of {sweep.scenario.name}: {judged.sum()} cases"
-    without = f", × {(~judged).sum()} without a motion" if not judged.all() else ""
+    without = f", × {(~judged).sum()} without a motion or not decided" * (not judged.all())
     figure.suptitle(title + without, fontsize=10)
     return figure
 

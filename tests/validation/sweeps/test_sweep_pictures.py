@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from analysis import Scenario
 from tests.sweeps import sweep, swept
 from validation.maps.sweeps import check_drawable, draw
 from validation.sweeps.results import Results
@@ -54,9 +55,9 @@ def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Pa
 def test_several_axes_are_drawn_in_pairs(
     axes: tuple[str, ...], how: dict[str, Any], tmp_path: Path
 ) -> None:
-    figure, _ = drawn(sweep(*axes, layout=how, end=1.0, tolerance=1e-2), tmp_path)
+    figure, _ = drawn(sweep(*axes, layout=how, end=4.0, tolerance=1e-2), tmp_path)
     shares, below = figure.axes[0], figure.axes[3]
-    assert below.get_ylabel() == "friction coefficient\nμ"
+    assert below.get_ylabel() == "friction coefficient μ"
     # A case that is refused counts in no share; where nothing else is, there is a cross.
     crosses = np.asarray(below.lines[0].get_ydata(), dtype=float)
     points = np.asarray(below.collections[0].get_offsets())
@@ -65,9 +66,38 @@ def test_several_axes_are_drawn_in_pairs(
     assert np.all(np.isfinite(np.asarray(shares.lines[0].get_ydata(), dtype=float)))
 
 
+def test_names_are_drawn_at_their_places(tmp_path: Path) -> None:
+    wanted = sweep("model=4,1", scenario=Scenario())
+    figure, results = drawn(wanted, tmp_path)
+    spins, forces = figure.axes[2:]
+    assert [each.get_text() for each in forces.get_xticklabels()] == ["4", "1"]
+    np.testing.assert_array_equal(spins.lines[0].get_xdata(), [0, 1])
+    np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
+    pairs = draw(swept(sweep("law=tanh,smooth-coulomb", "mu=0.1:0.3:3"), tmp_path / "b.db"))
+    below = pairs.axes[2]
+    assert [each.get_text() for each in below.get_xticklabels()] == ["tanh", "smooth-coulomb"]
+    points = np.asarray(below.collections[0].get_offsets())
+    assert {*points[:, 0]} == {0.0, 1.0}
+
+
+def test_a_list_among_drawn_cases_is_counted_by_its_values(tmp_path: Path) -> None:
+    how: dict[str, Any] = {"layout": "random", "number": 20}
+    figure, _ = drawn(sweep("mu=0.1,0.3", "spin=20:30", layout=how), tmp_path)
+    np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), [0.1, 0.3])
+
+
+def test_what_is_not_decided_counts_in_no_share(tmp_path: Path) -> None:
+    figure, results = drawn(
+        sweep("spin=25,40", "mu=0.29,0.3", "alpha=0,0.1", end=1.3, tolerance=1e-3), tmp_path
+    )
+    ends = dict(zip(results.columns["start.spin"], results.columns["inversion"], strict=True))
+    assert ends == {25.0: "not inverted", 40.0: "not decided"}
+    np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), [25.0])
+
+
 UNDRAWN: dict[tuple[str, ...], str] = {
     ("spin=30:40:2", "mu=0.1"): "several axes can be drawn if each has two values",
-    ("constraints=contact,contact+no-slip",): "axis constraints cannot be drawn",
+    ("spin=40,30",): "axis start.spin can be drawn if its values rise",
     tuple(f"{name}=0.1:0.2:2" for name in NINE): "at most 8 axes can be drawn, got 9",
 }
 
