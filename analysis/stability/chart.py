@@ -23,7 +23,13 @@ from analysis.problem.friction import ViscousFriction
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.critical import Spectra, spin_interval
-from analysis.stability.linearisation import ROUND_OFF, ComplexArray, finite_row, spin_array
+from analysis.stability.linearisation import (
+    ROUND_OFF,
+    ComplexArray,
+    finite_row,
+    spin_array,
+    spin_scale,
+)
 from analysis.stability.printed import full_matrices, static_gradient
 
 
@@ -155,11 +161,13 @@ def hopf_curves(
     """
     wanted = finite_row("gradients", gradients)
     positive("gradients", float(np.min(wanted)))
-    grid = np.linspace(*spin_interval(spins, "spins"), _SPINS)
+    grid, scale = np.linspace(*spin_interval(spins, "spins"), _SPINS), spin_scale(scenario)
     lines: dict[int, list[tuple[float, float, float]]] = {}
     for gradient in wanted.tolist():
         matrices = partial(full_matrices, scenario, motion=motion, gradient=gradient)
-        found = [each for each in Spectra(matrices, grid).crossings() if each.kind == "hopf"]
+        found = [
+            each for each in Spectra(matrices, grid, scale).crossings() if each.kind == "hopf"
+        ]
         found.sort(key=lambda each: each.frequency)
         for rank, each in enumerate(found):
             lines.setdefault(rank, []).append((each.spin, gradient, each.frequency))
@@ -202,7 +210,7 @@ def corners(
     grid = np.linspace(*spins, _SPINS)
     lies = static_gradient(scenario, grid, motion)
     inside = grid[(lies >= np.min(gradients)) & (lies <= np.max(gradients))]
-    for each in Spectra(static, inside).crossings() if inside.size else ():
+    for each in Spectra(static, inside, spin_scale(scenario)).crossings() if inside.size else ():
         kind: Kind = "zero hopf" if each.kind == "hopf" else "double zero"
         gradient = float(static_gradient(scenario, each.spin, motion)[0])
         frequencies = (each.frequency,)

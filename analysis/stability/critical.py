@@ -2,7 +2,8 @@
 
 The real parts of the eigenvalues by falling size are continuous functions of the spin, whichever
 eigenvalue they belong to: where one changes its sign on a grid of spins, root finding on it tells
-the crossing. Two changes within one step of that grid (0.05 rad/s) that cancel out are missed.
+the crossing. Between its spins they are looked at where they turn towards zero. Where they turn
+twice within a step (of at most 0.05 rad/s, and sqrt(g / r) / 300), what crosses may be missed.
 """
 
 from collections.abc import Callable, Iterable
@@ -12,7 +13,7 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from analysis.problem.checks import Array, number
 from analysis.problem.scenario import Scenario
@@ -152,12 +153,14 @@ def critical_speeds(
     """
     low, high = spin_interval(interval)
     matrices = matrices_over_spin(scenario, system, motion)
-    spectra = Spectra(matrices, helper_spins(low, high), spin_scale(scenario))
+    spectra = Spectra(matrices, helper_spins(scenario, low, high), spin_scale(scenario))
     crossings: tuple[Crossing, ...] = ()
     reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
     if scenario.rubs:
         crossings = spectra.crossings()
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
+        if spectra.is_hidden:
+            nothing = "friction so steep that rounding hides whether slow motions grow or decay"
         reason = None if crossings else nothing
     ends = (low, *(each.spin for each in crossings), high)
     return CriticalSpeeds(
@@ -188,19 +191,24 @@ class Spectra:
     """
 
     def __init__(self, matrices: Matrices, spins: Array, scale: float = 0.0) -> None:
-        self._matrices, self._neutral = matrices, 0
+        self._matrices, self._neutral, self._scale = matrices, 0, scale
         values = self._eigenvalues(spins)
         largest = np.maximum(scale, np.max(np.abs(values), axis=1, keepdims=True))
         self._largest = float(np.max(largest))
-        none = np.abs(values) <= ZERO * largest
+        # Beside a large eigenvalue, rounding splits a double zero by a root of the two sizes.
+        small = ZERO * np.sqrt(largest * (scale or largest))
+        self._small = float(np.max(small))
+        none = np.abs(values) <= small
         self._neutral = int(np.min(np.sum(none, axis=1)))
         values = self._moving(values)
-        # One that lies on the axis at a single spin crosses between the spins beside it.
         count = np.sum(self._signs(values) == 0.0, axis=1)
-        alone = (count[1:-1] > count[:-2]) & (count[1:-1] > count[2:])
-        kept = np.concatenate(((True,), ~alone, (True,)))
-        self._spins, self._values = spins[kept].tolist(), values[kept]
         self._still = int(np.min(count))
+        # One that lies on the axis, or so near that rounding hides its side, crosses between the
+        # spins beside; with steep friction, whose eigenvalue is large, these may be far apart.
+        kept = count == self._still
+        kept[[0, -1]] = True
+        self._spins, self._values = spins[kept].tolist(), values[kept]
+        self._take_in(self._dips())
 
     def _eigenvalues(self, spins: Array) -> ComplexArray:
         return np.linalg.eigvals(self._matrices(spins)).astype(complex)
@@ -223,6 +231,44 @@ class Spectra:
         clear = np.abs(values.real) > ROUND_OFF * self._largest
         result: Array = np.sign(values.real) * clear
         return result
+
+    def _dips(self) -> list[float]:
+        """Spins between those of the grid at which a real part has another sign than beside."""
+        values = self._damped(self._values)
+        signs, sizes = self._signs(values), np.abs(values.real)
+        falls, rises = sizes[:-2] - sizes[1:-1], sizes[2:] - sizes[1:-1]
+        same = (signs[:-2] * signs[1:-1] > 0.0) & (signs[2:] * signs[1:-1] > 0.0)
+        # One that turns between two spins falls on by less than it changes beside.
+        near = same & (falls >= 0.0) & (rises >= 0.0) & (sizes[1:-1] <= falls + rises)
+        return [
+            spin
+            for step, place in np.argwhere(near).tolist()
+            if (spin := self._dip(step, place, float(signs[step, place]))) is not None
+        ]
+
+    def _dip(self, step: int, place: int, sign: float) -> float | None:
+        """Spin within two steps at which a real part of this sign has the other one."""
+
+        def size(spin: float) -> float:
+            return sign * float(self._damped(self._at(spin))[place].real)
+
+        ends = self._spins[step], self._spins[step + 2]
+        least = minimize_scalar(size, bounds=ends, method="bounded")
+        below = least.fun < -ROUND_OFF * self._largest
+        return float(least.x) if below else None
+
+    def _take_in(self, spins: list[float]) -> None:
+        """Add spins to the grid."""
+        for spin in sorted(set(spins) - set(self._spins)):
+            place = int(np.searchsorted(self._spins, spin))
+            self._spins.insert(place, spin)
+            self._values = np.insert(self._values, place, self._at(spin), axis=0)
+
+    @property
+    def is_hidden(self) -> bool:
+        """Whether rounding of the largest eigenvalue is as large as what the slow ones tell."""
+        # Of a large one a, what is slow has a real part of scale² / a.
+        return ROUND_OFF * self._largest**2 > self._scale**2
 
     def decay(self, spin: float) -> bool:
         """Whether every eigenvalue has a negative real part."""
@@ -259,15 +305,16 @@ class Spectra:
         off = np.abs(values.real)
         values = values[off <= np.sort(off)[self._still] + ROUND_OFF * self._largest]
         frequency = float(values[np.argmin(np.abs(values - beside))].imag)
-        if abs(frequency) > ZERO * self._largest:
+        if abs(frequency) > self._small:
             return Crossing(spin=spin, frequency=frequency, kind="hopf", stable_side=side)
-        spin = _root(product, *ends)
+        # It has one sign at both ends where another one crosses in this step, too.
+        spin = _root(product, *ends) if product(ends[0]) * product(ends[1]) < 0.0 else spin
         return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side)
 
     def pair_changes(self) -> tuple[PairChange, ...]:
         """Collisions of two real eigenvalues, by rising spin."""
         # A double value that round-off splits into a pair is none.
-        pairs = self._values.imag > ZERO * self._largest / 2.0
+        pairs = self._values.imag > self._small / 2.0
         found: list[PairChange] = []
         for step in np.flatnonzero(np.diff(np.sum(pairs, axis=1))).tolist():
             inside = int(np.sum(pairs[step + 1]) > np.sum(pairs[step]))

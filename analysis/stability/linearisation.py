@@ -51,7 +51,7 @@ _SPIN_STEP = 2.0
 _NEUTRAL = 1e-6
 """Largest relative coupling of the others to what is neutral."""
 
-ROUND_OFF = 1e-10
+ROUND_OFF = 1e-12
 """Real parts of less than this part of the largest eigenvalue are none."""
 
 ZERO = 1e-6

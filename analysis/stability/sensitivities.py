@@ -15,6 +15,7 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Crossing
+from analysis.stability.linearisation import spin_scale
 from analysis.stability.spectra import System, matrices_over_spin
 
 POWERS = {
@@ -30,8 +31,12 @@ POWERS = {
 _STEP = 1e-5
 """Relative step of the differences of matrices."""
 
+_NOISE = 2e-3
+"""Most that rounding may come to in a derivative."""
+
 _APART = 1e-5
-"""Distance of eigenvalues, in parts of the largest, within which they move together."""
+"""Distance of eigenvalues within which they move together, in parts of the geometric mean of the
+largest and `spin_scale`."""
 
 
 def sensitivities(
@@ -59,8 +64,9 @@ def sensitivities(
     Raises
     ------
     ValueError
-        If the system or the motion is unknown, the scenario none of this system, or more than
-        one eigenvalue crosses there, such as beside one that is always zero.
+        If the system or the motion is unknown, the scenario none of this system, more than one
+        eigenvalue crosses there, such as beside one that is always zero, or friction is so steep
+        that rounding hides how matrices change.
     """
 
     def matrix(scenario: Scenario, spin: float = crossing.spin) -> Array:
@@ -70,7 +76,15 @@ def sensitivities(
     values, left, right = eig(matrix(scenario), left=True)
     away = np.abs(values - 1j * crossing.frequency)
     critical, *others = np.argsort(away)
-    if (count := 1 + int(np.sum(away[others] < _APART * np.max(np.abs(values))))) > 1:
+    largest, scale = np.max(np.abs(values)), spin_scale(scenario)
+    # What moves a slow eigenvalue is as small against the scale as that against the largest one.
+    if np.finfo(float).eps / _STEP * (largest / scale) ** 2 > _NOISE:
+        raise ValueError(
+            "friction must be less steep for critical speeds to have derivatives, got a largest "
+            f"eigenvalue of {largest:.3g} 1/s"
+        )
+    near = _APART * np.sqrt(largest * scale)
+    if (count := 1 + int(np.sum(away[others] < near))) > 1:
         raise ValueError(
             "crossing must be that of one eigenvalue or pair for its spin to have derivatives, "
             f"got {count} eigenvalues at the same place at {crossing.spin:.9g} rad/s"

@@ -18,7 +18,14 @@ from scipy.optimize import linear_sum_assignment
 from analysis.problem.checks import Array, choice, instance
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import MOTIONS, Motion
-from analysis.stability.linearisation import ComplexArray, falling, has_drift, spin_array, spinning
+from analysis.stability.linearisation import (
+    ComplexArray,
+    falling,
+    has_drift,
+    spin_array,
+    spin_scale,
+    spinning,
+)
 from analysis.stability.printed import full_matrices, reduced_matrices
 
 System = Literal["full", "reduced", "numeric"]
@@ -35,10 +42,13 @@ CLOSED: dict[System, tuple[int, Callable[..., Array]]] = {
 """Systems in closed form: the model that each is of, and what gives its matrices."""
 
 _LARGEST_STEP = 0.05
-"""Branches are followed in steps of at most this many rad/s, whatever spins are asked for."""
+"""Branches are followed in steps of at most this many rad/s, whatever spins are asked for,"""
+
+_LARGEST_PART = 1 / 300
+"""and of this part of `spin_scale`, which is shorter where the disk is large or gravity weak."""
 
 _MOST_STEPS = 20_000
-"""Beyond some 1000 rad/s the steps grow, so that the work does not."""
+"""At spins beyond as many steps they grow, so that the work does not."""
 
 _TIE_BREAK = 1e-6
 """Weight of the convention for colliding eigenvalues against distance."""
@@ -175,8 +185,8 @@ def branches(
             f"spins must increase strictly, got {wanted[worst]:g} before {wanted[worst + 1]:g}"
         )
     # There is a step even where no other spin than 0 is asked for.
-    last = max(_LARGEST_STEP, wanted[-1])
-    below, above = helper_spins(min(0.0, wanted[0]), 0.0), helper_spins(0.0, last)
+    first, last = min(0.0, wanted[0]), max(_LARGEST_STEP, wanted[-1])
+    below, above = (helper_spins(scenario, *each) for each in ((first, 0.0), (0.0, last)))
     matrices = matrices_over_spin(scenario, system, motion)
     spins = np.append(below[:-1], above)
     helpers = follow(matrices(spins), below.size - 1)
@@ -190,9 +200,10 @@ def branches(
     return Branches(spins=wanted, values=values)
 
 
-def helper_spins(low: float, high: float) -> Array:
+def helper_spins(scenario: Scenario, low: float, high: float) -> Array:
     """Equally spaced spins from `low` to `high` in rad/s, close enough to follow branches."""
-    count = min(int(np.ceil((high - low) / _LARGEST_STEP)), _MOST_STEPS)
+    step = min(_LARGEST_STEP, _LARGEST_PART * spin_scale(scenario))
+    count = min(int(np.ceil((high - low) / step)), _MOST_STEPS)
     return np.linspace(low, high, count + 1)
 
 

@@ -100,7 +100,7 @@ def critical(
     crossings = _critical_table(found, _closed_form(closed))
 
     def picture() -> Any:
-        helpers = spectra.helper_spins(*ends)
+        helpers = spectra.helper_spins(scenario, *ends)
         branches = spectra.branches(scenario, helpers, **spectrum)
         return _draw(branches, f"{motion} spinning, {scenario.name},", found)
 

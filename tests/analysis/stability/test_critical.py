@@ -7,6 +7,8 @@ import pytest
 
 from analysis import (
     CENTRED_DISK,
+    GRAVITY,
+    LEVELS,
     MOTIONS,
     POSSIBLE_SETS,
     ConstraintSet,
@@ -20,7 +22,7 @@ from analysis import (
 )
 from analysis.problem.checks import Array
 from analysis.problem.constraints import set_name
-from analysis.stability.chart import with_gradient
+from analysis.stability.chart import corners, with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.printed import critical_speed, static_gradient
 from analysis.stability.spectra import System, matrices_over_spin
@@ -98,6 +100,62 @@ def test_crossings_explain_every_change_of_the_number_of_unstable_eigenvalues(
     np.testing.assert_array_equal(unstable, expected)
     inside = [any(low < spin < high for low, high in found.stable) for spin in spins.tolist()]
     np.testing.assert_array_equal(unstable == 0, inside)
+
+
+@pytest.mark.parametrize("gradient", [3e3, 1e4, 1e5])
+@pytest.mark.parametrize("level", LEVELS)
+def test_steep_friction_hides_no_crossing(level: Level, gradient: float) -> None:
+    """Their spins tend to a limit with the reciprocal of the squared gradient."""
+    gentle, steep = (
+        critical_speeds(with_gradient(model(level), each)) for each in (1e3, gradient)
+    )
+    assert len(gentle.crossings) == (2 if level == 1 else 1)
+    for one, other in zip(gentle.crossings, steep.crossings, strict=True):
+        assert one.stable_side == other.stable_side
+        assert one.spin == pytest.approx(other.spin, rel=1e-5)
+    np.testing.assert_allclose(steep.stable, gentle.stable, rtol=1e-5)
+
+
+def test_friction_too_steep_for_rounding_is_said_to_be_the_reason() -> None:
+    found = critical_speeds(with_gradient(model(4), 1e8))
+    assert (found.crossings, found.stable) == ((), ())
+    assert "steep" in not_none(found.reason)
+
+
+@pytest.mark.parametrize("level", [1, 4])
+def test_a_slow_pair_beside_steep_friction_is_no_static_crossing(level: Level) -> None:
+    """A small eccentricity makes its frequency small; sqrt(e / (r + e)) of the spin in Model 4."""
+    nearly_centred = model(level, disk=Disk.ring(hole_distance=1e-3))
+    gentle, steep = (critical_speeds(with_gradient(nearly_centred, each)) for each in (1e3, 1e5))
+    for one, other in zip(gentle.crossings, steep.crossings, strict=True):
+        assert (one.kind, other.kind) == ("hopf", "hopf")
+        assert one.frequency == pytest.approx(other.frequency, rel=1e-4)
+    assert gentle.hopf[-1].frequency < 2.0
+
+
+@pytest.mark.parametrize("part", [0.9999, 1.0001, 1.001])
+def test_two_pairs_that_cross_within_a_step_are_both_found(part: float) -> None:
+    """Beside the corner in which two Hopf curves cross."""
+    gradients = np.linspace(1.5, 2.5, 11)
+    (corner,) = (each for each in corners(model(1), gradients) if each.kind == "double hopf")
+    found = critical_speeds(with_gradient(model(1), part * corner.gradient))
+    first, second = found.hopf
+    assert 0.0 < second.spin - first.spin < 0.02
+    assert {first.stable_side, second.stable_side} == {"above", "below"}
+    # Below the corner, both pairs decay in between.
+    assert found.stable == (((first.spin, second.spin),) if part < 1.0 else ())
+
+
+def test_a_disk_that_moves_slowly_has_the_same_crossings_at_slow_spins() -> None:
+    """A four-hundredth of the gravity slows all motions twentyfold."""
+    slow = with_gradient(model(1, table=Table(gravity=GRAVITY / 400.0)), 20.0 * 1.85)
+    usual = critical_speeds(with_gradient(model(1), 1.85))
+    found = critical_speeds(slow, (0.0, 3.0))
+    assert usual.crossings
+    assert usual.pair_changes
+    for name in ("crossings", "pair_changes"):
+        spins, slow_spins = ([each.spin for each in getattr(one, name)] for one in (usual, found))
+        np.testing.assert_allclose(20.0 * np.array(slow_spins), spins, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("level", "gradient"), [(1, 3.0), (2, 1e-3), (4, 3.0)])

@@ -91,6 +91,29 @@ def test_sensitivities_are_derivatives_of_the_critical_speeds(level: Level) -> N
         assert each["size"] == pytest.approx(-0.5 + 0.5 * each["friction_gradient"], abs=1e-8)
 
 
+@pytest.mark.parametrize("level", [1, 4])
+def test_sensitivities_beside_steep_friction_are_those_of_its_limit_or_refused(
+    level: Level,
+) -> None:
+    gentle, steep = (
+        with_gradient(Scenario(constraints=MODELS[level]), each) for each in (300.0, 2e3)
+    )
+    ways = zip(critical_speeds(gentle).crossings, critical_speeds(steep).crossings, strict=True)
+    for one, other in ways:
+        expected = sensitivities(gentle, one)
+        assert sensitivities(steep, other) == pytest.approx(expected, abs=2e-3)
+    steeper = with_gradient(gentle, 1e5)
+    for each in critical_speeds(steeper).crossings:
+        with pytest.raises(ValueError, match=r"friction must be less steep"):
+            sensitivities(steeper, each)
+
+
+def test_chart_counts_the_same_beside_any_steep_friction() -> None:
+    counts = stability_chart(Scenario(), np.linspace(4.0, 54.0, 11), (1e3, 1e4, 1e5))
+    assert np.max(counts) > 0
+    np.testing.assert_array_equal(counts, np.broadcast_to(counts[0], counts.shape))
+
+
 def test_sensitivities_need_one_eigenvalue_that_crosses_alone() -> None:
     # A centred disk spins at any gamma: one eigenvalue is always zero.
     scenario = Scenario(constraints=MODELS[4], disk=replace(STEEL_DISK, eccentricity=0.0))
