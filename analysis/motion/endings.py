@@ -82,7 +82,8 @@ class Ending:
         if not isinstance(self.reason, str) or not self.reason:
             raise ValueError(f"reason must be text, got {self.reason!r}")
         for name in ("time", "value"):
-            object.__setattr__(self, name, number(name, getattr(self, name)))
+            value = number(name, getattr(self, name))
+            object.__setattr__(self, name, value)
 
     def __str__(self) -> str:
         if self.reason == TIME_LIMIT:
