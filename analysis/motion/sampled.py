@@ -21,6 +21,7 @@ from analysis.problem.checks import (
     ToleranceError,
     choice,
     increasing_times,
+    instance,
     not_negative,
     number,
     positive,
@@ -73,7 +74,10 @@ class SampledMotion(Quantities):
 
     def _check(self) -> None:
         """Make the arrays and settings clean ones of this motion's own, or raise `ValueError`."""
+        instance("scenario", self.scenario, Scenario)
         choice("source", self.source, SOURCES)
+        if self.ending is not None:
+            instance("ending", self.ending, Ending)
         size = increasing_times(self.times).size
         for name in filled(type(self)):
             values = real_array(name, getattr(self, name))
@@ -84,7 +88,8 @@ class SampledMotion(Quantities):
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         for name in ("method", "counts", "versions"):
-            object.__setattr__(self, name, settings(name, getattr(self, name)))
+            told = settings(name, getattr(self, name))
+            object.__setattr__(self, name, told)
         if self.error_estimate is not None:
             estimate = not_negative("error_estimate", self.error_estimate)
             object.__setattr__(self, "error_estimate", estimate)

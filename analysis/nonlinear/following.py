@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.motions import Event, PeriodicMotion
+from analysis.problem.checks import instance
 from analysis.solve.watch import Progress
 
 _HALVINGS = 5
@@ -117,7 +118,7 @@ def events(family: Family) -> tuple[Event, ...]:
     NoCycleError
         If an iteration between two neighbours fails.
     """
-    changes = family.motions[0].ends.changes.items()
+    changes = instance("family", family, Family).motions[0].ends.changes.items()
     found = (
         Event(name, _between(first, last, multiplier))
         for first, last in pairwise(family.motions)

@@ -37,6 +37,9 @@ MOST_SPINS = 100_000
 MOST_SCENARIOS = 10_000
 """Scenarios through which cycles or connections are followed; each takes a tenth of a second."""
 
+MOST_STARTS = 10_000
+"""Starts of a search for stationary motions; each takes some 20 ms."""
+
 WIDEST_PICTURE = 2000
 """Width and height of an animated picture in pixels."""
 

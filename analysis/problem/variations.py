@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.problem.body import Body
-from analysis.problem.checks import choice, unmasked
+from analysis.problem.checks import choice, instance, unmasked
 from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import DISKS, Disk
@@ -172,8 +172,7 @@ class Ensemble:
     fields: Mapping[str, Values]
 
     def __post_init__(self) -> None:
-        if not isinstance(self.scenario, Scenario):
-            raise ValueError(f"scenario must be a Scenario, got {self.scenario!r}")
+        instance("scenario", self.scenario, Scenario)
         if not isinstance(self.fields, Mapping) or not self.fields:
             raise ValueError(f"fields must map names to arrays, got {self.fields!r}")
         found: dict[str, Values] = {}

@@ -14,7 +14,7 @@ from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_res
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, choice
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem
@@ -100,7 +100,7 @@ def check_form(scenario: Scenario, form: str) -> None:
             raise ValueError(
                 f"form 'reduced' takes the load 'weight' alone, got {scenario.friction.load!r}"
             )
-        scenario.require_plain("form 'reduced'")
+        require_plain(scenario, "form 'reduced'")
 
 
 def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedForm:

@@ -32,12 +32,12 @@ from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives
-from analysis.problem.checks import Array, choice, float_array, within
+from analysis.problem.checks import Array, checked, choice, float_array, instance, within
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
 from analysis.problem.friction import ViscousFriction
-from analysis.problem.quantities import FASTEST_TURN, STEEPEST_FRICTION, Level
-from analysis.problem.scenario import Scenario
+from analysis.problem.quantities import FASTEST_TURN, QUANTITIES, STEEPEST_FRICTION, Level
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import MOTIONS, Motion, Start
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -82,7 +82,7 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
     ValueError
         If the table leans, the contact is compliant, or the model is another one.
     """
-    scenario.require_plain(analysis)
+    require_plain(scenario, analysis)
     if scenario.contact is not None:
         raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
     if level is not None and scenario.model != level:
@@ -257,6 +257,7 @@ def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     ValueError
         If the motion is unknown, the table leans or the contact is compliant.
     """
+    instance("scenario", scenario, Scenario)
     choice("motion", motion, MOTIONS)
     gamma = pi / 2 if motion == "inverted" else -pi / 2  # Eq. (5)
     return Linearisation(scenario, upright(scenario, gamma))
@@ -280,10 +281,15 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     Raises
     ------
     ValueError
-        If the table leans or the contact is compliant.
+        If the table leans, the contact is compliant, or a number is out of range.
     ArithmeticError
         If the motion is not stationary.
     """
+    spin = within("spin", spin, -FASTEST_TURN, FASTEST_TURN)
+    numbers = finite_row("place", place).tolist()
+    if len(numbers) != 4:
+        raise ValueError(f"place must hold x, y, beta and gamma, got {place!r}")
+    place = (*numbers[:2], checked(QUANTITIES["start.beta"], numbers[2]), numbers[3])
     found = Linearisation(scenario, place, spin)
     change = np.max(np.abs(found.accelerations(spin))) / (1.0 + (spin / found.frequency) ** 2)
     if change > ZERO:
@@ -317,6 +323,7 @@ def unstable_start(scenario: Scenario) -> str | None:
         One line; None if the start is none of inverted or noninverted spinning, or a stable one,
         or that of another body than the paper's disk, of which nothing is known.
     """
+    instance("scenario", scenario, Scenario)
     if not scenario.table.is_horizontal or not scenario.disk.is_plain:
         return None
     if not _is_stationary(scenario):

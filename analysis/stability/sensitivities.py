@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eig
 
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, instance
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.chart import with_gradient
@@ -62,6 +62,7 @@ def sensitivities(
         If the system or the motion is unknown, the scenario none of this system, or more than
         one eigenvalue crosses there, such as beside one that is always zero.
     """
+    instance("crossing", crossing, Crossing)
 
     def matrix(scenario: Scenario, spin: float = crossing.spin) -> Array:
         result: Array = matrices_over_spin(scenario, system, motion)(np.array([spin]))[0]
