@@ -16,7 +16,7 @@ from analysis.problem.quantities import CONSTRAINTS, HELD, Constraint, Level
 
 _VELOCITIES = 6
 
-_STUDIED = tuple(name for name in CONSTRAINTS[1:] if HELD[name].rate != "beta")
+_STUDIED = CONSTRAINTS[1:5]
 
 ConstraintSet = tuple[Constraint, ...]
 """Distinct constraints in the order of `CONSTRAINTS`, as `constraint_set` makes them."""
