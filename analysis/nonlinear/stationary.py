@@ -27,7 +27,7 @@ from analysis.problem.checks import Array, function, instance, number, positive,
 from analysis.problem.elementary import sin
 from analysis.problem.limits import MOST_STARTS
 from analysis.problem.quantities import FASTEST_TURN
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.stability.linearisation import (
     ComplexArray,
     finite_row,
@@ -164,6 +164,7 @@ def stationary_motions(
     ValueError
         If an argument is out of range or the scenario another one.
     """
+    require_plain(scenario, "the search for stationary motions")
     require_spinning(scenario, "the search for stationary motions")
     if scenario.disk.eccentricity == 0.0:
         raise ValueError("eccentricity must be positive: without it every gamma is stationary")
@@ -289,7 +290,7 @@ def stationary_branch(
         If an iteration fails, or too many motions lie in the interval; the message names
         the last good one.
     """
-    require_spinning(scenario, "the continuation of stationary motions")
+    require_plain(scenario, "the continuation of stationary motions")
     if not instance("start", start, StationaryMotion).is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
     if finite_row("interval", interval).size != 2:

@@ -238,6 +238,16 @@ class Scenario(Described):
         return cls(**made)
 
 
+def require_level(scenario: Scenario, analysis: str) -> None:
+    """Raise `ValueError` unless the table is horizontal; see `require_plain`."""
+    instance("scenario", scenario, Scenario)
+    if not scenario.table.is_horizontal:
+        raise ValueError(
+            f"{analysis} needs a horizontal table, got an inclination of "
+            f"{scenario.table.inclination:g} rad"
+        )
+
+
 def require_plain(scenario: Scenario, analysis: str) -> None:
     """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.
 
@@ -247,12 +257,7 @@ def require_plain(scenario: Scenario, analysis: str) -> None:
     analysis : str
         What to call what knows of nothing else, such as "the reduced system".
     """
-    instance("scenario", scenario, Scenario)
-    if not scenario.table.is_horizontal:
-        raise ValueError(
-            f"{analysis} needs a horizontal table, got an inclination of "
-            f"{scenario.table.inclination:g} rad"
-        )
+    require_level(scenario, analysis)
     if not scenario.disk.is_plain:
         raise ValueError(
             f"{analysis} needs a round disk whose line from centre to centre of gravity is a "
