@@ -19,9 +19,6 @@ AT_REST = "at rest"
 REACHED = 0.9
 """Part of its largest height above the geometric centre from which on the COG is up."""
 
-FLATTEST = 1e-6
-"""Leaning in rad down to which a pose is told by its Euler angles."""
-
 
 Condition = Callable[[State], float]
 """From a state to a number; a run ends where that turns negative."""
