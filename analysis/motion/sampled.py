@@ -207,7 +207,7 @@ class SampledMotion(Quantities):
     def to_dataframe(self) -> Any:
         """`to_dict` as a `pandas.DataFrame` over time, with the units in its `attrs`."""
         frame = optional("pandas", "to_dataframe").DataFrame(self.to_dict()).set_index("time")
-        frame.attrs = self._told() | {"units": self.units}
+        frame.attrs = self._summary() | {"units": self.units}
         return frame
 
     def to_xarray(self) -> Any:
@@ -224,7 +224,7 @@ class SampledMotion(Quantities):
             for name, (values, unit) in self.columns().items()
         }
         time = {"time": variables.pop("time")}
-        return xarray.Dataset(variables, coords=time, attrs=self._told())
+        return xarray.Dataset(variables, coords=time, attrs=self._summary())
 
     def plot(self, *names: str, ax: Any = None, **line: Any) -> Any:
         """Draw quantities over time into one pair of axes.
@@ -272,7 +272,7 @@ class SampledMotion(Quantities):
             ax.legend()
         return ax
 
-    def _told(self) -> dict[str, str]:
+    def _summary(self) -> dict[str, str]:
         """What to say of the motion beside its numbers."""
         return {
             "motion": type(self).__name__,
@@ -306,11 +306,11 @@ class SampledMotion(Quantities):
             np.savez(stream, **arrays, meta=np.array(json.dumps(meta, default=dict)))
 
     def __repr__(self) -> str:
-        said = self._told()
+        said = self._summary()
         return f"{said.pop('motion')}({', '.join(f'{key}: {text}' for key, text in said.items())})"
 
     def _repr_html_(self) -> str:
-        said = self._told()
+        said = self._summary()
         kind = said.pop("motion")
         said["method"] = ", ".join(
             f"{name} {value}" for name, value in self.method.items() if value is not None

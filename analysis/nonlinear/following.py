@@ -86,7 +86,7 @@ def reach(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> Per
 
 
 def followed(
-    find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, over: Iterable[T]
+    find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, values: Iterable[T]
 ) -> Iterator[PeriodicMotion]:
     """Motions, each found from the one before, such as by `reach`.
 
@@ -96,7 +96,7 @@ def followed(
         If one is not found; the message names the last good one.
     """
     last = start
-    for each in over:
+    for each in values:
         try:
             last = find(each, last)
         except NoCycleError as error:

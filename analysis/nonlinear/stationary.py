@@ -212,7 +212,7 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     return _turned(found.x)
 
 
-def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:
+def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:
     """What is zero in a stationary motion, without units, for numbers of any kind.
 
     All but the vertical acceleration, which the contact holds; what else is held, too.
@@ -247,13 +247,13 @@ def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> 
 def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
     """What is zero in a stationary motion, shape (k,)."""
     solve = recorded.solver(scenario)
-    return np.array(_balance(scenario, spin, place.tolist(), solve))
+    return np.array(_equilibrium(scenario, spin, place.tolist(), solve))
 
 
 def _slopes(scenario: Scenario, spin: float, place: Array) -> Array:
     """Its Jacobian by the place, shape (k, 4)."""
     solve = recorded.solver(scenario, functions=of_duals)
-    return derivatives(lambda moving: _balance(scenario, spin, moving, solve), place)
+    return derivatives(lambda moving: _equilibrium(scenario, spin, moving, solve), place)
 
 
 def stationary_branch(
