@@ -14,7 +14,7 @@ import numpy.typing as npt
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, instance
 from analysis.problem.constraints import demanded, independent_coordinates
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem, Method
@@ -286,7 +286,7 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     """
     scene = Scene.of(scene)
     scenario = scene.scenario
-    scenario.require_plain("the linearisation of a spinning motion")
+    require_level(scenario, "the linearisation of a spinning motion")
     if scenario.contact is not None:
         raise ValueError("contact must be left out: a penalty contact is not linearised")
     motion = AccelerationProblem(scene, {})

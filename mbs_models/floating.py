@@ -13,6 +13,7 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 from analysis.motion import frames
 from analysis.problem.bodies import Sphere
 from analysis.problem.checks import Array
+from analysis.problem.constraints import prescribed
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
 from mbs_models.loads import loads_of
@@ -51,8 +52,9 @@ class Floating(Model):
             scenario.disk.is_round_disk or isinstance(scenario.disk, Sphere)
         ):
             return "holds round disks and spheres alone on the ideal contact"
-        if "held-tilt-rate" in scenario.constraints:
-            return "has no coordinate beta whose rate a joint could hold"
+        for rate in prescribed(scenario.constraints).values():
+            if rate != "alpha":
+                return f"has no coordinate {rate} whose rate a joint could hold"
         return ""
 
     def _build(self) -> None:

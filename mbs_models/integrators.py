@@ -100,10 +100,11 @@ class Newton:
     absolute: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "modified", switch("modified", self.modified))
-        object.__setattr__(self, "relative", positive("relative", self.relative))
-        if self.absolute is not None:
-            object.__setattr__(self, "absolute", positive("absolute", self.absolute))
+        modified, relative = switch("modified", self.modified), positive("relative", self.relative)
+        absolute = None if self.absolute is None else positive("absolute", self.absolute)
+        checked = {"modified": modified, "relative": relative, "absolute": absolute}
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,11 +14,12 @@ import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.motion import frames
-from analysis.motion.endings import FLATTEST, TIME_LIMIT, StopWhen
+from analysis.motion.endings import TIME_LIMIT, StopWhen
 from analysis.motion.frames import Poses
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.checks import Array
 from analysis.problem.contact import CAUSES, RestCriterion
+from analysis.problem.limits import LEAST_TILT, REST_SPACING
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time
@@ -54,7 +55,7 @@ def simulate_to_rest(
     *,
     step: float | None = None,
     tolerance: float | None = None,
-    spacing: float = 2e-3,
+    spacing: float = REST_SPACING,
     criterion: RestCriterion | None = None,
     stop_when: StopWhen = (),
     time_limit: float | None = None,
@@ -303,7 +304,7 @@ class EngineWay(WayToRest):
     def paper_state(self, state: Array) -> State | None:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
         poses = spatial(state[None])
-        if hypot(*poses.rotations[0, 2, :2]) <= FLATTEST:
+        if hypot(*poses.rotations[0, 2, :2]) <= LEAST_TILT:
             return None
         z, u = frames.from_poses(*poses)
         return State(coordinates=tuple(z[0].tolist()), rates=tuple(u[0].tolist()))

@@ -11,12 +11,9 @@ import numpy.typing as npt
 import analysis
 from analysis import Progress, Scenario, SpatialMotion, Trajectory
 from analysis.problem.checks import increasing_times
-from analysis.problem.limits import Effort
+from analysis.problem.limits import REST_SPACING, Effort
 from analysis.solve import effort as inhouse_effort
 from validation.parser.runs import RunOptions
-
-REST_SPACING = 2e-3
-"""Time between samples of a motion to rest in s."""
 
 _HOW = ("tolerance", "step", "local_tolerance", "integrator", "method")
 _ENDS = ("stop_when", "time_limit")

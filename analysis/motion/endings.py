@@ -19,9 +19,6 @@ AT_REST = "at rest"
 REACHED = 0.9
 """Part of its largest height above the geometric centre from which on the COG is up."""
 
-FLATTEST = 1e-6
-"""Leaning in rad down to which a pose is told by its Euler angles."""
-
 
 Condition = Callable[[State], float]
 """From a state to a number; a run ends where that turns negative."""
@@ -82,7 +79,8 @@ class Ending:
         if not isinstance(self.reason, str) or not self.reason:
             raise ValueError(f"reason must be text, got {self.reason!r}")
         for name in ("time", "value"):
-            object.__setattr__(self, name, number(name, getattr(self, name)))
+            value = number(name, getattr(self, name))
+            object.__setattr__(self, name, value)
 
     def __str__(self) -> str:
         if self.reason == TIME_LIMIT:

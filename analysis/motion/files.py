@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, cast
 import numpy as np
 import numpy.typing as npt
 
+from analysis.problem.checks import path_like
 from analysis.problem.limits import LARGEST_STORAGE
 
 AnyArray = npt.NDArray[Any]
@@ -83,6 +84,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     OSError
         If the folder does not exist or cannot be written.
     """
+    path_like("path", path)
     held, is_output = _held(path), is_standard_output(path)
     if not is_output and (held is None or S_ISREG(held.st_mode)):
         with _draft(Path(os.path.realpath(path)), held) as stream:

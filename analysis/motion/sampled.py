@@ -21,6 +21,7 @@ from analysis.problem.checks import (
     ToleranceError,
     choice,
     increasing_times,
+    instance,
     not_negative,
     number,
     positive,
@@ -73,7 +74,10 @@ class SampledMotion(Quantities):
 
     def _check(self) -> None:
         """Make the arrays and settings clean ones of this motion's own, or raise `ValueError`."""
+        instance("scenario", self.scenario, Scenario)
         choice("source", self.source, SOURCES)
+        if self.ending is not None:
+            instance("ending", self.ending, Ending)
         size = increasing_times(self.times).size
         for name in filled(type(self)):
             values = real_array(name, getattr(self, name))
@@ -84,7 +88,8 @@ class SampledMotion(Quantities):
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         for name in ("method", "counts", "versions"):
-            object.__setattr__(self, name, settings(name, getattr(self, name)))
+            told = settings(name, getattr(self, name))
+            object.__setattr__(self, name, told)
         if self.error_estimate is not None:
             estimate = not_negative("error_estimate", self.error_estimate)
             object.__setattr__(self, "error_estimate", estimate)
@@ -202,7 +207,7 @@ class SampledMotion(Quantities):
     def to_dataframe(self) -> Any:
         """`to_dict` as a `pandas.DataFrame` over time, with the units in its `attrs`."""
         frame = optional("pandas", "to_dataframe").DataFrame(self.to_dict()).set_index("time")
-        frame.attrs = self._told() | {"units": self.units}
+        frame.attrs = self._summary() | {"units": self.units}
         return frame
 
     def to_xarray(self) -> Any:
@@ -219,7 +224,7 @@ class SampledMotion(Quantities):
             for name, (values, unit) in self.columns().items()
         }
         time = {"time": variables.pop("time")}
-        return xarray.Dataset(variables, coords=time, attrs=self._told())
+        return xarray.Dataset(variables, coords=time, attrs=self._summary())
 
     def plot(self, *names: str, ax: Any = None, **line: Any) -> Any:
         """Draw quantities over time into one pair of axes.
@@ -267,7 +272,7 @@ class SampledMotion(Quantities):
             ax.legend()
         return ax
 
-    def _told(self) -> dict[str, str]:
+    def _summary(self) -> dict[str, str]:
         """What to say of the motion beside its numbers."""
         return {
             "motion": type(self).__name__,
@@ -301,11 +306,11 @@ class SampledMotion(Quantities):
             np.savez(stream, **arrays, meta=np.array(json.dumps(meta, default=dict)))
 
     def __repr__(self) -> str:
-        said = self._told()
+        said = self._summary()
         return f"{said.pop('motion')}({', '.join(f'{key}: {text}' for key, text in said.items())})"
 
     def _repr_html_(self) -> str:
-        said = self._told()
+        said = self._summary()
         kind = said.pop("motion")
         said["method"] = ", ".join(
             f"{name} {value}" for name, value in self.method.items() if value is not None

@@ -12,7 +12,7 @@ from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import filled, quantities
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import Array, choice, within
+from analysis.problem.checks import Array, choice, instance, within
 from analysis.problem.contact import CAUSES
 
 ROLLING = 0.1
@@ -226,6 +226,7 @@ class SpatialMotion(SampledMotion):
         ValueError
             If it is sampled at other times.
         """
+        instance("other", other, SpatialMotion)
         shorter = min(self.times.size, other.times.size)
         apart = np.abs(self.times[:shorter] - other.times[:shorter]) > _SAME_TIME
         count = int(np.argmax(apart)) if apart.any() else shorter

@@ -10,7 +10,7 @@ from analysis.motion.quantities import filled
 from analysis.motion.sampled import FORMAT, described
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import choice, settings
+from analysis.problem.checks import choice, path_like, settings
 from analysis.problem.scenario import Scenario
 from analysis.problem.user_modules import foreign_names
 
@@ -58,7 +58,8 @@ def load_run(path: str | os.PathLike[str], kind: Any = None) -> Any:
     >>> run.source, run.times.size
     ('in-house', 2)
     """
-    with readable_archive(path) as archive:
+    choice("kind", kind, (None, Trajectory, SpatialMotion))
+    with readable_archive(path_like("path", path)) as archive:
         held = [name.removesuffix(".npy") for name in archive.namelist()]
         names = {_OLDER.get(name, name): name for name in held}
         found = SpatialMotion if "quaternions" in names else Trajectory

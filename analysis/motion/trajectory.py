@@ -12,8 +12,9 @@ import numpy as np
 from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import InCoordinates
 from analysis.motion.sampled import SampledMotion, Setting
-from analysis.problem.checks import Array, choice, number
+from analysis.problem.checks import Array, choice, not_negative, number, several, whole
 from analysis.problem.constraints import multiplier_names
+from analysis.problem.names import ArgumentError
 from analysis.problem.start import COORDINATES, State
 
 
@@ -78,13 +79,13 @@ class Trajectory(InCoordinates, SampledMotion):
 
     def __post_init__(self) -> None:
         self._check()
-        pulling = tuple(
-            (number("pulling", first), number("pulling", last)) for first, last in self.pulling
-        )
+        pulling = tuple(_interval(each) for each in several("pulling", self.pulling, "intervals"))
         for first, last in pulling:
             if first > last:
                 raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
         object.__setattr__(self, "pulling", pulling)
+        if self.solver_seconds is not None:
+            not_negative("solver_seconds", self.solver_seconds)
 
     def coordinate(self, name: str) -> Array:
         """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""
@@ -106,7 +107,9 @@ class Trajectory(InCoordinates, SampledMotion):
         return self.multipliers[:, names.index(choice("multiplier", name, names))]
 
     def state(self, index: int) -> State:
-        """State at one sample."""
+        """State at one sample, counted from the start or, negative, from the end."""
+        size = self.times.size
+        index = whole("index", index, -size, size - 1)
         return State(
             coordinates=tuple(self.coordinates[index].tolist()),
             rates=tuple(self.rates[index].tolist()),
@@ -135,6 +138,14 @@ def versions(*packages: str) -> dict[str, str]:
 # Reading one takes as long as the shortest runs.
 _version = cache(version)
 _python_version = cache(platform.python_version)
+
+
+def _interval(given: Any) -> tuple[float, float]:
+    """First and last time in s, or `ArgumentError`."""
+    ends = tuple(number("pulling", each) for each in several("pulling", given, "intervals"))
+    if len(ends) != 2:
+        raise ArgumentError("pulling", f"must hold first and last times, got {given!r}")
+    return ends
 
 
 def _column(name: str) -> int:

@@ -25,7 +25,15 @@ from analysis.nonlinear.heteroclinic import (
     last_amplitude,
 )
 from analysis.nonlinear.motions import Event, PeriodicMotion
-from analysis.problem.checks import Array, in_range, number, real_array
+from analysis.problem.checks import (
+    Array,
+    function,
+    in_range,
+    instance,
+    number,
+    real_array,
+    several,
+)
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Progress
 from analysis.stability.printed import critical_speed
@@ -88,6 +96,8 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
+    if progress is not None:
+        function("progress", progress)
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
@@ -178,6 +188,7 @@ def cycles_over(
     >>> [round(cycle.spin, 3) for cycle in found.motions]
     [30.696, 30.7]
     """
+    scenarios = several("scenarios", scenarios, "Scenario")
     if not scenarios:
         raise ValueError("scenarios must be 1 or more, got 0")
     if (amplitude is None) == (spin is None):
@@ -230,7 +241,9 @@ def asymmetric_family(
     NoCycleError
         If there is no cycle without symmetry beside the bifurcation.
     """
-    if breaking.kind != "symmetry-breaking":
+    if progress is not None:
+        function("progress", progress)
+    if instance("breaking", breaking, Event).kind != "symmetry-breaking":
         raise ValueError(f"breaking must be symmetry-breaking, got {breaking.kind!r}")
     born = breaking.motion
     wanted = born.value + BEYOND if amplitudes is None else amplitudes
@@ -303,6 +316,8 @@ def rotating_family(
     NoCycleError
         If none is found.
     """
+    if progress is not None:
+        function("progress", progress)
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.motions import Event, PeriodicMotion
+from analysis.problem.checks import instance
 from analysis.solve.watch import Progress
 
 _HALVINGS = 5
@@ -85,7 +86,7 @@ def reach(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> Per
 
 
 def followed(
-    find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, over: Iterable[T]
+    find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, values: Iterable[T]
 ) -> Iterator[PeriodicMotion]:
     """Motions, each found from the one before, such as by `reach`.
 
@@ -95,7 +96,7 @@ def followed(
         If one is not found; the message names the last good one.
     """
     last = start
-    for each in over:
+    for each in values:
         try:
             last = find(each, last)
         except NoCycleError as error:
@@ -117,7 +118,7 @@ def events(family: Family) -> tuple[Event, ...]:
     NoCycleError
         If an iteration between two neighbours fails.
     """
-    changes = family.motions[0].ends.changes.items()
+    changes = instance("family", family, Family).motions[0].ends.changes.items()
     found = (
         Event(name, _between(first, last, multiplier))
         for first, last in pairwise(family.motions)

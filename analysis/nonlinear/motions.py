@@ -41,7 +41,7 @@ class Ends:
 
     Parameters
     ----------
-    own : tuple of 2 str
+    columns : tuple of 2 str
         Names of what is told of motions of this kind alone; the first is followed.
     changes : mapping
         What happens along a family where the larger multiplier over the stretch passes a value.
@@ -56,7 +56,7 @@ class Ends:
         What gamma gains over the stretch in rad.
     """
 
-    own: tuple[str, str]
+    columns: tuple[str, str]
     changes: Mapping[str, float]
     held: int = 0
     follows: int = 1
@@ -76,14 +76,14 @@ _DOUBLING = {"fold": 1.0, "period-doubling": -1.0}
 KINDS: Mapping[Kind, Ends] = MappingProxyType(
     {
         "symmetric": Ends(
-            own=("amplitude", "half_multiplier"),
+            columns=("amplitude", "half_multiplier"),
             # There are no others: the multipliers over half a period are real.
             changes={"fold": 1.0, "symmetry-breaking": -1.0},
             mirrored=True,
         ),
-        "asymmetric": Ends(own=("amplitude", "lowest"), changes=_DOUBLING),
+        "asymmetric": Ends(columns=("amplitude", "lowest"), changes=_DOUBLING),
         "rotating": Ends(
-            own=("tilt", "largest_tilt"),
+            columns=("tilt", "largest_tilt"),
             changes=_DOUBLING,
             held=1,
             follows=0,
@@ -189,7 +189,7 @@ class PeriodicMotion:
             "lowest": self.lowest,
             "largest_tilt": float(np.max(self.states[:, 0])) - np.pi / 2,
         }
-        followed, other = self.ends.own
+        followed, other = self.ends.columns
         names = ("spin", "period", "multiplier", "log_strong", "stable")
         told = {name: getattr(self, name) for name in names}
         return {followed: self.value, other: second[other], **told}

@@ -23,11 +23,14 @@ from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.nonlinear.continuation import Curve
-from analysis.problem.checks import Array, number, positive, whole
+from analysis.problem.checks import Array, function, instance, number, positive, whole, within
 from analysis.problem.elementary import sin
-from analysis.problem.scenario import Scenario
+from analysis.problem.limits import MOST_STARTS
+from analysis.problem.quantities import FASTEST_TURN
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.stability.linearisation import (
     ComplexArray,
+    finite_row,
     require_spinning,
     spin_scale,
     stationary_eigenvalues,
@@ -75,6 +78,7 @@ class Parameter:
     unit: float
 
     def __post_init__(self) -> None:
+        function("change", self.change)
         number("value", self.value)
         positive("unit", self.unit)
 
@@ -160,12 +164,13 @@ def stationary_motions(
     ValueError
         If an argument is out of range or the scenario another one.
     """
+    require_plain(scenario, "the search for stationary motions")
     require_spinning(scenario, "the search for stationary motions")
     if scenario.disk.eccentricity == 0.0:
         raise ValueError("eccentricity must be positive: without it every gamma is stationary")
-    if number("spin", spin) == 0.0:
+    if within("spin", spin, -FASTEST_TURN, FASTEST_TURN) == 0.0:
         raise ValueError("spin must not be 0")
-    starts = whole("starts", starts)
+    starts = whole("starts", starts, most=MOST_STARTS)
     random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]
     begins.extend(random.uniform(*_ANYWHERE, (starts - starts // 2, 4)))
@@ -207,7 +212,7 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     return _turned(found.x)
 
 
-def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:
+def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:
     """What is zero in a stationary motion, without units, for numbers of any kind.
 
     All but the vertical acceleration, which the contact holds; what else is held, too.
@@ -242,13 +247,13 @@ def _balance(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> 
 def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
     """What is zero in a stationary motion, shape (k,)."""
     solve = recorded.solver(scenario)
-    return np.array(_balance(scenario, spin, place.tolist(), solve))
+    return np.array(_equilibrium(scenario, spin, place.tolist(), solve))
 
 
 def _slopes(scenario: Scenario, spin: float, place: Array) -> Array:
     """Its Jacobian by the place, shape (k, 4)."""
     solve = recorded.solver(scenario, functions=of_duals)
-    return derivatives(lambda moving: _balance(scenario, spin, moving, solve), place)
+    return derivatives(lambda moving: _equilibrium(scenario, spin, moving, solve), place)
 
 
 def stationary_branch(
@@ -285,8 +290,13 @@ def stationary_branch(
         If an iteration fails, or too many motions lie in the interval; the message names
         the last good one.
     """
-    if not start.is_tilted:
+    require_plain(scenario, "the continuation of stationary motions")
+    if not instance("start", start, StationaryMotion).is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
+    if finite_row("interval", interval).size != 2:
+        raise ValueError(f"interval must be lowest and highest value, got {interval!r}")
+    if parameter is not None:
+        instance("parameter", parameter, Parameter)
     value, unit = (
         (start.spin, _SPIN_UNIT) if parameter is None else (parameter.value, parameter.unit)
     )

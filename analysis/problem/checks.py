@@ -1,5 +1,6 @@
 """Checks of arguments: validators, and data types that their declarations check."""
 
+import os
 import re
 from abc import ABCMeta
 from collections.abc import Iterable, Mapping
@@ -128,12 +129,14 @@ def local_tolerance(name: str, value: Any, least: float) -> float:
     return in_range(name, positive(name, value), least, 1.0, is_below=True)
 
 
-def whole(name: str, value: Any, least: int = 1) -> int:
-    """Return `value` as an int of at least `least`; `ValueError` otherwise."""
+def whole(name: str, value: Any, least: int = 1, most: float = inf) -> int:
+    """Return `value` as an int from `least` to `most`; `ValueError` otherwise."""
     if not isinstance(value, Integral) or isinstance(value, bool):
         raise ArgumentError(name, f"must be a whole number, got {value!r}")
     if value < least:
         raise ArgumentError(name, f"must be at least {least}, got {value}")
+    if int(value) > most:
+        raise ArgumentError(name, f"must be at most {most}, got {value}")
     return int(value)
 
 
@@ -144,7 +147,7 @@ def switch(name: str, value: Any) -> bool:
     return bool(value)
 
 
-def instance(name: str, value: Any, kind: type[T]) -> T:
+def instance(name: str, value: T, kind: type) -> T:
     """Return `value` if it is of this class; `ValueError` otherwise."""
     if isinstance(value, kind):
         return value
@@ -163,6 +166,20 @@ def function(name: str, value: T) -> T:
     if not callable(value):
         raise ArgumentError(name, f"must be a function, got {value!r}")
     return value
+
+
+def path_like(name: str, value: Any) -> str | os.PathLike[str]:
+    """Return `value` if it can name a file; `ValueError` otherwise."""
+    if not isinstance(value, str | os.PathLike) or "\0" in os.fspath(value):
+        raise ArgumentError(name, f"must be the path of a file, got {value!r}")
+    return value
+
+
+def several(name: str, values: Any, of: str) -> list[Any]:
+    """Return what an iterable holds; `ValueError` for what is none, or is text or a mapping."""
+    if isinstance(values, str | bytes | Mapping | type) or not isinstance(values, Iterable):
+        raise ArgumentError(name, f"must be a list of {of}, got {values!r}")
+    return list(values)
 
 
 def choice(name: str, value: T, allowed: Iterable[T]) -> T:

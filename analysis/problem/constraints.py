@@ -4,6 +4,7 @@ Kinematics of the paper's coordinates alone: both sides start and step from it.
 """
 
 from collections.abc import Iterable
+from contextlib import suppress
 from itertools import combinations
 from typing import Any
 
@@ -15,7 +16,7 @@ from analysis.problem.quantities import CONSTRAINTS, HELD, Constraint, Level
 
 _VELOCITIES = 6
 
-_STUDIED = tuple(name for name in CONSTRAINTS[1:] if HELD[name].rate != "beta")
+_STUDIED = CONSTRAINTS[1:5]
 
 ConstraintSet = tuple[Constraint, ...]
 """Distinct constraints in the order of `CONSTRAINTS`, as `constraint_set` makes them."""
@@ -57,9 +58,8 @@ def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
     """
     if isinstance(constraints, str) or not isinstance(constraints, Iterable):
         raise ArgumentError("constraints", f"must be a list of names, got {constraints!r}")
-    given = list(constraints)
+    given = [choice("constraints", each, CONSTRAINTS) for each in constraints]
     for each in given:
-        choice("constraints", each, CONSTRAINTS)
         if given.count(each) > 1:
             fault = f"must name each constraint once, got {each!r} twice"
             raise ArgumentError("constraints", fault)
@@ -88,8 +88,15 @@ def multiplier_names(constraints: ConstraintSet) -> tuple[str, ...]:
     >>> from analysis import MODELS, multiplier_names
     >>> multiplier_names(MODELS[3])
     ('normal_force', 'cog_force_x', 'cog_force_y', 'tangential_force')
+
+    Raises
+    ------
+    ValueError
+        If one is unknown.
     """
-    return tuple(name for each in constraints for name in HELD[each].demands)
+    with suppress(KeyError, TypeError):
+        return tuple(name for each in constraints for name in HELD[each].demands)
+    return multiplier_names(constraint_set(constraints))
 
 
 POSSIBLE_SETS: tuple[ConstraintSet, ...] = tuple(

@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, Described, not_negative, one, positive
+from analysis.problem.checks import Array, Described, instance, not_negative, one, positive
 from analysis.problem.elementary import cos, sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import THINNEST_RIM, default
@@ -120,6 +120,7 @@ class PenaltyContact(Described):
         half_thickness : float
             In m.
         """
+        instance("disk", disk, Body)
         stiffness = positive("stiffness", stiffness)
         damping = 2.0 * not_negative("ratio", ratio) * sqrt(stiffness * disk.mass)
         return cls(stiffness=stiffness, damping=damping, half_thickness=half_thickness)
@@ -139,7 +140,7 @@ class PenaltyContact(Described):
             In m; by default `USUAL_RIM` for a body with an edge, and none for one without.
         """
         if half_thickness is None:
-            half_thickness = USUAL_RIM if disk.has_edge else 0.0
+            half_thickness = USUAL_RIM if instance("disk", disk, Body).has_edge else 0.0
         return cls.damped(stiffness, disk, half_thickness=half_thickness)
 
     @property

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import checked, not_negative, positive
+from analysis.problem.checks import checked, not_negative, positive, several
 from analysis.problem.checks import number as finite
 from analysis.problem.elementary import cos, hypot, sin, sqrt
 from analysis.problem.names import ArgumentError, Named, check_names
@@ -283,8 +283,8 @@ def _checked(
     sizes = _part("plate", plate)._asdict().items()
     parts = Parts(
         Plate(*(checked(QUANTITIES[f"disk.{name}"], value) for name, value in sizes)),
-        tuple(_part("holes", each) for each in holes),
-        tuple(_part("masses", each) for each in masses),
+        tuple(_part("holes", each) for each in several("holes", holes, "Hole")),
+        tuple(_part("masses", each) for each in several("masses", masses, "PointMass")),
     )
     reach = parts.plate.radius
     for number, hole in enumerate(parts.holes):

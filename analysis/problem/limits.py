@@ -7,6 +7,9 @@ from analysis.problem.names import ArgumentError
 DEFAULT_TOLERANCE = 1e-8
 """Largest error of beta and gamma in rad of a run that is asked for none."""
 
+REST_SPACING = 2e-3
+"""Time in s between samples of a motion to rest that is asked for none."""
+
 MOST_STEPS = 100_000_000
 """Steps of a run, of all its repetitions together; each takes 30 µs or more."""
 
@@ -37,6 +40,9 @@ MOST_SPINS = 100_000
 MOST_SCENARIOS = 10_000
 """Scenarios through which cycles or connections are followed; each takes a tenth of a second."""
 
+MOST_STARTS = 10_000
+"""Starts of a search for stationary motions; each takes some 20 ms."""
+
 WIDEST_PICTURE = 2000
 """Width and height of an animated picture in pixels."""
 
@@ -44,7 +50,7 @@ MOST_KEYFRAMES = 1_000_000
 """Poses of an animation."""
 
 LEAST_TILT = 1e-6
-"""Angle in rad by which a start must differ from flat, where the Euler angles are singular."""
+"""Leaning in rad down to which Euler angles, singular on a flat disk, describe a pose."""
 
 
 def check_storage(name: str, samples: float, columns: int) -> None:

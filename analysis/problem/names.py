@@ -38,7 +38,8 @@ class ArgumentError(ValueError):
 
     def __str__(self) -> str:
         argument, fault, subject = self.args
-        return f"{subject or argument} {fault}"
+        # An array writes itself on several lines.
+        return " ".join(f"{subject or argument} {fault}".split())
 
 
 def nearest(name: Any, known: Iterable[Any]) -> str:
@@ -86,6 +87,8 @@ def full_name(name: str, argument: str = "axis") -> str:
     ArgumentError
         If there is none.
     """
+    if not isinstance(name, str):
+        raise ArgumentError(argument, f"must be named by text, got {name!r}")
     name = name.strip().replace("-", "_")
     table, _, key = name.rpartition(".")
     # A friction law of one's own has parameters of its own.

@@ -209,25 +209,6 @@ class Scenario(Described):
         """Whether the lowest point of the body is defined in every attitude."""
         return self.half_thickness > 0.0 or not self.disk.has_edge
 
-    def require_plain(self, analysis: str) -> None:
-        """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.
-
-        Parameters
-        ----------
-        analysis : str
-            What to call what knows of nothing else, such as "the reduced system".
-        """
-        if not self.table.is_horizontal:
-            raise ValueError(
-                f"{analysis} needs a horizontal table, got an inclination of "
-                f"{self.table.inclination:g} rad"
-            )
-        if not self.disk.is_plain:
-            raise ValueError(
-                f"{analysis} needs a round disk whose line from centre to centre of gravity is a "
-                f"principal axis, got {self.disk!r}"
-            )
-
     def values(self) -> dict[str, Any]:
         """The scenario as plain data, to be stored; `from_values` makes it again."""
         values: dict[str, Any] = {"constraints": list(self.constraints)}
@@ -255,3 +236,30 @@ class Scenario(Described):
             choice("scenario", name, ("constraints", *KINDS, "start"))
         made = {name: made_part(name, each) for name, each in values.items()}
         return cls(**made)
+
+
+def require_level(scenario: Scenario, analysis: str) -> None:
+    """Raise `ValueError` unless the table is horizontal; see `require_plain`."""
+    instance("scenario", scenario, Scenario)
+    if not scenario.table.is_horizontal:
+        raise ValueError(
+            f"{analysis} needs a horizontal table, got an inclination of "
+            f"{scenario.table.inclination:g} rad"
+        )
+
+
+def require_plain(scenario: Scenario, analysis: str) -> None:
+    """Raise `ValueError` unless table and disk are as the paper's: level, round, principal.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    analysis : str
+        What to call what knows of nothing else, such as "the reduced system".
+    """
+    require_level(scenario, analysis)
+    if not scenario.disk.is_plain:
+        raise ValueError(
+            f"{analysis} needs a round disk whose line from centre to centre of gravity is a "
+            f"principal axis, got {scenario.disk!r}"
+        )

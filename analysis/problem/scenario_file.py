@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.problem.body import PRODUCTS
-from analysis.problem.checks import instance
+from analysis.problem.checks import instance, path_like
 from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import STEEL_RING
@@ -203,7 +203,7 @@ def read_toml(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
     ValueError
         If it is no TOML. The message names the file and the line.
     """
-    with Path(path).open("rb") as stream:
+    with Path(path_like("path", path)).open("rb") as stream:
         content = stream.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
         raise ValueError(f"{path} is too large: more than {LARGEST_FILE} bytes")

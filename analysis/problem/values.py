@@ -79,12 +79,12 @@ def read_value(key: str, value: Any, name: str = "") -> Value:
     return result
 
 
-def _warn_of_unit(about: Quantity, told: Any, value: float) -> None:
+def _warn_of_unit(about: Quantity, given: Any, value: float) -> None:
     """Warn of a size that is doubted, and of an angle above a turn that is told without a unit."""
     # What is out of range is refused, and not doubted.
     if not about.least <= value <= about.most:
         return
-    with_unit = isinstance(told, str) and _WITH_UNIT.search(told)
+    with_unit = isinstance(given, str) and _WITH_UNIT.search(given)
     if value > about.doubted:
         doubt = f"is in {about.unit}, and above {about.doubted:g} {about.unit}"
     elif about.is_angle and abs(value) > 2.0 * pi and not with_unit:

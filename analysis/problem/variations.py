@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.problem.body import Body
-from analysis.problem.checks import choice, unmasked
+from analysis.problem.checks import choice, instance, unmasked
 from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import DISKS, Disk
@@ -172,8 +172,7 @@ class Ensemble:
     fields: Mapping[str, Values]
 
     def __post_init__(self) -> None:
-        if not isinstance(self.scenario, Scenario):
-            raise ValueError(f"scenario must be a Scenario, got {self.scenario!r}")
+        instance("scenario", self.scenario, Scenario)
         if not isinstance(self.fields, Mapping) or not self.fields:
             raise ValueError(f"fields must map names to arrays, got {self.fields!r}")
         found: dict[str, Values] = {}
@@ -190,13 +189,15 @@ class Ensemble:
                     f"fields must have one shape, got {shape} of {first} and {other} of {name}"
                 )
         object.__setattr__(self, "fields", found)
-        check_fields(self.scenario, self._told(0))
-        for rows, made in self.alike(lambda scenario: scenario):
+        check_fields(self.scenario, self._values(0))
+        for rows, made in self.map_groups(lambda scenario: scenario):
             if isinstance(made, Exception):
                 raise ValueError(f"member {rows[0]} of fields: {made}") from None
 
     @classmethod
-    def unchecked(cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]) -> "Ensemble":
+    def without_validation(
+        cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]
+    ) -> "Ensemble":
         """Ensemble whose members may be no scenarios: each of these fails where it is run.
 
         Parameters
@@ -216,7 +217,7 @@ class Ensemble:
 
     def __getitem__(self, member: int) -> Scenario:
         """Scenario of a member."""
-        return changed(self.scenario, self._told(range(len(self))[member]))
+        return changed(self.scenario, self._values(range(len(self))[member]))
 
     def __iter__(self) -> Iterator[Scenario]:
         return (self[member] for member in range(len(self)))
@@ -227,9 +228,11 @@ class Ensemble:
     def part(self, rows: Rows | slice) -> "Ensemble":
         """Ensemble of some of the members, which need no further check."""
         fields = {name: values[rows] for name, values in self.fields.items()}
-        return self.unchecked(self.scenario, fields)
+        return self.without_validation(self.scenario, fields)
 
-    def alike(self, function: Callable[[Scenario], T]) -> Iterator[tuple[Rows, T | Exception]]:
+    def map_groups(
+        self, function: Callable[[Scenario], T]
+    ) -> Iterator[tuple[Rows, T | Exception]]:
         """Call a function for the scenarios of members that go the same way in it.
 
         Parameters
@@ -263,7 +266,7 @@ class Ensemble:
                 yield rows, result
         yield from one_by_one(function, self, np.sort(np.concatenate(alone)).tolist())
 
-    def _told(self, member: int) -> dict[str, Value]:
+    def _values(self, member: int) -> dict[str, Value]:
         return {name: values[member].item() for name, values in self.fields.items()}
 
     def _by_words(self) -> Iterator[tuple[Words, Rows]]:
@@ -281,7 +284,7 @@ def one_by_one(
     scenarios: Ensemble | Sequence[Scenario],
     rows: Iterable[int],
 ) -> Iterator[tuple[Rows, T | Exception]]:
-    """Call a function for single scenarios; see `Ensemble.alike`."""
+    """Call a function for single scenarios; see `Ensemble.map_groups`."""
     for row in rows:
         try:
             yield np.array([row]), function(scenarios[row])

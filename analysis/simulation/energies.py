@@ -1,5 +1,7 @@
 """Constraint drift and energy balance of a trajectory."""
 
+from typing import Any
+
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
@@ -7,8 +9,9 @@ from analysis.mechanics.attitude import EulerAngles, state_of
 from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, instance, real_array
 from analysis.problem.constraints import PRESCRIBED, multiplier_names, prescribed
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 
 
@@ -22,6 +25,11 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
         Co-rotating coordinates and their rates. The potential energy counts from the table, on a
         leaning one from its origin.
 
+    Raises
+    ------
+    ValueError
+        If the arrays are no such.
+
     Examples
     --------
     >>> import numpy as np
@@ -31,6 +39,16 @@ def energies(scenario: Scenario, coordinates: Array, rates: Array) -> tuple[Arra
     >>> bool(np.all(np.diff(kinetic + potential) < 0.0))  # friction only takes
     True
     """
+    instance("scenario", scenario, Scenario)
+    arrays = real_array("coordinates", coordinates), real_array("rates", rates)
+    for name, array in zip(("coordinates", "rates"), arrays, strict=True):
+        if array.shape[-1:] != (6,) or array.shape != arrays[0].shape:
+            raise ArgumentError(name, f"must have shape (..., n, 6), got {array.shape}")
+    return energies_of(scenario, *arrays)
+
+
+def energies_of(scenario: Any, coordinates: Array, rates: Array) -> tuple[Array, Array]:
+    """Those of a scenario, or of what has its disk and table, of clean arrays."""
     disk = scenario.disk
     x, y, z, *rest = state_of(disk, np.moveaxis(coordinates, -1, 0), np.moveaxis(rates, -1, 0))
     angular = EulerAngles.angular_velocity(rest[:3], rest[6:9])
@@ -59,6 +77,7 @@ def constraint_drift(trajectory: Trajectory) -> tuple[Array, Array]:
     >>> bool(position.max() < 1e-9 and velocity.max() < 1e-9)
     True
     """
+    instance("trajectory", trajectory, Trajectory)
     held, disk = trajectory.scenario.constraints, trajectory.scenario.disk
     names = multiplier_names(held)
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
@@ -96,7 +115,7 @@ def contact_forces(trajectory: Trajectory) -> Array:
     >>> bool(np.all(np.hypot(along, across) < Scenario().friction.coefficient * normal))
     True
     """
-    scenario = trajectory.scenario
+    scenario = instance("trajectory", trajectory, Trajectory).scenario
     if scenario.contact is not None and scenario.contact.is_rounded:
         raise ValueError("trajectory must be that of a disk with a sharp rim, got a rounded one")
     result = np.zeros((trajectory.times.size, 3))
@@ -140,7 +159,7 @@ def power(trajectory: Trajectory) -> Array:
     >>> bool(power(simulate(Scenario(), np.linspace(0.0, 0.1, 11))).max() <= 0.0)
     True
     """
-    scenario = trajectory.scenario
+    scenario = instance("trajectory", trajectory, Trajectory).scenario
     slip, force = _friction(trajectory)
     result: Array = np.sum(force * slip, axis=1)
     for name, coordinate in prescribed(scenario.constraints).items():
@@ -168,7 +187,7 @@ def energy_residual(trajectory: Trajectory) -> Array:
     >>> bool(np.abs(energy_residual(run)).max() < 1e-6)  # of some 0.6 J
     True
     """
-    if trajectory.scenario.contact is not None:
+    if instance("trajectory", trajectory, Trajectory).scenario.contact is not None:
         raise ValueError(
             "trajectory must hold all that stores and takes energy, but a penalty contact does "
             "beside it; SpatialMotion.energy_residual holds all"

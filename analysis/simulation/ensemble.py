@@ -15,6 +15,7 @@ import numpy.typing as npt
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import ToleranceError, function, instance, whole
 from analysis.problem.limits import check_storage
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from analysis.problem.variations import Ensemble, one_by_one
@@ -115,6 +116,8 @@ def simulate_many(
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
     workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise ArgumentError("executor", f"must be an Executor or act as one, got {executor!r}")
     chunks = dict(_chunks(members, request, workers))
     parts: list[CompiledPart] = []
     alone: dict[int, Outcome] = {}

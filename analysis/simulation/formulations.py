@@ -16,7 +16,7 @@ from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, choice
 from analysis.problem.names import ArgumentError
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem
@@ -128,7 +128,7 @@ def _check_described(scenario: Scenario, formulation: str) -> None:
         elif scenario.friction.load != "weight":
             fault = f"takes the load 'weight' alone, got {scenario.friction.load!r}"
         else:
-            scenario.require_plain(subject)
+            require_plain(scenario, subject)
     if fault:
         raise ArgumentError("formulation", fault, subject)
 

@@ -9,13 +9,14 @@ from scipy.integrate import simpson
 from analysis.motion.endings import TIME_LIMIT
 from analysis.motion.inversion import STAYING, inversions
 from analysis.motion.outcomes import DONE, OutcomeTable, failed, failure
+from analysis.motion.sampled import SampledMotion
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.motion.trajectory import Samples, Trajectory
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, instance, several
 from analysis.problem.constraints import multiplier_names, prescribed
 from analysis.problem.contact import CAUSES
 from analysis.problem.start import COORDINATES
-from analysis.simulation.energies import energies
+from analysis.simulation.energies import energies_of
 from analysis.simulation.trajectories import Trajectories
 
 
@@ -58,9 +59,11 @@ def outcomes(
         apart = ~np.isfinite(forces) | (motions.endings == TIME_LIMIT)
         alone = {member: motions.outcome(member) for member in np.flatnonzero(apart).tolist()}
     else:
-        alone = dict(enumerate(motions))
+        alone = dict(enumerate(several("motions", motions, "motions and errors")))
         table = OutcomeTable.empty({}, len(alone))
     for member, motion in alone.items():
+        if not isinstance(motion, Exception):
+            instance(f"motions[{member}]", motion, SampledMotion)
         row = failure(motion) if isinstance(motion, Exception) else _row(motion)
         table.put(slice(member, member + 1), row)
     return table
@@ -102,7 +105,7 @@ def _ideal(samples: Samples) -> Mapping[str, Array]:
         # It does not hold what its spring stores and its damper takes.
         return found
     ends = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
-    first, last = np.transpose(sum(energies(samples.scenario, *ends)))
+    first, last = np.transpose(sum(energies_of(samples.scenario, *ends)))
     taken = first - last + sum(brought.values())
     return found | {"energy_start": first, "energy_end": last, "taken_sliding": taken}
 

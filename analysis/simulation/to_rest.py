@@ -10,12 +10,13 @@ from analysis.mechanics.attitude import EulerTurning, Quaternion, paper_of
 from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.mechanics.penalty import FreeBody
 from analysis.motion import frames
-from analysis.motion.endings import FLATTEST, StopWhen
+from analysis.motion.endings import StopWhen
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.body import Body
 from analysis.problem.checks import Array, choice, instance
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.contact import CAUSES, RestCriterion
+from analysis.problem.limits import LEAST_TILT, REST_SPACING
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time, rest_effort
@@ -32,7 +33,7 @@ def simulate_to_rest(
     scenario: Scenario,
     end: float,
     *,
-    spacing: float = 2e-3,
+    spacing: float = REST_SPACING,
     criterion: RestCriterion | None = None,
     method: RestMethod = "LSODA",
     tolerance: float | None = None,
@@ -160,7 +161,7 @@ class InHouseWay(WayToRest):
         moving = Quaternion.moving(state[:13].tolist())
         ahead, across, up = moving.frame
         leaning = hypot(up[0], up[1])
-        if leaning <= FLATTEST:
+        if leaning <= LEAST_TILT:
             return None
         alpha = atan2(ahead[2], -across[2])
         sa, ca = sin(alpha), cos(alpha)

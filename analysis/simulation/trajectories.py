@@ -91,7 +91,7 @@ class Trajectories(InCoordinates):
     @cached_property
     def _eccentricity(self) -> Array:
         found = np.full(len(self), np.nan)
-        for rows, told in self.ensemble.alike(lambda scenario: scenario.disk.eccentricity):
+        for rows, told in self.ensemble.map_groups(lambda scenario: scenario.disk.eccentricity):
             if not isinstance(told, Exception):
                 found[rows] = told
         return found[:, None]

@@ -118,7 +118,7 @@ class WayToRest(ABC):
         self.criterion = instance("criterion", criterion, RestCriterion)
         named = named_conditions(stop_when, scenario.initial_state)
         self.conditions: dict[str, Callable[[Array], float]] = {
-            name: partial(self._says, each) for name, each in named.items()
+            name: partial(self._value_of, each) for name, each in named.items()
         }
         tell = None if progress is None else function("progress", progress)
         # A stretch knows no end but its own.
@@ -141,7 +141,7 @@ class WayToRest(ABC):
     def readings(self, states: Array) -> dict[str, Any]:
         """Arrays of a `SpatialMotion` by their names, from states, shape (n, m)."""
 
-    def _says(self, condition: Condition, state: Array) -> float:
+    def _value_of(self, condition: Condition, state: Array) -> float:
         """A condition of what is integrated; it is not negative on a flat disk."""
         found = self.paper_state(state)
         return 1.0 if found is None else condition(found)

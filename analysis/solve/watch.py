@@ -91,7 +91,7 @@ class Watch:
         return self._limit < inf and self.seconds > self._limit
 
 
-Says = Callable[[Array], float]
+StateFunction = Callable[[Array], float]
 """From a state to a number; the motion ends where that turns negative."""
 
 PARTS = 8
@@ -168,10 +168,14 @@ class Lookout:
     """
 
     def __init__(
-        self, conditions: Mapping[str, Says], start: Array, begin: float, allow_pulling: bool
+        self,
+        conditions: Mapping[str, StateFunction],
+        start: Array,
+        begin: float,
+        allow_pulling: bool,
     ) -> None:
         self._conditions, self._allow = conditions, allow_pulling
-        self._values = {reason: says(start) for reason, says in conditions.items()}
+        self._values = {reason: condition(start) for reason, condition in conditions.items()}
         pulls = allow_pulling and self._values.get(CONTACT_WOULD_PULL, 0.0) < 0.0
         self._edges = [begin] if pulls else []
 
@@ -180,12 +184,12 @@ class Lookout:
         if not self._conditions:
             return None
         ended, middle = None, step.middle
-        for reason, says in self._conditions.items():
-            first, last = self._values[reason], says(step.last)
+        for reason, condition in self._conditions.items():
+            first, last = self._values[reason], condition(step.last)
             self._values[reason] = last
-            if _keeps_sign(first, says(middle), last):
+            if _keeps_sign(first, condition(middle), last):
                 continue
-            changes = _sign_changes(says, step, first, last)
+            changes = _sign_changes(condition, step, first, last)
             if self._allow and reason == CONTACT_WOULD_PULL:
                 self._edges += changes
             # Where it is negative from the start on, it waits until it has not been.
@@ -217,14 +221,14 @@ def _keeps_sign(*values: float) -> bool:
     return low >= high - low or -high > high - low
 
 
-def _sign_changes(says: Says, step: Step, first: float, last: float) -> list[float]:
+def _sign_changes(condition: StateFunction, step: Step, first: float, last: float) -> list[float]:
     """Times within a step at which a condition becomes negative or ceases to be, in order."""
     times = np.linspace(step.begin, step.end, PARTS + 1).tolist()
-    inside = [says(state) for state in step.path(np.array(times[1:-1])).T]
+    inside = [condition(state) for state in step.path(np.array(times[1:-1])).T]
     seen = dict(zip(times, (first, *inside, last), strict=True))
 
     def at(time: float) -> float:
-        return seen[time] if time in seen else says(step.path(time))
+        return seen[time] if time in seen else condition(step.path(time))
 
     for left in range(PARTS - 1):
         extreme = _beyond_zero(at, times[left : left + 3])

@@ -18,8 +18,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import root
 
-from analysis.problem.checks import Array, not_negative, positive
+from analysis.problem.checks import Array, not_negative, positive, within
 from analysis.problem.friction import ViscousFriction
+from analysis.problem.quantities import STEEPEST_FRICTION
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.critical import Spectra, spin_interval
@@ -68,7 +69,7 @@ def stability_chart(
         unknown or the scenario another one.
     """
     spins = spin_array(spins)
-    gradients = finite_row("gradients", gradients)
+    gradients = _gradients(gradients)
     not_negative("gradients", float(np.min(gradients)))
     unstable = np.empty((gradients.size, spins.size), dtype=int)
     for row, gradient in enumerate(gradients.tolist()):
@@ -77,6 +78,13 @@ def stability_chart(
         floor = ROUND_OFF * np.max(np.abs(values), axis=1, keepdims=True)
         unstable[row] = np.sum(values.real > floor, axis=1)
     return unstable
+
+
+def _gradients(values: npt.ArrayLike) -> Array:
+    """Friction gradients, shape (n,), none of them steeper than a law may be."""
+    result = finite_row("gradients", values)
+    within("gradients", float(np.max(result)), 0.0, STEEPEST_FRICTION)
+    return result
 
 
 _SPINS = 1001
@@ -159,7 +167,7 @@ def hopf_curves(
     ValueError
         If an argument is out of range, the motion is unknown or the scenario another one.
     """
-    wanted = finite_row("gradients", gradients)
+    wanted = _gradients(gradients)
     positive("gradients", float(np.min(wanted)))
     grid, scale = np.linspace(*spin_interval(spins, "spins"), _SPINS), spin_scale(scenario)
     lines: dict[int, list[tuple[float, float, float]]] = {}

@@ -32,12 +32,12 @@ from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives
-from analysis.problem.checks import Array, choice, float_array, within
+from analysis.problem.checks import Array, checked, choice, float_array, instance, within
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
 from analysis.problem.friction import ViscousFriction
-from analysis.problem.quantities import FASTEST_TURN, STEEPEST_FRICTION, Level
-from analysis.problem.scenario import Scenario
+from analysis.problem.quantities import FASTEST_TURN, QUANTITIES, STEEPEST_FRICTION, Level
+from analysis.problem.scenario import Scenario, require_level, require_plain
 from analysis.problem.start import MOTIONS, Motion, Start
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -82,7 +82,9 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
     ValueError
         If the table leans, the contact is compliant, or the model is another one.
     """
-    scenario.require_plain(analysis)
+    require_level(scenario, analysis)
+    if level is not None:
+        require_plain(scenario, analysis)
     if scenario.contact is not None:
         raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
     if level is not None and scenario.model != level:
@@ -172,7 +174,7 @@ class Linearisation:
         """State of the stationary motion at a spin in rad/s, shape (12,)."""
         x, y, beta, gamma = self._place
         disk, rates = self._scenario.disk, (0.0, 0.0, 0.0, spin, 0.0, 0.0)
-        coordinates = x, y, disk.radius * sin(beta), 0.0, beta, gamma
+        coordinates = x, y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
         return np.array(state_of(disk, coordinates, rates))
 
     def accelerations(self, spin: float) -> Array:
@@ -180,6 +182,15 @@ class Linearisation:
         found = np.array(recorded.solver(self._scenario)(*self.state(spin).tolist())[6:12])
         result: Array = found / (self._units[6:] * self.frequency)
         return result
+
+    def change(self, spin: float) -> float:
+        """The largest of them as a part of those of the spinning."""
+        largest = np.max(np.abs(self.accelerations(spin)))
+        return float(largest / (1.0 + (spin / self.frequency) ** 2))
+
+    def is_stationary(self, spin: float) -> bool:
+        """Whether they are zero, but for rounding."""
+        return self.change(spin) <= ZERO
 
     def _by_state(self, spin: float) -> Array:
         """Jacobian of the flow without units, shape (12, 12)."""
@@ -255,11 +266,16 @@ def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     Raises
     ------
     ValueError
-        If the motion is unknown, the table leans or the contact is compliant.
+        If the motion is unknown, the table leans, the contact is compliant or it is no stationary
+        motion of the body.
     """
+    instance("scenario", scenario, Scenario)
     choice("motion", motion, MOTIONS)
     gamma = pi / 2 if motion == "inverted" else -pi / 2  # Eq. (5)
-    return Linearisation(scenario, upright(scenario, gamma))
+    found = Linearisation(scenario, upright(scenario, gamma))
+    if not scenario.disk.is_plain and not all(map(found.is_stationary, (0.0, found.frequency))):
+        raise ValueError(f"disk must be able to spin upright for that, got {scenario.disk!r}")
+    return found
 
 
 def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> ComplexArray:
@@ -280,16 +296,21 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     Raises
     ------
     ValueError
-        If the table leans or the contact is compliant.
+        If the table leans, the contact is compliant, or a number is out of range.
     ArithmeticError
         If the motion is not stationary.
     """
+    spin = within("spin", spin, -FASTEST_TURN, FASTEST_TURN)
+    numbers = finite_row("place", place).tolist()
+    if len(numbers) != 4:
+        raise ValueError(f"place must hold x, y, beta and gamma, got {place!r}")
+    place = (*numbers[:2], checked(QUANTITIES["start.beta"], numbers[2]), numbers[3])
     found = Linearisation(scenario, place, spin)
-    change = np.max(np.abs(found.accelerations(spin))) / (1.0 + (spin / found.frequency) ** 2)
-    if change > ZERO:
+    if not found.is_stationary(spin):
         raise ArithmeticError(
             f"a motion at {spin:.9g} rad/s with beta {place[2]:.6g} and gamma {place[3]:.6g} rad "
-            f"is not stationary: its accelerations are {change:.1e} of those of the spinning"
+            f"is not stationary: its accelerations are {found.change(spin):.1e} of those of the "
+            "spinning"
         )
     return falling(np.linalg.eigvals(found.matrices(np.array([spin]))[0]))
 
@@ -317,6 +338,7 @@ def unstable_start(scenario: Scenario) -> str | None:
         One line; None if the start is none of inverted or noninverted spinning, or a stable one,
         or that of another body than the paper's disk, of which nothing is known.
     """
+    instance("scenario", scenario, Scenario)
     if not scenario.table.is_horizontal or not scenario.disk.is_plain:
         return None
     if not _is_stationary(scenario):

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from analysis.problem.body import Body
 from analysis.problem.checks import Array, choice
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import MOTIONS, Motion
 from analysis.stability.linearisation import ComplexArray, require_spinning, spin_array
 
@@ -271,7 +271,7 @@ def closed_form(
         If a spin is not finite, there is none, the motion is unknown, there is no friction or the
         table leans.
     """
-    scenario.require_plain("the closed form")
+    require_plain(scenario, "the closed form")
     if not scenario.friction.is_on:
         raise ValueError("friction must have a positive gradient for the closed form, got 0")
     Omega = spin_array(spins)
@@ -321,7 +321,7 @@ def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalS
     ValueError
         If the motion is unknown or the table leans.
     """
-    scenario.require_plain("the closed form")
+    require_plain(scenario, "the closed form")
     m, r, e, _, B, _, mg = paper_numbers(scenario, motion).values()
     Omega_crit = sqrt((r + e) ** 2 / r * mg / (B - m * e**2))
     if e > 0.0:

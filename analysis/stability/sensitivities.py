@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.linalg import eig
 
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, instance
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.chart import with_gradient
@@ -68,6 +68,7 @@ def sensitivities(
         eigenvalue crosses there, such as beside one that is always zero, or friction is so steep
         that rounding hides how matrices change.
     """
+    instance("crossing", crossing, Crossing)
 
     def matrix(scenario: Scenario, spin: float = crossing.spin) -> Array:
         result: Array = matrices_over_spin(scenario, system, motion)(np.array([spin]))[0]

@@ -81,6 +81,8 @@ def chosen_system(scenario: Scenario, system: System | None = None) -> System:
     instance("scenario", scenario, Scenario)
     if system is not None:
         return choice("system", system, SYSTEMS)
+    if not (scenario.disk.is_plain and scenario.friction.is_simple):
+        return "numeric"
     closed = (name for name, (level, _) in CLOSED.items() if level == scenario.model)
     return next(closed, "numeric")
 
@@ -99,7 +101,7 @@ def matrices_over_spin(
         "reduced" that of Model 4.
     system : {"full", "reduced", "numeric"}, optional
         Eq. (55), Eq. (111), or any constraints linearised by dual numbers; by default the one
-        that is closed for these constraints, and "numeric" if none is.
+        that is closed for this scenario, and "numeric" if none is.
     motion : {"inverted", "noninverted"}
 
     Raises

@@ -15,7 +15,7 @@ from analysis.motion import frames
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.body import Body
 from analysis.problem.checks import Array, in_range, increasing_times, number, positive
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import Start
 
 
@@ -128,7 +128,7 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
 
 def _tipping(scenario: Scenario) -> float:
     """Moment m g r in N m of the weight about the rim of a flat disk."""
-    scenario.require_plain("a closed form of rolling")
+    require_plain(scenario, "a closed form of rolling")
     return scenario.weight * scenario.disk.radius
 
 

@@ -23,6 +23,7 @@ from analysis import (
 from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.integrators import FINEST_LOCAL
 from tests.bodies import EGG, TIPPE_TOP
+from tests.calls import python
 from tests.scenes import rest_scene, scene_of
 
 TIMES = np.linspace(0.0, 0.5, 26)
@@ -156,3 +157,18 @@ def test_start_that_breaks_a_constraint_is_refused_by_its_name(
         for call in (mbs_models.acceleration, mbs_models.eigenvalues, simulate):
             with pytest.raises(ValueError, match=name):
                 call(scene)
+
+
+def test_a_further_constraint_needs_no_place_in_the_list_of_what_a_formulation_holds() -> None:
+    done = python(
+        "-c",
+        "from analysis.problem import quantities\n"
+        "held = quantities.Held({'roll_torque': 'constant rate of gamma'}, 'N m', 'gamma')\n"
+        "quantities.HELD['held-roll-rate'] = held\n"
+        "quantities.CONSTRAINTS = tuple(quantities.HELD)\n"
+        "from analysis import POSSIBLE_SETS, Scenario\n"
+        "from mbs_models import formulations\n"
+        "further = Scenario(constraints=('contact', 'held-roll-rate'))\n"
+        "print(len(POSSIBLE_SETS), *formulations(further))",
+    )
+    assert done.stdout.split() == ["15", "euler-tree"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis import CAUSES, Dissipation, SpatialMotion, StoredRun, multiplier_names
 from analysis.problem.checks import whole
-from analysis.problem.limits import check_storage
+from analysis.problem.limits import REST_SPACING, check_storage
 from analysis.problem.names import ArgumentError
 from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
@@ -19,7 +19,7 @@ from validation.parser.commands import Group
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, MotionOut
 from validation.parser.runs import RunOptions
-from validation.run import REST_SPACING, rest_effort, run, run_effort, run_to_rest
+from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.studies.rest.figures import draw_story
 
 

@@ -74,7 +74,7 @@ def motion_table(
     first : tuple of 2 str, optional
         Name and heading of what else is told of each, in front.
     """
-    names = (*KINDS[kind].own, "spin", "period", "multiplier", "log_strong", "stable")
+    names = (*KINDS[kind].columns, "spin", "period", "multiplier", "log_strong", "stable")
     heads = dict([first] if first else [])
     return Table(
         title=_TITLES[kind],
@@ -100,7 +100,7 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
     none = "" if found else "There are none: stability does not change along the family. "
     return Table(
         title="Bifurcations along the family",
-        columns=("kind", HEADS[ends.own[0]], "spin in rad/s", "period in s"),
+        columns=("kind", HEADS[ends.columns[0]], "spin in rad/s", "period in s"),
         rows=[(each, at.value, at.spin, at.period) for each, at in found],
         note=f"{none}The larger multiplier{stretch} lies between {min(values):.4g} and "
         f"{max(values):.4g}; {meaning}.",

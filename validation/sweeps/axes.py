@@ -232,18 +232,18 @@ def axis_from_text(text: str) -> Axis:
     return axis_from(field, rest)
 
 
-def axis_from(field: str, told: Any) -> Axis:
+def axis_from(field: str, given: Any) -> Axis:
     """Axis from what a TOML file says of a field: the text of a range, a list, or one value."""
-    if not isinstance(told, str):
-        return Axis(field=field, values=tuple(told) if isinstance(told, list) else (told,))
+    if not isinstance(given, str):
+        return Axis(field=field, values=tuple(given) if isinstance(given, list) else (given,))
     name = full_name(field)
     # A friction law of one's own is called module:Class.
-    if ":" not in told or is_text(name):
-        return Axis(field=name, values=tuple(told.split(",")))
-    parts: Any = _RANGE.fullmatch(told)
+    if ":" not in given or is_text(name):
+        return Axis(field=name, values=tuple(given.split(",")))
+    parts: Any = _RANGE.fullmatch(given)
     if parts is None:
         raise ValueError(
-            f"axis {name} must be first:last:count, with :log behind it or not, got {told!r}"
+            f"axis {name} must be first:last:count, with :log behind it or not, got {given!r}"
         )
     first, last, count, log = parts.groups()
     return Axis(

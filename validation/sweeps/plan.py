@@ -99,7 +99,8 @@ class Plan(CaseOptions):
         if self.source == "engine" and self.witness_step is not None:
             raise ArgumentError("witness_step", "must be left out for source 'engine'")
         whole("witnesses", self.witnesses, least=0)
-        object.__setattr__(self, "keep", series_named(self.keep, to_rest=self.to_rest))
+        keep = series_named(self.keep, to_rest=self.to_rest)
+        object.__setattr__(self, "keep", keep)
         if not self.given(*ACCURACIES):
             object.__setattr__(self, "tolerance", self._usual_tolerance)
 

@@ -106,7 +106,7 @@ class Store:
 
     def _check(self, accepts: bool) -> None:
         # Nothing that it names is imported.
-        self._refuse("another sweep", _told(self._file, self.path), self.sweep.to_text())
+        self._refuse("another sweep", _stored_sweep(self._file, self.path), self.sweep.to_text())
         codes = [text for (text,) in self._file.execute("SELECT value FROM code")]
         if json.loads(self._code) not in map(json.loads, codes):
             if not accepts:
@@ -227,7 +227,7 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
     ):
         try:
             with foreign_names():
-                sweep = Sweep.from_text(_told(file, place))
+                sweep = Sweep.from_text(_stored_sweep(file, place))
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
         yield file, sweep
@@ -241,7 +241,7 @@ def expected_size(sweep: Sweep) -> int:
     return sweep.design.size * (row + series)
 
 
-def _told(file: sqlite3.Connection, path: Path) -> str:
+def _stored_sweep(file: sqlite3.Connection, path: Path) -> str:
     """What a store says of the sweep that it belongs to, as JSON."""
     if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError(f"{path} is no store of a sweep, but another SQLite file")

@@ -138,7 +138,7 @@ def simulate_compiled(
     pieces: defaultdict[Code, list[tuple[Rows, Array]]] = defaultdict(list)
     columns = partial(_columns, request)
     every = (
-        scenarios.alike(columns)
+        scenarios.map_groups(columns)
         if isinstance(scenarios, Ensemble)
         else one_by_one(columns, scenarios, range(len(scenarios)))
     )

@@ -290,7 +290,8 @@ def _size(faint: float) -> _Speed:
 
 def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:
     try:
-        return function(argument)
+        # What is no number at all fails in a sum.
+        return 0.0 + function(argument)
     except (TypeError, ValueError, AttributeError) as error:
         raise CannotCompileError(
             f"method 'taylor' cannot express {what} ({error}); it must do with arithmetic and the "

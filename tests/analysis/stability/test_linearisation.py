@@ -6,19 +6,25 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
+import mbs_models
 from analysis import (
     CENTRED_DISK,
+    LOADS,
     MODELS,
     MOTIONS,
     POSSIBLE_SETS,
     STEEL_DISK,
+    AnisotropicCoulomb,
     ConstraintSet,
+    Load,
     Motion,
     Scenario,
     SmoothCoulomb,
+    Start,
     Stribeck,
     Table,
     ViscousFriction,
+    simulate,
 )
 from analysis.mechanics import paper
 from analysis.problem.checks import Array
@@ -32,6 +38,7 @@ from analysis.stability.printed import (
     signed_eccentricity,
 )
 from analysis.stability.spectra import eigenvalues
+from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import mostly_slow, random_disk
 
 SPINS = np.array([0.0, 5.0, 30.0, 60.0])
@@ -172,3 +179,38 @@ def test_friction_may_bend_as_finely_as_it_likes(smoothing: float) -> None:
     scenario = Scenario(friction=SmoothCoulomb(coefficient=1e-4, smoothing=smoothing))
     # A slip of 1e-16 m/s, which rounding leaves at pi / 2, is that part of the smoothing.
     assert error(scenario, "inverted") < 1e-15 / smoothing
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("load", LOADS)
+def test_tippe_top_is_linearised_as_in_the_engine(motion: Motion, load: Load) -> None:
+    law = SmoothCoulomb(coefficient=0.3, smoothing=0.01, load=load)
+    spun = Scenario(disk=TIPPE_TOP, friction=law, start=Start.stationary(150.0, motion))
+    found = eigenvalues(spun, [150.0], motion=motion)[0]
+    engine = mbs_models.eigenvalues(mbs_models.Scene(spun))
+    apart = np.abs(found[:, None] - engine).min(axis=1)
+    assert found.size == engine.size
+    assert np.max(apart) < 1e-6 * np.max(np.abs(engine))
+
+
+def test_tippe_top_leaves_its_start_as_fast_as_its_eigenvalues_say() -> None:
+    law = SmoothCoulomb(coefficient=0.3, smoothing=0.01)
+    start = Start(gamma=-pi / 2 + 1e-6, spin=150.0)
+    spun = Scenario(disk=TIPPE_TOP, friction=law, start=start)
+    growth = eigenvalues(spun, [150.0], motion="noninverted").real.max()
+    run = simulate(spun, np.linspace(0.0, 2.0, 1001), local_tolerance=1e-12)
+    off = np.hypot(run.coordinate("gamma") + pi / 2, run.coordinate("beta") - pi / 2)
+    # Averaged over turns, of which the growing pair makes some three in a second.
+    early, late = off[400:600].mean(), off[800:1000].mean()
+    assert np.log(late / early) / 0.8 == pytest.approx(growth, rel=0.02)
+
+
+def test_body_that_cannot_spin_upright_is_refused() -> None:
+    with pytest.raises(ValueError, match="disk must be able to spin upright for that, got Disk"):
+        eigenvalues(Scenario(disk=COMPOSED), [30.0])
+
+
+def test_law_without_one_slope_is_linearised_where_no_system_is_asked_for() -> None:
+    law = AnisotropicCoulomb(along=0.3, across=0.3)
+    expected = eigenvalues(Scenario(), SPINS, "numeric")
+    assert eigenvalues(Scenario(friction=law), SPINS) == pytest.approx(expected, abs=1e-9)

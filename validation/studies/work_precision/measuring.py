@@ -184,13 +184,13 @@ def _ladder(curve: Curve) -> tuple[list[Row], str]:
     """Rows of the rungs, then of extrapolated ones; why it ends."""
     rungs: list[Row] = []
     better: list[Row] = []
-    judged: list[float] = []
+    rung_errors: list[float] = []
     unbroken: list[tuple[Row, Trajectory]] = []
     fixed_step = curve.kind == "step"
     for setting in curve.ladder():
         row, run = _attempt(curve, setting, curve.kind)
         rungs.append(row)
-        judged.append(inf if run is None else row["error"])
+        rung_errors.append(inf if run is None else row["error"])
         # The extrapolation needs unbroken halving.
         unbroken = [] if run is None else [*unbroken, (row, run)]
         parts = [(part["setting"], each) for part, each in unbroken]
@@ -200,24 +200,24 @@ def _ladder(curve: Curve) -> tuple[list[Row], str]:
             better.append({**row, **found, **costs, "kind": "extrapolated"})
             # Implicit rules are of second order and would take minutes to get there alone.
             if INTEGRATORS[curve.scheme].implicit:
-                judged[-1] = min(judged[-1], found["error"])
-        if (end := ladder_end(judged)) is not None:
+                rung_errors[-1] = min(rung_errors[-1], found["error"])
+        if (end := ladder_end(rung_errors)) is not None:
             break
     return [*rungs, *better], end or ("work" if fixed_step else "finest")
 
 
-def ladder_end(judged: Sequence[float]) -> str | None:
+def ladder_end(rung_errors: Sequence[float]) -> str | None:
     """Why a ladder needs no finer rung, or None if it does.
 
     Parameters
     ----------
-    judged : sequence of float
+    rung_errors : sequence of float
         Errors of its rungs, from coarse to fine; infinite for failed ones.
     """
-    if judged[-1] <= GOALS[-1]:
+    if rung_errors[-1] <= GOALS[-1]:
         return "goal"
-    found_useful = min(judged[:-2], default=inf) < USEFUL
-    return "failure" if found_useful and min(judged[-2:]) == inf else None
+    found_useful = min(rung_errors[:-2], default=inf) < USEFUL
+    return "failure" if found_useful and min(rung_errors[-2:]) == inf else None
 
 
 _COSTS = ("seconds", "work", "steps")
