@@ -47,6 +47,10 @@ STIFF = 6.0
 """Times the cost of implicit steps that explicit ones may be estimated to cost: they pass the
 finest speed of friction only now and then."""
 
+FAST_CONTACT = 1e5
+"""Parts of a tolerance that a stiff contact's steps meet besides: it alone asks for them, and LSODA
+takes two evaluations for each where DOP853 takes twelve."""
+
 FINEST_STEPPED = 1e-9
 """Tolerance in rad below which the noise of accelerations is in the way of runs that step them."""
 
@@ -82,7 +86,14 @@ def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integra
 
     The arguments are those of `ways`.
     """
-    method = shared.usual_method(scene.scenario, times, tolerance=tolerance, stiff=STIFF)
+    scenario = scene.scenario
+
+    def steps(wanted: float) -> float:
+        return shared.simulation_effort(scenario, times, method="LSODA", tolerance=wanted).steps
+
+    if scenario.contact is not None and steps(tolerance) == steps(tolerance / FAST_CONTACT):
+        return Integrator(name="LSODA")
+    method = shared.usual_method(scenario, times, tolerance=tolerance, stiff=STIFF)
     return Integrator(name=method)
 
 

@@ -33,8 +33,8 @@ Start = tuple[Array, Array]
 """Second derivatives of the engine's coordinates and multipliers at the start of a run."""
 
 ROUNDINGS = 16.0
-"""Last digits that a residual may lose together. Nearly flat on a stiff spring, where rotations are
-composed, 14 were seen; which they are differs from one processor to the next."""
+"""Last digits that a residual may lose together. Nearly flat on a stiff spring, where rotations
+are composed, 14 were seen; which they are differs from one processor to the next."""
 
 _INITIAL = exu.ConfigurationType.Initial
 

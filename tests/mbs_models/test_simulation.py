@@ -84,6 +84,15 @@ def test_stiff_friction_keeps_its_tolerance_in_few_steps(level: Level, smoothing
     assert run.counts["steps"] < 4000
 
 
+@pytest.mark.parametrize("stiffness", mostly_slow([1e7, 1e9], [1e7]))
+def test_a_stiff_contact_keeps_its_tolerance_at_two_evaluations_a_step(stiffness: float) -> None:
+    contact = PenaltyContact.damped(stiffness, STEEL_DISK)
+    scenario = Scenario(friction=LOADED, contact=contact)
+    run = mbs_models.simulate(scenario, SHORT[:11], tolerance=1e-6)
+    assert run.counts["right_hand_sides"] < 2.5 * run.counts["steps"]
+    assert deviation(run, truth(scenario, SHORT[:11], local_tolerance=1e-11)) <= 1e-6
+
+
 def test_impacts_keep_their_tolerance_where_fixed_steps_lose_their_order() -> None:
     contact = PenaltyContact.damped(1e5, STEEL_DISK)
     scenario = Scenario(friction=LOADED, contact=contact, start=Start(height=5e-3))
