@@ -17,6 +17,7 @@ from analysis.solve.stepping import (
     InitialValueProblem,
     Method,
     Run,
+    SolverError,
     integrate,
     pulls_at_start,
 )
@@ -138,7 +139,7 @@ def until_ending(
 
     Raises
     ------
-    EngineError, ToleranceError
+    EngineError
         If the search fails where a condition is known to be negative.
     """
     for place in sorted(places):
@@ -146,10 +147,11 @@ def until_ending(
         end, size = period * (place.width + bool(place.reason)), place.row + 1
         try:
             found, last = _located(records[place.row], end, motion, work, allow_pulling)
-        except (ToleranceError, EngineError):
+        except EngineError as error:
             # Where a condition is known to be negative, an ending must not be passed over.
             if place.reason:
-                raise
+                at = f"the ending {place.reason!r} after t = {moments[place.row]:.6g} s"
+                raise EngineError(f"{at} is not found: {error}") from error
             continue
         if ended := found.ended or place.reason:
             moments, records = moments[:size], records[:size]
@@ -170,9 +172,12 @@ def _located(
         problem = motion.starting_at(record)
         if pulls_at_start(problem, allow_pulling=True) and not allow_pulling:
             return Run(times[:1], record[None], 0, CONTACT_WOULD_PULL, ()), record
-        found = integrate(
-            problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
-        )
+        try:
+            found = integrate(
+                problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
+            )
+        except ToleranceError as error:
+            raise SolverError(f"{MOST_STEPS_OF_A_SEARCH} steps are too few") from error
         work.update(steps=found.steps, right_hand_sides=found.evaluations)
         return found, motion.samples(found.states[-1:])[0]
 
