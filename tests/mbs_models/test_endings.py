@@ -93,7 +93,7 @@ def test_an_ending_that_cannot_be_located_is_no_time_limit(
         raise SolverError("lost the way")
 
     monkeypatch.setattr("mbs_models.endings.integrate", lost)
-    with pytest.raises(EngineError, match="'inverted' after t = .* not found: .*lost the way"):
+    with pytest.raises(EngineError, match=r"'inverted' after t = .* not found: .*lost the way"):
         mbs_models.simulate(scene_of(1, "euler-tree"), LONG, step=5e-3, stop_when="inverted")
 
 
