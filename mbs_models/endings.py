@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
@@ -23,7 +22,7 @@ from analysis.solve.stepping import (
     pulls_at_start,
 )
 from analysis.solve.watch import Watch, intervals
-from mbs_models.solving import SingularError, solving
+from mbs_models.solving import EngineError, stepping
 
 T = TypeVar("T")
 
@@ -137,18 +136,22 @@ def until_ending(
     ended : str or None
     moments : ndarray, shape (m,)
     records : ndarray, shape (m, k)
+
+    Raises
+    ------
+    EngineError
+        If the search fails where a condition is known to be negative.
     """
     for place in sorted(places):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
         end, size = period * (place.width + bool(place.reason)), place.row + 1
         try:
             found, last = _located(records[place.row], end, motion, work, allow_pulling)
-        except ToleranceError:
+        except EngineError as error:
             # Where a condition is known to be negative, an ending must not be passed over.
             if place.reason:
-                raise
-            continue
-        except (SolverError, SingularError, exu.ExudynError):
+                at = f"the ending {place.reason!r} after t = {moments[place.row]:.6g} s"
+                raise EngineError(f"{at} is not found: {error}") from error
             continue
         if ended := found.ended or place.reason:
             moments, records = moments[:size], records[:size]
@@ -165,13 +168,16 @@ def _located(
     """Motion from a record up to its first ending within `end` s, and the record there."""
     # On a stiff contact a search may be endless, and a run that broke off has then no ending.
     watch, times = Watch(most=MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
-    with solving(motion.system):
+    with stepping(motion.system):
         problem = motion.starting_at(record)
         if pulls_at_start(problem, allow_pulling=True) and not allow_pulling:
             return Run(times[:1], record[None], 0, CONTACT_WOULD_PULL, ()), record
-        found = integrate(
-            problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
-        )
+        try:
+            found = integrate(
+                problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
+            )
+        except ToleranceError as error:
+            raise SolverError(f"{MOST_STEPS_OF_A_SEARCH} steps are too few") from error
         work.update(steps=found.steps, right_hand_sides=found.evaluations)
         return found, motion.samples(found.states[-1:])[0]
 

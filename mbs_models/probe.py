@@ -28,7 +28,7 @@ _SECANTS = 30
 """Most steps towards a contact force that friction is not in proportion to,"""
 
 _BALANCED = 1e-14
-"""and what of it may be left."""
+"""and what may be left, over the sum of what it is made of."""
 
 
 class Probe:
@@ -176,6 +176,7 @@ class Probe:
             found: Array = without - min(0.0, float(without[row])) / (1.0 - feedback) * change
             return found
         inverse = np.linalg.inv(matrix)
+        parts = np.abs(inverse[row])
 
         def under(load: float) -> tuple[Array, float]:
             right[:n] = self._forces_under(load)
@@ -189,7 +190,8 @@ class Probe:
         for _ in range(_SECANTS):
             load += step
             solution, more = under(load)
-            if abs(more) <= _BALANCED * load:
+            # Of a contact that lets go, the force is small and not the sizes that cancel in it.
+            if abs(more) <= _BALANCED * float(parts @ np.abs(right)):
                 return solution
             if more == less:
                 break

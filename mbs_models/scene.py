@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from analysis.problem.checks import choice, instance
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from mbs_models.floating import Floating, FloatingLie
@@ -89,7 +90,9 @@ class Scene:
         ValueError
             If it is neither.
         """
-        return cls(given) if isinstance(given, Scenario) else instance("scene", given, Scene)
+        if isinstance(given, Scene | Scenario):
+            return cls(given) if isinstance(given, Scenario) else given
+        raise ArgumentError("scene", f"must be a Scene or a Scenario, got {given!r}")
 
     @property
     def built_as(self) -> Formulation:

@@ -82,8 +82,9 @@ def simulate(
     integrator : Integrator or str, optional
         With its options, or the name of one of `integrators(scene.built_as)` or `ACCELERATED`.
         By default, the first of the former with a step, and with a tolerance on the ideal contact
-        where no constraint is left; else DOP853, or Radau where friction is stiff, on the engine's
-        accelerations. Where that leads to nothing, the other way is tried. An `Integrator` with a
+        where no constraint is left; else DOP853, Radau where friction is stiff, or LSODA where a
+        penalty contact is, on the engine's accelerations. Where that leads to nothing, the other
+        way is tried. An `Integrator` with a
         `local_tolerance`, as DOPRI5 always has, takes its accuracy from there, and `step` only
         limits its steps.
     stop_when : str, callable or sequence of them

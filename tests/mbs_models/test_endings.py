@@ -8,9 +8,18 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, PenaltyContact, Scenario, Start, State
+from analysis import LEVELS, STEEL_DISK, FrictionLaw, PenaltyContact, Scenario, Start, State
 from analysis.motion.endings import REACHED, StopWhen
-from mbs_models import FORMULATIONS, Formulation, Scene, formulations
+from analysis.problem.friction import LubricatedCoulomb, PowerLawCoulomb
+from analysis.solve.stepping import SolverError
+from mbs_models import (
+    FORMULATIONS,
+    EngineError,
+    Formulation,
+    IntegratorName,
+    Scene,
+    formulations,
+)
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
@@ -61,6 +70,31 @@ def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later()
     coarse, fine = (not_none(run.ending) for run in runs)
     assert coarse.reason == fine.reason == "contact would pull"
     assert coarse.time < fine.time
+
+
+@pytest.mark.parametrize("integrator", ["DOP853", "TrapezoidalIndex2"])
+@pytest.mark.parametrize("law", [PowerLawCoulomb, LubricatedCoulomb])
+def test_friction_out_of_proportion_lets_the_contact_go_as_in_house(
+    law: type[FrictionLaw], integrator: IntegratorName
+) -> None:
+    scenario = Scenario(friction=law(load="contact"), start=Start(spin=200.0))
+    expected = not_none(analysis.simulate(scenario, LONG, tolerance=1e-10).ending)
+    run = mbs_models.simulate(
+        Scene(scenario, "euler-tree"), LONG, tolerance=1e-6, integrator=integrator
+    )
+    assert not_none(run.ending).reason == expected.reason == "contact would pull"
+    assert not_none(run.ending).time == pytest.approx(expected.time, abs=1e-6)
+
+
+def test_an_ending_that_cannot_be_located_is_no_time_limit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def lost(*_unused: Any, **_more: Any) -> None:
+        raise SolverError("lost the way")
+
+    monkeypatch.setattr("mbs_models.endings.integrate", lost)
+    with pytest.raises(EngineError, match=r"'inverted' after t = .* not found: .*lost the way"):
+        mbs_models.simulate(scene_of(1, "euler-tree"), LONG, step=5e-3, stop_when="inverted")
 
 
 def turning(state: State) -> float:

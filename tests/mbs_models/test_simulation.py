@@ -25,6 +25,7 @@ from analysis import (
 )
 from analysis.problem.start import FlatError
 from mbs_models import EngineError, Integrator, Scene
+from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import rest_scene, scene_of
@@ -82,6 +83,25 @@ def test_stiff_friction_keeps_its_tolerance_in_few_steps(level: Level, smoothing
     assert run.method["integrator"] == "Radau"
     assert deviation(run, expected) <= not_none(run.error_estimate) + 1e-8 <= 1.01e-6
     assert run.counts["steps"] < 4000
+
+
+@pytest.mark.parametrize("stiffness", mostly_slow([1e7, 1e9], [1e7]))
+def test_a_stiff_contact_keeps_its_tolerance_at_two_evaluations_a_step(stiffness: float) -> None:
+    contact = PenaltyContact.damped(stiffness, STEEL_DISK)
+    scenario = Scenario(friction=LOADED, contact=contact)
+    run = mbs_models.simulate(scenario, SHORT[:11], tolerance=1e-6)
+    assert run.counts["right_hand_sides"] < 2.5 * run.counts["steps"]
+    assert deviation(run, truth(scenario, SHORT[:11], local_tolerance=1e-11)) <= 1e-6
+
+
+def test_dop853_may_take_over_where_impacts_leave_lsoda_short_of_a_tolerance() -> None:
+    stiff, soft = (
+        Scene(Scenario(contact=PenaltyContact.damped(stiffness, STEEL_DISK)))
+        for stiffness in (1e8, 1e5)
+    )
+    tried = [each.name for each in ways(stiff, SHORT, 1e-6)]
+    assert tried == ["LSODA", "DOP853", "TrapezoidalIndex2"]
+    assert [each.name for each in ways(soft, SHORT, 1e-6)] == tried[1:]
 
 
 def test_impacts_keep_their_tolerance_where_fixed_steps_lose_their_order() -> None:

@@ -72,7 +72,7 @@ ONE: list[tuple[str, str, Any, str]] = [
     ("in-house", "scenario", 5, "must be a Scenario, got 5"),
     ("in-house", "method", np.zeros(2), "must be one of DOP853"),
     ("in-house rest", "scenario", Scene(), "must be a Scenario, got Scene"),
-    ("engine", "scene", "euler-tree", "must be a Scene, got 'euler-tree'"),
+    ("engine", "scene", "euler-tree", "must be a Scene or a Scenario, got 'euler-tree'"),
     ("engine rest", "step", 0.0, "must be positive, got 0"),
     *((side, "criterion", 1.0, "must be a RestCriterion, got 1") for side in WAYS),
     ("scenario", "disk", 3, "must be a Body, got 3"),
