@@ -1,4 +1,4 @@
-"""Speed of single runs, sweeps and ensembles: `python -m validation.benchmark`.
+"""Speed of single runs, sweeps and ensembles: `tippedisk benchmark`.
 
 Every time is the median processor time of repeats after a warm-up, in one thread; what is
 compared is called in turns. Single runs are whole calls of a `simulate` function for Table 3 over
@@ -6,7 +6,6 @@ compared is called in turns. Single runs are whole calls of a `simulate` functio
 DOP853 with a local tolerance of 3e-14, which differs by less than 1e-12 rad from Radau.
 """
 
-import argparse
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -265,11 +264,8 @@ PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
 )
 
 
-def main() -> int:
-    """Print what is measured; 1 if something misses what it should reach."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--repeats", type=int, default=7, help="timed calls of each run (7)")
-    repeats = parser.parse_args().repeats
+def main(repeats: int) -> int:
+    """Print what is measured by so many calls each; 1 if something misses what it should reach."""
     missed = 0
     for part in PARTS:
         print(f"\n{str(part.__doc__).splitlines()[0]}")
@@ -281,7 +277,3 @@ def main() -> int:
     if missed:
         print(f"{missed} of these miss what they should reach.")
     return 1 if missed else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -8,7 +8,7 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from importlib import import_module
 from io import StringIO
@@ -68,7 +68,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         module = import_module(f"validation.commands.{command.module}")
-        with _warnings_in_a_line(name), _text_beside(given.values()):
+        with _warnings_in_a_line(name), _text_beside(given):
             return command.call(getattr(module, command.name), given)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
@@ -106,13 +106,23 @@ def _warnings_in_a_line(name: str) -> Iterator[None]:
 
 
 @contextmanager
-def _text_beside(given: Iterable[Any]) -> Iterator[None]:
-    """What is printed goes to standard error where standard output is to take a file."""
-    from analysis.motion.files import is_standard_output
+def _text_beside(given: Mapping[str, Any]) -> Iterator[None]:
+    """What is printed goes to standard error where standard output is to take a file.
 
-    paths = [each for each in given if isinstance(each, Path)]
-    beside = sys.stderr if any(map(is_standard_output, paths)) else sys.stdout
-    with redirect_stdout(beside):
+    Raises
+    ------
+    ArgumentError
+        If it is to take more than one, or JSON, too.
+    """
+    from analysis.motion.files import is_standard_output
+    from analysis.problem.names import ArgumentError
+
+    paths = {name: each for name, each in given.items() if isinstance(each, Path)}
+    taking = [name for name, each in paths.items() if is_standard_output(each)]
+    if taking and len(taking) + bool(given.get("json")) > 1:
+        fault = "must lead elsewhere: standard output takes one file, or JSON"
+        raise ArgumentError(taking[-1], fault)
+    with redirect_stdout(sys.stderr if taking else sys.stdout):
         yield
 
 

@@ -111,7 +111,8 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
     for each in given:
         name, condition = _named(each)
         if found.setdefault(name, condition) is not condition:
-            raise ValueError(f"stop_when must hold functions of different names, got {name} twice")
+            fault = f"must hold functions of different names, got {name} twice"
+            raise ArgumentError("stop_when", fault)
         if state is not None:
             _try(name, condition, state)
     return found
@@ -139,5 +140,6 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
         return given, CONDITIONS[given]
     condition = user_object("stop_when", given) if isinstance(given, str) else given
     if not callable(condition):
-        raise ValueError(f"stop_when must hold names or functions of a State, got {given!r}")
+        fault = f"must hold names or functions of a State, got {given!r}"
+        raise ArgumentError("stop_when", fault)
     return getattr(condition, "__name__", type(condition).__name__), condition

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from analysis.problem.checks import Array, number
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, falling, spin_scale
@@ -120,10 +121,11 @@ def spin_interval(interval: tuple[float, float], name: str = "interval") -> tupl
     """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
     ends = list(interval) if isinstance(interval, Iterable) else []
     if len(ends) != 2:
-        raise ValueError(f"{name} must be lowest and highest spin, got {interval!r}")
+        raise ArgumentError(name, f"must be lowest and highest spin, got {interval!r}")
     low, high = (number(name, end) for end in ends)
     if not 0.0 <= low < high:
-        raise ValueError(f"{name} must have 0 <= lowest < highest spin, got {low:g} to {high:g}")
+        fault = f"must have 0 <= lowest < highest spin, got {low:g} to {high:g}"
+        raise ArgumentError(name, fault)
     return low, high
 
 

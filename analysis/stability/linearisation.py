@@ -63,7 +63,7 @@ Rounding, some 1e-12, splits a double zero into two of its square root.
 
 def spin_scale(scenario: Scenario) -> float:
     """Natural unit of spins and frequencies: sqrt(g / r) in rad/s."""
-    return sqrt(scenario.fall)
+    return sqrt(instance("scenario", scenario, Scenario).fall)
 
 
 def require_spinning(scenario: Scenario, analysis: str, level: Level | None = None) -> None:
@@ -89,8 +89,8 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
         raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
     if level is not None and scenario.model != level:
         raise ValueError(
-            f"{analysis} is that of Model {level}, got {scenario.name}; "
-            "the system 'numeric' takes any constraints"
+            f"{analysis} is that of Model {level}, got {scenario.name}; eigenvalues of other "
+            "constraints are those of the system 'numeric'"
         )
 
 

@@ -63,7 +63,11 @@ OF_A_SCENARIO: dict[str, Callable[[Any], Any]] = {
 }
 
 
-@pytest.mark.parametrize("given", [None, 5, "x", Scenario, [Scenario()]], ids=repr)
+@pytest.mark.parametrize(
+    "given",
+    [None, 5, "x", Scenario, [Scenario()]],
+    ids=["None", "number", "text", "class", "list"],
+)
 @pytest.mark.parametrize("call", OF_A_SCENARIO)
 def test_what_is_no_scenario_is_refused_by_name(call: str, given: Any) -> None:
     with pytest.raises(ValueError, match=r"^scenario must be a Scenario, got "):

@@ -6,7 +6,7 @@ from math import inf, nan
 
 import pytest
 
-from validation import benchmark
+from validation import benchmark, cli
 from validation.benchmark import measured
 from validation.study import Check
 
@@ -28,8 +28,7 @@ def test_missed_limit_is_the_exit_code(
         yield measured("bound", value, "ms", limit)
 
     monkeypatch.setattr(benchmark, "PARTS", (part,))
-    monkeypatch.setattr("sys.argv", ["benchmark"])
-    assert benchmark.main() == code
+    assert cli.main(["benchmark"]) == code
     assert ("NO" in capsys.readouterr().out) == (code == 1)
 
 

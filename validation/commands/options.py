@@ -1,6 +1,6 @@
 """From options of the command line, which several commands share, to what they mean."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -16,6 +16,9 @@ from analysis.problem.values import read_value
 from analysis.problem.variations import changed
 from validation.kit.progress import duration, say
 from validation.sweeps.axes import axis_from
+
+_CONSTRAINTS = ("model", "constraints")
+"""Two ways to tell the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,6 +67,20 @@ class Problem:
             stored = self.file.suffix.lower() == ".npz"
             base = load_run(self.file).scenario if stored else load_scenario(self.file)
         return changed(base, given)
+
+    def check_fixed(self, varied: Collection[str]) -> None:
+        """Raise `ArgumentError` if an option tells what varies.
+
+        Parameters
+        ----------
+        varied : collection of str
+            Keys of quantities.
+        """
+        for key, value in self.named.items():
+            same = _CONSTRAINTS if key in _CONSTRAINTS else (key,)
+            if not set(same).isdisjoint(varied):
+                name = key.rpartition(".")[2]
+                raise ArgumentError(name, f"must be left out where it varies, got {value}")
 
 
 def _given(named: Mapping[str, Any]) -> dict[str, Any]:

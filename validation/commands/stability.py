@@ -9,7 +9,7 @@ import numpy as np
 from analysis import LEVELS, MODELS, Start
 from analysis.problem.names import ArgumentError
 from analysis.stability import spectra
-from analysis.stability.critical import CriticalSpeeds, critical_speeds
+from analysis.stability.critical import CriticalSpeeds, critical_speeds, spin_interval
 from analysis.stability.printed import CriticalSpeed, critical_speed
 from analysis.stability.spectra import Branches
 from validation.commands.options import parse_spins
@@ -94,7 +94,7 @@ def critical(
     """
     scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
     spins, motion = parse_spins(spin), spectrum["motion"]
-    ends = (float(spins[0]), float(spins[-1]))
+    ends = spin_interval((spins[0], spins[-1]), "spin")
     found = critical_speeds(scenario, ends, **spectrum)
     closed = critical_speed(scenario, motion)
     crossings = _critical_table(found, _closed_form(closed))

@@ -1,8 +1,9 @@
-"""The commands on the studies: `report` and `study`."""
+"""The commands on the studies: `report`, `study` and `benchmark`."""
 
 import textwrap
 from typing import Annotated, Literal
 
+from analysis.problem.checks import whole
 from validation.commands.options import output_folder
 from validation.parser.kinds import Folder, OtherFolder, Sections, TextOut
 
@@ -103,3 +104,19 @@ def study(
             path = (asked or folder) / f"{each.name}.csv"
             print(f"{path}: {len(table)} rows of {len(each.cases())} cases")
     return 0
+
+
+def benchmark(*, repeats: int = 7) -> int:
+    """Measure what runs, sweeps and ensembles take, before and after a change.
+
+    Runs that are compared are timed in turns. The exit code is 1 if something takes longer than
+    it should. It takes two minutes of an idle machine.
+
+    Parameters
+    ----------
+    repeats
+        Timed calls of each run.
+    """
+    from validation.benchmark import main
+
+    return main(whole("repeats", repeats))

@@ -71,9 +71,11 @@ def sweep(
     rest
         Run until the disk lies still, as `tippedisk rest`.
     """
+    design = _design(varied, axes, drawing)
+    problem.check_fixed([axis.field for axis in design.axes])
     wanted = Sweep(
         scenario=problem.scenario(rest=rest),
-        design=_design(varied, axes, drawing),
+        design=design,
         plan=Plan(**how, to_rest=rest),
     )
     _check_size(wanted, out, most)
