@@ -39,7 +39,7 @@ from validation.kit.tables import Table
 from validation.run import run, run_effort, run_to_rest
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT, distance, spinning
 
-ACCELERATION_LIMIT = 1e-8
+ACCELERATION_LIMIT = 1e-9
 """Largest relative difference of accelerations and constraint forces that passes."""
 
 ANGLE_LIMIT = 1e-7
