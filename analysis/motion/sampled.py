@@ -272,6 +272,47 @@ class SampledMotion(Quantities):
             ax.legend()
         return ax
 
+    def animate(
+        self,
+        *,
+        begin: float | None = None,
+        end: float | None = None,
+        speed: float | None = None,
+        title: str = "The tippedisk",
+        caption: str = "",
+    ) -> Any:
+        """Player of the motion, which a notebook shows and `save` writes as a page or a GIF.
+
+        Parameters
+        ----------
+        begin, end : float, optional
+            Part of it in s, by default all.
+        speed : float, optional
+            1 for real time; by default slow enough for the inversion to be seen.
+        title, caption : str
+            Plain text.
+
+        Returns
+        -------
+        validation.kit.animation.player.Animation
+
+        Raises
+        ------
+        ValueError
+            If the part is none of the motion, its samples are too far apart to be animated, or
+            the speed is out of range.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from analysis import Scenario, simulate
+        >>> simulate(Scenario(), np.linspace(0.0, 0.1, 11)).animate(end=0.05).poses.times[-1]
+        np.float64(0.05)
+        """
+        # The player knows motions, and these know it by name alone, as they do matplotlib.
+        animate = optional("validation.kit.animation.player", "animate").animate
+        return animate(self, begin, end, title=title, caption=caption, speed=speed)
+
     def _summary(self) -> dict[str, str]:
         """What to say of the motion beside its numbers."""
         return {

@@ -101,7 +101,7 @@ def animate(
     of_gif = {"fps": fps, "width": width}
     (run,) = stored_runs([file], **own)
     title = f"The tippedisk: {name_of(file)}"
-    shown = validation.animate(run, begin=begin, end=end, speed=speed, title=title)
+    shown = run.animate(begin=begin, end=end, speed=speed, title=title)
     given = {name: value for name, value in of_gif.items() if value is not None}
     detail, poses = shown.save(out, **given), shown.poses
     print(f"{out}: {poses.times[0]:g} to {poses.times[-1]:g} s, {detail}")

@@ -14,7 +14,6 @@ from analysis.motion.quantities import filled
 from analysis.motion.sampled import SOURCES, Source
 from validation.kit.animation import picture
 from validation.kit.animation.keyframes import keyframes
-from validation.kit.animation.player import player
 from validation.kit.figures import MARKERS, comparison, legend_above, new_figure
 from validation.kit.references import deviation
 from validation.page.content import Content, Rows, Verdict
@@ -123,7 +122,7 @@ def present(rows: Rows) -> Content:
             "load": draw_load(runs),
             "models": draw_models(runs),
         },
-        animations={"animation": player(contact, title=TITLE, caption=caption)},
+        animations={"animation": contact.animate(title=TITLE, caption=caption)},
         checks=[
             at_most(f"inversion, {row['model']}: {name}", row[name], limit)
             for row in apart.to_dict("records")

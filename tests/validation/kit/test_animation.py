@@ -37,7 +37,7 @@ from analysis.problem.checks import Array
 from analysis.problem.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none
-from validation import animate, play
+from validation import play
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import LOOK, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes, keyframes
@@ -217,7 +217,7 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
     made, stream = simulate(scenario, np.linspace(0.0, 0.05, 6)), io.BytesIO()
     assert drawing.write_gif(keyframes(made), stream, speed=1.0, fps=20.0, width=100) == 2
     assert draw_instants(made, [0.0, 0.05]).axes
-    told = json.loads(re.findall(r"application/json\">(.*?)</script>", animate(made).text)[0])
+    told = json.loads(re.findall(r"application/json\">(.*?)</script>", made.animate().text)[0])
     assert told["shape"]["solid"] == isinstance(body, Sphere)
     assert len(told["shape"]["masses"]) == (body is COMPOSED)
 
@@ -226,7 +226,7 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_player_shows_the_motion(kind: str) -> None:
     motion = MOTIONS[kind]()
-    made = animate(motion)
+    made = motion.animate()
     rows = [0, 7, 33, -1]
     position, rotation, _, turning = motion.poses
     for row, shown in zip(rows, played(made, motion.times[rows]), strict=True):
@@ -246,7 +246,7 @@ def test_player_shows_the_motion(kind: str) -> None:
 
 
 def test_notebook_shows_the_page_in_a_frame_of_its_own() -> None:
-    made = animate(inversion(), end=0.2)
+    made = inversion().animate(end=0.2)
     for shown in (made, play()):
         told = shown._repr_html_()
         found = re.fullmatch(r'<iframe srcdoc="([^"]*)" .*</iframe>', told, re.DOTALL)

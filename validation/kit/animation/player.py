@@ -110,18 +110,19 @@ class Animation(Page):
             return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
 
 
+def animate(motion: StoredRun, begin: float | None, end: float | None, **how: Any) -> Animation:
+    """Player for a part of a motion; see its method `animate`."""
+    return player(keyframes(motion, begin, end), **how)
+
+
 def player(
-    motion: StoredRun | Keyframes,
-    *,
-    title: str,
-    caption: str = "",
-    speed: float | None = None,
+    poses: Keyframes, *, title: str, caption: str = "", speed: float | None = None
 ) -> Animation:
     """Player for a motion.
 
     Parameters
     ----------
-    motion : Trajectory, SpatialMotion or Keyframes
+    poses : Keyframes
     title, caption : str
         Plain text.
     speed : float, optional
@@ -131,12 +132,10 @@ def player(
     Raises
     ------
     ValueError
-        If the disk of a spatial motion turns by about half a turn between samples, or the speed
-        is out of range.
+        If the speed is out of range.
     """
     if speed is not None:
         within("speed", speed, *PLAYBACK_SPEEDS)
-    poses = motion if isinstance(motion, Keyframes) else keyframes(motion)
     fragment = render(
         "player.html",
         title=title,

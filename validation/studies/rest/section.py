@@ -9,7 +9,6 @@ import pandas as pd
 from analysis import RestCriterion, SpatialMotion
 from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
-from validation.kit.animation.player import player
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.rest import closed_forms, creep, figures, runs, starts
@@ -112,7 +111,7 @@ def present(rows: Rows) -> Content:
         numbers=numbers(courses),
         tables={"phases": phases(table, differences(courses)), "budget": budget(table)},
         figures={"story": figures.story(shown, tilt, spacing)},
-        animations={"animation": player(shown, title=title, caption=caption)},
+        animations={"animation": shown.animate(title=title, caption=caption)},
         checks=checks(courses),
         verdicts=[verdict(courses)],
     )
