@@ -29,6 +29,7 @@ from analysis.problem.checks import (
     settings,
 )
 from analysis.problem.constraints import multiplier_names
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 
@@ -263,6 +264,8 @@ class SampledMotion(Quantities):
                 )
         if ax is None:
             ax = optional("matplotlib.figure", "plot").Figure(layout="constrained").subplots()
+        elif not hasattr(ax, "plot"):
+            raise ArgumentError("ax", f"must be the axes of a figure, got {ax!r}")
         values = self.to_dict()
         for name in names:
             ax.plot(self.times, values[name], **({"label": name.replace("_", " ")} | line))

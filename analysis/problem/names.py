@@ -13,6 +13,9 @@ V = TypeVar("V")
 _MOST = 3
 """Names that are offered at once."""
 
+_LONGEST = 200
+"""Characters of a value in a message, before it is cut."""
+
 OTHERWISE = {
     each.option: each.key for each in QUANTITIES.values() if each.option and each.unit is not None
 }
@@ -38,8 +41,9 @@ class ArgumentError(ValueError):
 
     def __str__(self) -> str:
         argument, fault, subject = self.args
-        # An array writes itself on several lines.
-        return " ".join(f"{subject or argument} {fault}".split())
+        # An array writes itself on several lines, a scenario on a long one.
+        told, got, value = " ".join(f"{subject or argument} {fault}".split()).partition(", got ")
+        return f"{told}{got}{value if len(value) <= _LONGEST else f'{value[:_LONGEST]} …'}"
 
 
 def nearest(name: Any, known: Iterable[Any]) -> str:

@@ -173,10 +173,11 @@ class Quantity(NamedTuple):
 
     @property
     def comment(self) -> str:
-        """Unit, meaning and, unless these are many words, what is allowed, in a line."""
+        """Unit, meaning and, unless these are many words, what is allowed, in a line of ASCII."""
         told = self.allowed and len(self.choices) <= _FEW
         about = f"{self.meaning} ({self.allowed})" if told else self.meaning
-        return f"{self.unit}; {about}" if self.unit else about
+        line = f"{self.unit}; {about}" if self.unit else about
+        return line.replace("²", "^2").replace("³", "^3")
 
     @property
     def shown_default(self) -> str:
@@ -270,7 +271,7 @@ _DECLARED = (
              least=0.0),
     _size("disk.inertia_x", "about G, along the line from G to S", "kg m²"),
     _size("disk.inertia_y", "across it; above mass * eccentricity²", "kg m²"),
-    _size("disk.inertia_z", "normal to it; about S below the others' sum", "kg m²"),
+    _size("disk.inertia_z", "normal to it; about S below others' sum", "kg m²"),
     Quantity("disk.inertia_xy", "entry of the tensor, the sum of -x y dm", "kg m²", 0.0),
     Quantity("disk.inertia_xz", "the same of -x z dm", "kg m²", 0.0),
     Quantity("disk.inertia_yz", "the same of -y z dm", "kg m²", 0.0),

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from numbers import Integral
 from typing import Any, TypeVar
 
 import numpy as np
@@ -174,7 +175,7 @@ class Ensemble:
     def __post_init__(self) -> None:
         instance("scenario", self.scenario, Scenario)
         if not isinstance(self.fields, Mapping) or not self.fields:
-            raise ValueError(f"fields must map names to arrays, got {self.fields!r}")
+            raise ArgumentError("fields", f"must map names to arrays, got {self.fields!r}")
         found: dict[str, Values] = {}
         for given, values in self.fields.items():
             name = full_name(given, "fields")
@@ -217,7 +218,14 @@ class Ensemble:
 
     def __getitem__(self, member: int) -> Scenario:
         """Scenario of a member."""
-        return changed(self.scenario, self._values(range(len(self))[member]))
+        return changed(self.scenario, self._values(self.number(member)))
+
+    def number(self, member: int) -> int:
+        """Number of a member from either end, or `IndexError`."""
+        count = len(self)
+        if not isinstance(member, Integral) or not -count <= member < count:
+            raise IndexError(f"member must lie from {-count} to {count - 1}, got {member!r}")
+        return int(member) % count
 
     def __iter__(self) -> Iterator[Scenario]:
         return (self[member] for member in range(len(self)))

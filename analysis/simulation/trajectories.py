@@ -66,7 +66,7 @@ class Trajectories(InCoordinates):
         return len(self.ensemble)
 
     def __getitem__(self, member: int) -> Trajectory:
-        member = range(len(self))[member]
+        member = self.ensemble.number(member)
         if member in self.failures:
             raise self.failures[member]
         if member in self.alone:

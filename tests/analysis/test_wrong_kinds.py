@@ -114,6 +114,7 @@ WRONG: dict[str, Callable[[], Any]] = {
     "executor must be an Executor or act as one, got 'x'": lambda: simulate_many(
         [Scenario()], [0.0, 0.01], executor="x"
     ),
+    "ax must be the axes of a figure, got 5": lambda: RUN.plot("beta", ax=5),
     "index must be at most 1, got 2": lambda: RUN.state(2),
     "index must be at least -2, got -3": lambda: RUN.state(-3),
     "index must be a whole number, got None": lambda: RUN.state(None),
@@ -162,6 +163,22 @@ def test_wrong_value_is_told_in_one_line(message: str) -> None:
     with pytest.raises(ValueError, match=f"^{message}") as raised:
         WRONG[message]()
     assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("member", [2, -3, "x", None])
+def test_member_that_an_ensemble_does_not_have_is_refused_by_name(member: Any) -> None:
+    ensemble = Ensemble(scenario=Scenario(), fields={"spin": [30.0, 40.0]})
+    runs = simulate_many(ensemble, [0.0, 0.01], workers=1)
+    for call in (ensemble.__getitem__, runs.__getitem__, runs.outcome):
+        with pytest.raises(IndexError, match=rf"^member must lie from -2 to 1, got {member!r}$"):
+            call(member)
+    assert runs[-1].scenario == ensemble[-1] == ensemble[1]
+
+
+def test_long_values_are_cut_in_a_message() -> None:
+    with pytest.raises(ValueError, match=r"^fields must map names to arrays, got Scen") as raised:
+        Ensemble(scenario=Scenario(), fields=Scenario())
+    assert len(str(raised.value)) < 260
 
 
 def test_arrays_stay_in_the_line_of_a_message() -> None:

@@ -87,6 +87,10 @@ def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -
     assert load_scenario(path) == scenario
 
 
+def test_text_is_the_same_in_every_encoding_of_a_terminal() -> None:
+    assert scenario_text(Scenario()).isascii()
+
+
 @pytest.mark.parametrize("level", [1, 4])
 def test_taking_in_what_was_left_out_changes_nothing_or_is_the_contact_of_the_way_to_rest(
     level: Any, tmp_path: Path
