@@ -95,7 +95,7 @@ def _running_mean(times: Array, values: Array) -> Array:
 
 _WITH_RATES = ("times", "positions", "quaternions", "velocities", "angular_velocities")
 
-_SAME_TIME = 1e-12
+SAME_TIME = 1e-12
 """In s; times of one sample differ by rounding."""
 
 
@@ -228,7 +228,7 @@ class SpatialMotion(SampledMotion):
         """
         instance("other", other, SpatialMotion)
         shorter = min(self.times.size, other.times.size)
-        apart = np.abs(self.times[:shorter] - other.times[:shorter]) > _SAME_TIME
+        apart = np.abs(self.times[:shorter] - other.times[:shorter]) > SAME_TIME
         count = int(np.argmax(apart)) if apart.any() else shorter
         if count < max(1, shorter - 1):
             raise ValueError(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from analysis import StoredRun
+from analysis.motion.spatial_motion import SAME_TIME
 from analysis.problem.checks import Array, ToleranceError
 from validation.kit.tables import Cell, Table, show
 
@@ -15,8 +16,6 @@ COARSEST = 1e-3
 
 _SIGNED_AT_WILL = "quaternion_"
 """The two signs of a quaternion are the same attitude, so its parts tell no difference."""
-
-_SAME_TIME = 1e-9
 
 
 def difference_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
@@ -112,8 +111,8 @@ def _at(run: StoredRun, times: Array) -> tuple[dict[str, Array], float]:
     """Quantities at some times within the samples, and the error of interpolation in rad."""
     if not times.size:
         raise ValueError("the two have no time in common")
-    rows = np.searchsorted(run.times, times - _SAME_TIME).clip(max=run.times.size - 1)
-    if np.all(np.abs(run.times[rows] - times) <= _SAME_TIME):
+    rows = np.searchsorted(run.times, times - SAME_TIME).clip(max=run.times.size - 1)
+    if np.all(np.abs(run.times[rows] - times) <= SAME_TIME):
         return {name: values[rows] for name, values in run.to_dict().items()}, 0.0
     between = replace(run, error_estimate=0.0).resampled(times, tolerance=COARSEST)
     return between.to_dict(), between.error_estimate or 0.0
