@@ -233,7 +233,7 @@ class Ensemble:
     def __repr__(self) -> str:
         return f"Ensemble({len(self)} times {self.scenario.name}: {', '.join(self.fields)})"
 
-    def part(self, rows: Rows | slice) -> "Ensemble":
+    def subset(self, rows: Rows | slice) -> "Ensemble":
         """Ensemble of some of the members, which need no further check."""
         fields = {name: values[rows] for name, values in self.fields.items()}
         return self.without_validation(self.scenario, fields)

@@ -19,7 +19,7 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from analysis.problem.variations import Ensemble, one_by_one
-from analysis.simulation.compiled.ensemble import CompiledPart, Scenarios, simulate_compiled
+from analysis.simulation.compiled.ensemble import CompiledRuns, Scenarios, simulate_compiled
 from analysis.simulation.compiled.library import CannotCompileError
 from analysis.simulation.request import Request
 from analysis.simulation.simulate import run_member
@@ -30,7 +30,7 @@ from analysis.solve.workers import Pool
 Outcome = Trajectory | Exception
 """Of one member: its motion, or the error that ended it."""
 
-Motions = tuple[list[CompiledPart], dict[int, Outcome], float]
+Motions = tuple[list[CompiledRuns], dict[int, Outcome], float]
 """Members that were run together, outcomes of all others, and the processor time of each in s."""
 
 LARGEST_CHUNK = 32
@@ -119,26 +119,26 @@ def simulate_many(
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise ArgumentError("executor", f"must be an Executor or act as one, got {executor!r}")
     chunks = dict(_chunks(members, request, workers))
-    parts: list[CompiledPart] = []
+    compiled: list[CompiledRuns] = []
     alone: dict[int, Outcome] = {}
     seconds, done = np.empty(len(members)), 0
-    for first, (some, others, each) in _called(partial(_run, request), chunks, executor, workers):
-        parts += some
+    for first, (some, others, mean) in _called(partial(_run, request), chunks, executor, workers):
+        compiled += some
         alone |= others
-        seconds[first : first + len(chunks[first])] = each
+        seconds[first : first + len(chunks[first])] = mean
         done += len(chunks[first])
         tell(done, len(members))
     if isinstance(members, Ensemble):
         return Trajectories(
             ensemble=members,
             times=request.times,
-            parts=parts,
+            compiled=compiled,
             alone={row: each for row, each in alone.items() if isinstance(each, Trajectory)},
             failures={row: each for row, each in alone.items() if isinstance(each, Exception)},
             seconds=seconds,
         )
-    for part in parts:
-        alone |= zip(part.group.rows.tolist(), part.outcomes(members), strict=True)
+    for each in compiled:
+        alone |= zip(each.group.rows.tolist(), each.outcomes(members), strict=True)
     return [alone[member] for member in range(len(members))]
 
 
@@ -157,7 +157,7 @@ def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[tupl
         size = max(1, min(LARGEST_CHUNK, len(members) // (4 * workers)))
     for first in range(0, len(members), size):
         some = slice(first, first + size)
-        yield first, members.part(some) if isinstance(members, Ensemble) else members[some]
+        yield first, members.subset(some) if isinstance(members, Ensemble) else members[some]
 
 
 def _called(
@@ -187,7 +187,7 @@ def _called(
 def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
     """Motions of members in this process."""
     begin = process_time()
-    parts: list[CompiledPart] = []
+    compiled: list[CompiledRuns] = []
     outcomes: dict[int, Outcome] = {}
 
     def alone(members: Iterable[int], method: Method | None) -> dict[int, Outcome]:
@@ -197,7 +197,7 @@ def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
 
     # A limit of its own has each one alone.
     if request.first_method == "taylor" and request.time_limit is None:
-        parts, failures = simulate_compiled(scenarios, request, first)
+        compiled, failures = simulate_compiled(scenarios, request, first)
         outcomes |= failures
     else:
         outcomes = alone(range(first, first + len(scenarios)), request.first_method)
@@ -205,4 +205,4 @@ def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:
         kinds = (CannotCompileError, ToleranceError)
         cannot = [member for member, each in outcomes.items() if isinstance(each, kinds)]
         outcomes |= alone(cannot, None)
-    return parts, outcomes, (process_time() - begin) / len(scenarios)
+    return compiled, outcomes, (process_time() - begin) / len(scenarios)

@@ -117,10 +117,10 @@ def run_member(scenario: Scenario, request: Request, method: Method | None) -> T
     named_conditions(request.conditions.values(), scenario.initial_state)
     if method != "taylor":
         return _stepped(scenario, request, method or request.usual_method(scenario))
-    parts, failures = simulate_compiled([scenario], request)
+    compiled, failures = simulate_compiled([scenario], request)
     for failure in failures.values():
         raise failure
-    return parts[0].trajectory(0, scenario)
+    return compiled[0].trajectory(0, scenario)
 
 
 def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory:

@@ -14,7 +14,7 @@ from analysis.motion.trajectory import Samples, Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.problem.variations import Ensemble
-from analysis.simulation.compiled.ensemble import CompiledPart
+from analysis.simulation.compiled.ensemble import CompiledRuns
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -32,7 +32,7 @@ class Trajectories(InCoordinates):
         Of m members.
     times : ndarray, shape (n,)
         In s.
-    parts : sequence of CompiledPart
+    compiled : sequence of CompiledRuns
         Members that were run together.
     alone : mapping
         Motions of members that were run by themselves, by their numbers.
@@ -57,7 +57,7 @@ class Trajectories(InCoordinates):
 
     ensemble: Ensemble
     times: Array
-    parts: Sequence[CompiledPart]
+    compiled: Sequence[CompiledRuns]
     alone: Mapping[int, Trajectory]
     failures: Mapping[int, Exception]
     seconds: Array
@@ -71,9 +71,9 @@ class Trajectories(InCoordinates):
             raise self.failures[member]
         if member in self.alone:
             return self.alone[member]
-        part = next(part for part in self.parts if member in part.group.rows)
-        row = int(np.argmax(part.group.rows == member))
-        return part.trajectory(row, self.ensemble[member])
+        found = next(each for each in self.compiled if member in each.group.rows)
+        row = int(np.argmax(found.group.rows == member))
+        return found.trajectory(row, self.ensemble[member])
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[member] for member in range(len(self)))
@@ -153,9 +153,9 @@ class Trajectories(InCoordinates):
 
         The last one of each is that at its end.
         """
-        for part in self.parts:
-            for some, samples in part.blocks():
-                yield part.group.rows[some], samples
+        for each in self.compiled:
+            for some, samples in each.blocks():
+                yield each.group.rows[some], samples
         for row, motion in self.alone.items():
             yield np.array([row]), Samples.of(motion, self.times.size + 1)
 
@@ -164,8 +164,8 @@ class Trajectories(InCoordinates):
         """Ends, estimated errors and why they ended, each shape (m,)."""
         ends, estimates = np.full((2, len(self)), np.nan)
         endings = np.full(len(self), None)
-        for part in self.parts:
-            rows, runs = part.group.rows, part.runs
+        for each in self.compiled:
+            rows, runs = each.group.rows, each.runs
             # The last one is that of `RUNNING`, -1.
             reasons = np.array([*runs.names, None])
             ends[rows], estimates[rows] = runs.ends, runs.estimates
@@ -173,6 +173,6 @@ class Trajectories(InCoordinates):
         for row, motion in self.alone.items():
             ends[row], estimates[row] = motion.times[-1], motion.error_estimate
             endings[row] = motion.ending and motion.ending.reason
-        for each in (ends, estimates, endings):
-            each.setflags(write=False)
+        for values in (ends, estimates, endings):
+            values.setflags(write=False)
         return ends, estimates, endings

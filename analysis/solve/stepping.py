@@ -80,9 +80,11 @@ class InitialValueProblem:
     absolute: float = 1.0
     jacobian: Callable[[], Callable[[Array], Array]] | None = None
 
-    def with_steps_up_to(self, part: float) -> "InitialValueProblem":
-        """The same problem with this part of its longest step."""
-        return self if part == 1.0 else replace(self, longest_step=part * self.longest_step)
+    def with_steps_up_to(self, fraction: float) -> "InitialValueProblem":
+        """The same problem with this fraction of its longest step."""
+        return (
+            self if fraction == 1.0 else replace(self, longest_step=fraction * self.longest_step)
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

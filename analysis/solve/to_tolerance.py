@@ -98,7 +98,7 @@ class Runs:
         found: AnyArray = self.reasons == (self.names.index(name) if name in self.names else -2)
         return found
 
-    def part(self, rows: AnyArray) -> "Runs":
+    def subset(self, rows: AnyArray) -> "Runs":
         """Those of some members."""
         return Runs(self.times, self.names, *(each[rows] for each in self.arrays))
 
@@ -206,10 +206,10 @@ def agree(
         if kept is None or (done.all() and pending.size == members):
             kept = fine
         elif done.any():
-            kept.put(pending[done], fine.part(done))
+            kept.put(pending[done], fine.subset(done))
         if done.all():
             break
-        coarse = fine.part(~done) if done.any() else fine
+        coarse = fine.subset(~done) if done.any() else fine
         pending, longest = pending[~done], SHORTER * longest
     else:
         assert coarse is not None

@@ -34,7 +34,7 @@ _BLOCK = 2**14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CompiledPart:
+class CompiledRuns:
     """Members that are alike in structure and were run together.
 
     Parameters
@@ -117,7 +117,7 @@ class CompiledPart:
 
 def simulate_compiled(
     scenarios: Scenarios, request: Request, first: int = 0
-) -> tuple[list[CompiledPart], dict[int, Exception]]:
+) -> tuple[list[CompiledRuns], dict[int, Exception]]:
     """Motions of scenarios, those alike in structure together.
 
     Parameters
@@ -130,7 +130,7 @@ def simulate_compiled(
 
     Returns
     -------
-    list of CompiledPart
+    list of CompiledRuns
     dict
         From members to the errors that ended them; they are those of `simulate`.
     """
@@ -148,20 +148,20 @@ def simulate_compiled(
             continue
         code, numbers = found
         pieces[code].append((first + rows, in_columns(numbers, rows.size)))
-    parts = []
+    compiled = []
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))
         group = _group(code, rows, array, float(request.times[0]))
         refused = {} if code.structure.allow_pulling else _refused(group, scenarios, first)
         if refused:
-            group = group.part(_left(group, refused, failures))
+            group = group.subset(_left(group, refused, failures))
         if len(group):
-            part, failed = _run(group, request)
+            made, failed = _run(group, request)
             if failed:
                 left = _left(group, failed, failures)
-                part = replace(part, group=group.part(left), runs=part.runs.part(left))
-            parts.append(part)
-    return parts, failures
+                made = replace(made, group=group.subset(left), runs=made.runs.subset(left))
+            compiled.append(made)
+    return compiled, failures
 
 
 def _left(group: Group, errors: Mapping[int, Exception], failures: dict[int, Exception]) -> Rows:
@@ -206,7 +206,7 @@ def _refused(group: Group, scenarios: Scenarios, first: int) -> dict[int, Except
     return found
 
 
-def _run(group: Group, request: Request) -> tuple[CompiledPart, dict[int, Exception]]:
+def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Exception]]:
     """Run a group; its single member as a call that is watched."""
     watch = request.watch(float(group.most[0])) if len(group) == 1 else None
     seconds: float | None = None
@@ -228,4 +228,4 @@ def _run(group: Group, request: Request) -> tuple[CompiledPart, dict[int, Except
 
     rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
     runs, failures = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
-    return CompiledPart(request, group, runs, watch, seconds), failures
+    return CompiledRuns(request, group, runs, watch, seconds), failures

@@ -50,7 +50,7 @@ class Group:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def part(self, rows: Rows | slice) -> "Group":
+    def subset(self, rows: Rows | slice) -> "Group":
         """Some of the members."""
         arrays = (getattr(self, field.name)[rows] for field in fields(self)[1:])
         return Group(self.code, *arrays)
@@ -61,7 +61,7 @@ def integrate(
     members: Rows,
     times: Array,
     local_tolerance: float,
-    part: float,
+    step_fraction: float,
     *,
     watch: Watch | None = None,
 ) -> tuple[Runs, dict[int, Exception]]:
@@ -73,8 +73,8 @@ def integrate(
     members : ndarray of int, shape (k,)
     times : ndarray, shape (n,)
     local_tolerance : float
-    part : float
-        Part of their longest steps that may be taken.
+    step_fraction : float
+        Of their longest steps that may be taken.
     watch : Watch, optional
         Of a call that has this one member.
 
@@ -91,7 +91,7 @@ def integrate(
     size = members.size + -members.size % width
     lanes = members[np.minimum(np.arange(size), members.size - 1)]
     starts, numbers = group.starts[lanes].T, group.numbers[lanes].T
-    longest, grid = (part * group.longest[lanes]).tolist(), np.repeat(times, width)
+    longest, grid = (step_fraction * group.longest[lanes]).tolist(), np.repeat(times, width)
     found = Runs.empty(members.size, times, code.size, code.reasons)
     failed, errors = list[int](), dict[int, Exception]()
     with code.integrator(local_tolerance, width) as (solver, edges):
@@ -121,7 +121,9 @@ def integrate(
     for row in failed:
         member = members[row : row + 1]
         alone = Watch(most=float(group.most[member[0]]))
-        single, fault = integrate(group, member, times, local_tolerance, part, watch=alone)
+        single, fault = integrate(
+            group, member, times, local_tolerance, step_fraction, watch=alone
+        )
         found.put(np.array([row]), single)
         errors |= fault
     return found, errors
