@@ -306,7 +306,7 @@ def _values(name: str, given: npt.ArrayLike) -> Values:
     try:
         values = np.array(given)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array, got {given!r}") from None
+        raise ArgumentError(name, f"must be an array, got {given!r}") from None
     if values.ndim != 1 or not values.size:
         raise ValueError(f"{name} must have shape (m,), m > 0, got {values.shape}")
     if is_word(name):

@@ -146,7 +146,9 @@ def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
     if isinstance(given, Ensemble):
         return given
     if isinstance(given, type) or not isinstance(given, Iterable):
-        raise ValueError(f"scenarios must be an Ensemble or a list of Scenario, got {given!r}")
+        raise ArgumentError(
+            "scenarios", f"must be an Ensemble or a list of Scenario, got {given!r}"
+        )
     return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
 
 
