@@ -1,5 +1,6 @@
 """The one mechanism of all studies: what it keeps and shows, and that everything wrong fails."""
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -231,3 +232,9 @@ def test_command_prints_what_fails_and_all_checks_if_asked(
     said = capsys.readouterr().out
     assert "FAILS: toy: table" in said
     assert "2 of 2 checks FAIL" in said
+    assert (
+        main([*call, "--json", "--csv", f"{tmp_path}/a.csv", "--plot", f"{tmp_path}/a.png"]) == 1
+    )
+    said = json.loads(capsys.readouterr().out)
+    assert [each["name"] for each in said["checks"]] == ["toy: table", "toy-section: section"]
+    assert (tmp_path / "a.csv").read_text() == "section,statement,answer,numbers,criterion,good\n"

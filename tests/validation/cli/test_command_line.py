@@ -47,6 +47,7 @@ QUICK = (
     "simulate --source in-house --end 0.05 --samples 3",
     "rest --source in-house --end 0.05",
     "eigenvalues --system reduced --spin 30 40",
+    "scene",
 )
 FINDING = (
     *QUICK,
@@ -54,6 +55,8 @@ FINDING = (
     "cycles --spin 30.9",
     "heteroclinic",
     "sweep spin=30,31 --model 4 --end 0.02 --workers 1 --out a.db",
+    "map spin-friction --cells 1 --levels 0 --end 0.05 --witnesses 0 --workers 1",
+    "check --states 2 --end 0.05",
 )
 """Calls of commands that find something."""
 
@@ -184,5 +187,5 @@ def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys
 
 
 def test_a_result_is_printed_where_it_is_not_written(capsys: Capture) -> None:
-    assert printed(capsys, QUICK[-1]).startswith("Eigenvalues of Model 4 in 1/s\n")
-    assert printed(capsys, QUICK[-1], "--csv a.csv") == ""
+    assert printed(capsys, QUICK[2]).startswith("Eigenvalues of Model 4 in 1/s\n")
+    assert printed(capsys, QUICK[2], "--csv a.csv") == ""
