@@ -42,6 +42,10 @@ class ArgumentError(ValueError):
         return " ".join(f"{subject or argument} {fault}".split())
 
 
+class OutputLostError(OSError):
+    """What was made could not be written to standard output."""
+
+
 def nearest(name: Any, known: Iterable[Any]) -> str:
     """What to add to a message that refuses a name: the known ones that it may stand for.
 
