@@ -1,6 +1,7 @@
 """A problem as a file, the two sides on it, and its scene: `scenario`, `check` and `scene`."""
 
 from math import pi
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -80,13 +81,10 @@ def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Res
 
     scene = Scene(scenario=problem.scenario(), formulation=formulation)
     items = inventory(scene)
-    coordinates, equations, idle, functions = (
-        sum(each)
-        for each in zip(
-            *((i.coordinates, i.equations, i.idle, len(i.user_functions)) for i in items),
-            strict=True,
-        )
+    coordinates, equations, idle = (
+        sum(map(attrgetter(name), items)) for name in ("coordinates", "equations", "idle")
     )
+    functions = sum(len(each.user_functions) for each in items)
     table = Table.of(
         items,
         {

@@ -56,6 +56,10 @@ class Processes(Executor):
         if wait:
             self._pool.join()
 
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End the processes at once if something was raised."""
+        self.shutdown(cancel_futures=kind is not None)
+
 
 def fatal(function: Callable[..., Any], *arguments: Any, limit: float = 30.0) -> str:
     """Why a call must not be made in this process, as tried in another; empty if it may be.
@@ -68,17 +72,12 @@ def fatal(function: Callable[..., Any], *arguments: Any, limit: float = 30.0) ->
     limit : float
         Time in s for which it is waited for.
     """
-    pool = Processes(1)
-    try:
-        pool.submit(_tried, function, *arguments, limit=limit).result()
-    except ProcessExpired as error:
-        pool.check_begun()
-        return f"ends its process with code {error.exitcode}"
-    except TimeoutError:
-        return f"does not come back within {limit:g} s"
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return ""
+    with Processes(1) as pool:
+        error = pool.submit(_tried, function, *arguments, limit=limit).exception()
+        if isinstance(error, ProcessExpired):
+            pool.check_begun()
+            return f"ends its process with code {error.exitcode}"
+    return f"does not come back within {limit:g} s" if error else ""
 
 
 def _tried(function: Callable[..., Any], *arguments: Any) -> None:
