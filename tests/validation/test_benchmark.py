@@ -35,7 +35,7 @@ def test_missed_limit_is_the_exit_code(
     assert cli.main(["benchmark"]) == code
     assert ("NO" in capsys.readouterr().out) == (code == 1)
     assert cli.main(["benchmark", "--json", "--plot", str(tmp_path / "a.png")]) == code
-    assert [each["limit"] for each in json.loads(capsys.readouterr().out)] == [inf, limit]
+    assert [each["at most"] for each in json.loads(capsys.readouterr().out)] == [inf, limit]
 
 
 def test_sweep_is_timed_against_its_runs(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,10 +1,8 @@
 """The commands on the studies: `report`, `study` and `benchmark`."""
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
-from math import inf
-from operator import attrgetter
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.checks import whole
@@ -15,18 +13,9 @@ from validation.kit.tables import Table
 from validation.page.content import Verdict
 from validation.parser.files import Result, write
 from validation.parser.kinds import Folder, Numbers, OtherFolder, Sections, TextOut
-from validation.study import Check
 
 if TYPE_CHECKING:
     from validation.report import Report
-
-_MEASURED: dict[str, Callable[[Check], Any]] = {
-    "what": lambda check: check.name,
-    "found": lambda check: check.value,
-    "at most": lambda check: None if check.limit == inf else check.limit,
-    "reached": lambda check: None if check.limit == inf else check.holds,
-}
-"""Columns of what is measured."""
 
 _WIDTH = 98
 """Of a line."""
@@ -72,15 +61,15 @@ def report(
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:
         said = "Nothing was measured on the spot"
-    verdicts, checks = (
-        [{"section": each.title, **row._asdict()} for each in made.sections for row in rows(each)]
-        for rows in (attrgetter("verdicts"), attrgetter("checks"))
-    )
-    columns = ("section", *Verdict._fields)
-    table = Table(title="Verdicts", columns=columns, rows=[[*row.values()] for row in verdicts])
+    parts, heads = made.sections, ("section", *Verdict._fields)
+    rows = [(each.title, *verdict) for each in parts for verdict in each.verdicts]
+    table = Table(title="Verdicts", columns=heads, rows=rows)
+    checks: list[Any] = [
+        {"section": each.title, **row._asdict()} for each in parts for row in each.checks
+    ]
     limits = [(row["section"], row["value"], row["limit"], row["holds"]) for row in checks]
     return Result(
-        values={"holds": made.holds, "verdicts": verdicts, "checks": checks},
+        values={"holds": made.holds, "verdicts": table.records(), "checks": checks},
         csv=partial(write, table),
         draw=lambda: against_limits(limits),
         notes=[*_lines(made, verbose=verbose), f"{said}. Open {made.page}"],
@@ -159,14 +148,17 @@ def benchmark(*, repeats: int = 7) -> Result:
     from validation.benchmark import measured_parts
 
     parts = measured_parts(repeats)
-    checks = [check for each in parts.values() for check in each]
-    missed = sum(not check.holds for check in checks)
-    some = f"{missed} of these miss what they should reach."
+    heads = ("measured", "value", "at most", "reached")
+    found: dict[str, list[Any]] = {
+        title: [(*each[:3], each.holds) for each in checks] for title, checks in parts.items()
+    }
+    rows = [row for some in found.values() for row in some]
+    every, missed = Table(title="", columns=heads, rows=rows), sum(not row[-1] for row in rows)
     return Result(
-        tables=[Table.of(each, _MEASURED, title=title) for title, each in parts.items()],
-        values=[check._asdict() for check in checks],
-        csv=partial(write, Table.of(checks, _MEASURED, title="")),
-        draw=lambda: against_limits([(each.name, *each[1:3], each.holds) for each in checks]),
-        notes=[f"Machine: {machine()}."] + [some] * bool(missed),
+        tables=[Table(title=title, columns=heads, rows=some) for title, some in found.items()],
+        values=every.records(),
+        csv=partial(write, every),
+        draw=lambda: against_limits(rows),
+        notes=[f"Machine: {machine()}; {missed} of these miss what they should reach."],
         code=1 if missed else 0,
     )
