@@ -28,7 +28,7 @@ def sweep(
     varied: kinds.Axes,
     *,
     axes: kinds.Toml = None,
-    drawing: kinds.Layout,
+    drawing: kinds.Drawing,
     out: kinds.StoreOut,
     retry: bool = False,
     accept_other_code: bool = False,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 from analysis.problem.quantities import SECTIONS
 from validation.parser.commands import Group, OfScenario
 from validation.parser.files import Result, existing, file, filled, store, writable
-from validation.parser.runs import CaseOptions
+from validation.parser.runs import CaseOptions, Layout
 
 if TYPE_CHECKING:
     from validation.commands.options import Problem
@@ -91,7 +91,7 @@ class _Spectrum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Layout:
+class _Drawing:
     """How the cases of a sweep are laid out.
 
     Parameters
@@ -104,7 +104,7 @@ class _Layout:
         Of the drawing (0).
     """
 
-    layout: Literal["grid", "random", "latin-hypercube", "sobol"] | None = None
+    layout: Layout | None = None
     number: int | None = None
     seed: int | None = None
 
@@ -131,7 +131,7 @@ class _Pool:
 
 Own = Annotated[dict[str, Any], Group(_Own)]
 Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
-Layout = Annotated[dict[str, Any], Group(_Layout)]
+Drawing = Annotated[dict[str, Any], Group(_Drawing)]
 Pool = Annotated[dict[str, Any], Group(_Pool)]
 Cases = Annotated[
     dict[str, Any],

@@ -23,7 +23,6 @@ from validation import report
 from validation.maps.problems import PROBLEMS
 from validation.parser import runs
 from validation.parser.commands import Command, commands
-from validation.sweeps.axes import LAYOUTS
 
 NEEDED = {
     "show": "run.npz",
@@ -73,7 +72,6 @@ def test_choices_are_those_of_the_packages() -> None:
     for command, option, known in (
         ("eigenvalues", "system", SYSTEMS),
         ("critical", "motion", analysis.MOTIONS),
-        ("sweep", "layout", LAYOUTS),
         ("map", "name", PROBLEMS),
         ("report", "only", SECTIONS),
         ("study", "name", [name for name in SECTIONS if is_stored(name)]),
