@@ -1,16 +1,14 @@
 """A problem as a file, the two sides on it, and its scene: `scenario`, `check` and `scene`."""
 
-from math import pi
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
 from analysis import Scenario, scenario_text
-from analysis.motion.frames import poses, quaternions
 from analysis.problem.checks import whole
 from validation.commands.options import checked_end
-from validation.kit.figures import against_limits, new_figure
+from validation.kit.figures import against_limits, draw_still, new_figure
 from validation.kit.tables import Table
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, NamedProblem
@@ -106,25 +104,13 @@ def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Res
 
 def _start(scenario: Scenario) -> Any:
     """Figure of the disk at its start."""
-    # They bring Matplotlib along, which takes half a second.
-    from validation.kit.animation.keyframes import Keyframes
-    from validation.kit.animation.picture import Camera, draw
-
-    state, disk = scenario.initial_state, scenario.disk
-    alpha, beta, gamma = state.coordinates[3:]
-    place, rotations = poses(np.array([state.coordinates]))
-    unseen = np.zeros((1, 3))  # where it touches the table, and its spin
-    table = np.column_stack((place, quaternions(rotations), unseen))
-    pose = Keyframes(times=np.zeros(1), table=table, disk=disk, marks=(), source="")
+    state = scenario.initial_state
     figure, axes = new_figure(width=5.0, height=4.4)
-    # From a quarter to the side, so that it shows its face.
-    camera = Camera(
-        np.append(place[0, :2], 0.75 * disk.radius), alpha - pi / 2 + 0.35, disk.radius
-    )
-    draw(axes, pose, camera)
+    draw_still(axes, scenario.disk, np.array(state.coordinates))
     marks = ("a point of the edge", "centre of gravity", "geometric centre")
     for line, name in zip(axes.lines[-len(marks) :], marks, strict=True):
         line.set(label=name, linestyle="none")
+    beta, gamma = state.coordinates[4:]
     told = f"β = {beta:.4g} rad, γ = {gamma:.4g} rad, α turns with {state.rates[3]:.4g} rad/s"
     axes.set_title(f"{scenario.name} at its start\n{told}", fontsize=10)
     figure.legend(loc="outside lower center", ncols=3, fontsize=8, handletextpad=0.0)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis import SpatialMotion, StoredRun, Trajectory
+from analysis import Body, SpatialMotion, StoredRun, Trajectory
+from analysis.motion.frames import poses, quaternions
 from analysis.problem.checks import Array
 
 if TYPE_CHECKING:
@@ -88,6 +89,28 @@ def legend_above(axes: "Axes", columns: int = 4, size: float | None = None) -> N
         fontsize=size,
         frameon=False,
     )
+
+
+def draw_still(axes: "Axes", disk: Body, coordinates: Array, scale: float = 1.0) -> None:
+    """Draw a body on the table from a quarter to the side, so that it shows its face.
+
+    Parameters
+    ----------
+    axes : Axes
+    disk : Body
+    coordinates : ndarray, shape (6,)
+    scale : float
+        Of lines and marks.
+    """
+    from validation.kit.animation.keyframes import Keyframes
+    from validation.kit.animation.picture import Camera, draw
+
+    place, rotations = poses(coordinates[None])
+    unseen = np.zeros((1, 3))  # where it touches the table, and its spin
+    table = np.column_stack((place, quaternions(rotations), unseen))
+    pose = Keyframes(times=np.zeros(1), table=table, disk=disk, marks=(), source="")
+    middle = np.append(place[0, :2], 0.75 * disk.radius)
+    draw(axes, pose, Camera(middle, coordinates[3] - np.pi / 2 + 0.35, disk.radius, scale))
 
 
 def against_limits(found: Sequence[tuple[str, object, object, bool | None]]) -> "Figure":
