@@ -6,7 +6,7 @@ said by the command's docstring. What several commands share is a group.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.quantities import SECTIONS
 from validation.parser.commands import Group, OfScenario
@@ -38,13 +38,13 @@ TextOut = Annotated[Path | None, file(writable(".md"))]
 Folder = Annotated[str, file(filled, "DIR")]
 OtherFolder = Annotated[str | None, file(filled, "DIR")]
 
-Section = Literal[
-    "modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps",
-    "crosscheck", "work-precision", "robustness", "lean", "numbers",
-]  # fmt: skip
+DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
+METHOD = ("crosscheck", "work-precision", "robustness", "lean", "numbers")
+"""Studies of the first page of a report, on the disk, and of the second one, on the method."""
+
 Sections = Annotated[
-    list[Section] | None,
-    {"action": "append", "choices": get_args(Section), "metavar": "SECTION"},
+    list[str] | None,
+    {"action": "append", "choices": (*DISK, *METHOD), "metavar": "SECTION"},
 ]
 
 _SPINS = {"nargs": "+", "type": str, "metavar": "SPIN"}

@@ -23,6 +23,7 @@ from validation import report
 from validation.maps.problems import PROBLEMS
 from validation.parser import runs
 from validation.parser.commands import Command, commands
+from validation.parser.kinds import DISK, METHOD
 
 NEEDED = {
     "show": "run.npz",
@@ -33,8 +34,6 @@ NEEDED = {
     "study": "claims",
 }
 """What a command cannot do without."""
-
-SECTIONS = [name.replace("_", "-") for name in (*report.DISK, *report.METHOD)]
 
 PATHS = ("out", "csv", "plot", "text", "results")
 """Options that take a path that may lead anywhere."""
@@ -73,8 +72,7 @@ def test_choices_are_those_of_the_packages() -> None:
         ("eigenvalues", "system", SYSTEMS),
         ("critical", "motion", analysis.MOTIONS),
         ("map", "name", PROBLEMS),
-        ("report", "only", SECTIONS),
-        ("study", "name", [name for name in SECTIONS if is_stored(name)]),
+        ("study", "name", [name for name in (*DISK, *METHOD) if is_stored(name)]),
     ):
         (parser,) = (each.parser() for each in COMMANDS if each.name == command)
         (choices,) = (each.choices for each in parser.actions if each.dest == option)
