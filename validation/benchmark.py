@@ -38,9 +38,7 @@ from mbs_models import Scene
 from mbs_models.rest import largest_step
 from validation import by_hand
 from validation.kit.limits import holds
-from validation.kit.provenance import machine
 from validation.kit.references import deviation
-from validation.kit.tables import show
 from validation.kit.timing import clocked, in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
@@ -264,16 +262,6 @@ PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
 )
 
 
-def main(repeats: int) -> int:
-    """Print what is measured by so many calls each; 1 if something misses what it should reach."""
-    missed = 0
-    for part in PARTS:
-        print(f"\n{str(part.__doc__).splitlines()[0]}")
-        for name, value, limit, _, reached in part(repeats):
-            bound = "" if limit == inf else f"  at most {limit:g}: {show(reached)}"
-            print(f"{name:66}{show(value, 3):>9}{bound}", flush=True)
-            missed += not reached
-    print(f"\nMachine: {machine()}.")
-    if missed:
-        print(f"{missed} of these miss what they should reach.")
-    return 1 if missed else 0
+def measured_parts(repeats: int) -> dict[str, list[Check]]:
+    """What is measured by so many calls each, by what it is about."""
+    return {str(part.__doc__).splitlines()[0]: list(part(repeats)) for part in PARTS}

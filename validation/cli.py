@@ -16,6 +16,7 @@ from pathlib import Path
 from traceback import format_exc
 from typing import Any, TextIO
 
+from analysis.problem.names import ArgumentError, OutputLostError
 from validation.parser.commands import flag_of, parsed
 
 _OUTPUT_LOST = 3
@@ -74,6 +75,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         message = " ".join(str(error).split()) or "not enough memory"
         flag = flag_of(getattr(error, "argument", ""), given.items())
         _complain(f"{name}: error: {flag and f'{flag}: '}{message}")
+        if isinstance(error, OutputLostError):
+            return _OUTPUT_LOST
         return _REFUSED if isinstance(error, ValueError | OSError) else _FAILED
     except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, it is no result
         # A law of one's own, or this program, is at fault: where, the traceback says.
@@ -115,7 +118,6 @@ def _text_beside(given: Mapping[str, Any]) -> Iterator[None]:
         If it is to take more than one, or JSON, too.
     """
     from analysis.motion.files import is_standard_output
-    from analysis.problem.names import ArgumentError
 
     paths = {name: each for name, each in given.items() if isinstance(each, Path)}
     taking = [name for name, each in paths.items() if is_standard_output(each)]

@@ -20,13 +20,8 @@ from validation.kit.provenance import in_a_line, provenance
 from validation.kit.sources import behind
 from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
+from validation.parser.kinds import DISK, METHOD
 from validation.study import RESULTS, Check, Found, Row, Study
-
-DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
-"""Studies of the first page, on the disk,"""
-
-METHOD = ("crosscheck", "work_precision", "robustness", "lean", "numbers")
-"""and of the second one, on the method."""
 
 Page = tuple[str, str, Sequence[str]]
 """Name of its file, title, and names of its studies."""
@@ -120,9 +115,10 @@ def find(name: str) -> ModuleType:
     ValueError
         If there is none.
     """
+    known, wanted = (*DISK, *METHOD), name.replace("_", "-")
+    if "." not in name and wanted not in known:
+        raise ValueError(f"study must be one of {', '.join(known)}, got {wanted!r}")
     name = name.replace("-", "_")
-    if "." not in name and name not in (known := (*DISK, *METHOD)):
-        raise ValueError(f"study must be one of {', '.join(known)}, got {name!r}")
     module = import_module(name if "." in name else f"validation.studies.{name}")
     return import_module(f"{module.__name__}.section") if hasattr(module, "__path__") else module
 

@@ -238,17 +238,12 @@ def _called(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Callabl
     if not workers:
         yield from ((task, partial(rows_of, task.study.measure, task.case)) for task in tasks)
         return
-    pool = Processes(workers)
-    try:
+    with Processes(workers) as pool:
         futures = {
             pool.submit(rows_of, task.study.measure, task.case, limit=task.study.limit): task
             for task in tasks
         }
         yield from ((futures[each], each.result) for each in as_completed(futures))
-    except BaseException:
-        pool.shutdown(cancel_futures=True)
-        raise
-    pool.shutdown()
 
 
 def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from analysis.problem.checks import path_like
 from analysis.problem.limits import LARGEST_STORAGE
+from analysis.problem.names import OutputLostError
 
 AnyArray = npt.NDArray[Any]
 
@@ -82,7 +83,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     Raises
     ------
     OSError
-        If the folder does not exist or cannot be written.
+        If the folder does not exist or cannot be written; `OutputLostError` for standard output.
     """
     path_like("path", path)
     held, is_output = _held(path), is_standard_output(path)
@@ -93,10 +94,15 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     with tempfile.SpooledTemporaryFile(max_size=_IN_MEMORY) as content:
         yield cast("BinaryIO", content)
         content.seek(0)
-        # Opened by its name, standard output would begin again at its start.
-        opened = os.dup(_output()) if is_output else os.open(path, os.O_WRONLY)
-        with os.fdopen(opened, "wb") as stream:
-            copyfileobj(content, stream)
+        try:
+            # Opened by its name, standard output would begin again at its start.
+            opened = os.dup(_output()) if is_output else os.open(path, os.O_WRONLY)
+            with os.fdopen(opened, "wb") as stream:
+                copyfileobj(content, stream)
+        except OSError as error:
+            if not is_output:
+                raise
+            raise OutputLostError(f"standard output could not be written to: {error}") from error
 
 
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:

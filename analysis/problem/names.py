@@ -46,6 +46,10 @@ class ArgumentError(ValueError):
         return f"{told}{got}{value if len(value) <= _LONGEST else f'{value[:_LONGEST]} …'}"
 
 
+class OutputLostError(OSError):
+    """What was made could not be written to standard output."""
+
+
 def nearest(name: Any, known: Iterable[Any]) -> str:
     """What to add to a message that refuses a name: the known ones that it may stand for.
 

@@ -1,8 +1,10 @@
 """The benchmark ends with 1 if something misses what it should reach."""
 
+import json
 from collections.abc import Callable, Iterator
 from itertools import islice
 from math import inf, nan
+from pathlib import Path
 
 import pytest
 
@@ -18,7 +20,9 @@ from validation.study import Check
 def test_missed_limit_is_the_exit_code(
     value: float,
     limit: float,
+    *,
     code: int,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -30,6 +34,8 @@ def test_missed_limit_is_the_exit_code(
     monkeypatch.setattr(benchmark, "PARTS", (part,))
     assert cli.main(["benchmark"]) == code
     assert ("NO" in capsys.readouterr().out) == (code == 1)
+    assert cli.main(["benchmark", "--json", "--plot", str(tmp_path / "a.png")]) == code
+    assert [each["at most"] for each in json.loads(capsys.readouterr().out)] == [inf, limit]
 
 
 def test_sweep_is_timed_against_its_runs(monkeypatch: pytest.MonkeyPatch) -> None:

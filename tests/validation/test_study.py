@@ -1,9 +1,12 @@
 """The one mechanism of all studies: what it keeps and shows, and that everything wrong fails."""
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -231,3 +234,20 @@ def test_command_prints_what_fails_and_all_checks_if_asked(
     said = capsys.readouterr().out
     assert "FAILS: toy: table" in said
     assert "2 of 2 checks FAIL" in said
+    assert (
+        main([*call, "--json", "--csv", f"{tmp_path}/a.csv", "--plot", f"{tmp_path}/a.png"]) == 1
+    )
+    said = json.loads(capsys.readouterr().out)
+    assert [each["name"] for each in said["checks"]] == ["toy: table", "toy-section: section"]
+    assert (tmp_path / "a.csv").read_text() == "section,statement,answer,numbers,criterion,good\n"
+
+
+def test_command_tells_what_it_has_measured_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(report, "find", lambda _: SimpleNamespace(STUDIES=[STUDY]))
+    monkeypatch.setattr(report, "measure", partial(report.measure, workers=0))
+    assert main(["study", "claims", "--out", str(tmp_path), "--json"]) == 0
+    (told,) = json.loads(capsys.readouterr().out)
+    assert told["cases"] == len(CASES)
+    assert len(pd.read_csv(told["file"])) == told["rows"]

@@ -15,6 +15,7 @@ from tests.stated import missing, values
 from validation import report
 from validation import study as kit
 from validation.page.content import Rows
+from validation.parser.kinds import DISK, METHOD
 from validation.study import Check
 
 WORDS = {"report.html": 6000, "method.html": 4000}
@@ -74,7 +75,7 @@ def test_a_second_call_takes_what_the_first_has_left(folder: Path) -> None:
     assert (folder / "checks.csv").read_bytes() == before
 
 
-@pytest.mark.parametrize("name", [*report.DISK, *report.METHOD])
+@pytest.mark.parametrize("name", [*DISK, *METHOD])
 def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder: Path) -> None:
     module = report.find(name)
     whole = [study for study in module.STUDIES if not study.is_stored]

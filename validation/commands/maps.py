@@ -35,7 +35,7 @@ def map(  # noqa: A001 - the command's name
     pairs: int = 0,
     problem: kinds.AnyProblem,
     pool: kinds.Pool,
-) -> kinds.Numbers:
+) -> Result:
     """Draw what becomes of the disk over two parameters.
 
     Run a map of what becomes of the disk over two parameters, and draw it:
@@ -70,6 +70,7 @@ def map(  # noqa: A001 - the command's name
     mapped = PROBLEMS[name]
     whole("pairs", pairs, least=0)
     problem.check_fixed([mapped.right.field, mapped.up.field, *["model"] * mapped.basins])
+    problem.check_survived()
     scenario, witnesses = problem.scenario(), how["witnesses"]
     how = {
         "end": checked_end(how.get("end", mapped.end), _SHORTEST),
@@ -94,7 +95,13 @@ def map(  # noqa: A001 - the command's name
         rows=[tuple(row.values()) for row in rows],
         note=_fineness(starts),
     )
-    return Result(tables=[table], notes=[str(_draw(place, maps))])
+    # Matplotlib takes half a second, which no refusal waits for.
+    from validation.maps import figures
+
+    figure = figures.draw({each.sweep.scenario.name: each for each in maps})
+    for suffix in PICTURES[:2]:
+        save(figure, place.with_suffix(suffix))
+    return Result(tables=[table], draw=lambda: figure, notes=[f"{place}{PICTURES[0]}"])
 
 
 def _run_panels(
@@ -109,16 +116,6 @@ def _run_panels(
         run_panel(sweep, store, pool, to_rest=to_rest, levels=halved)
         for (sweep, halved, _), store in zip(runs, stores, strict=True)
     ]
-
-
-def _draw(path: Path, done: Sequence[Panel]) -> Path:
-    """Write the figure; returns its path."""
-    from validation.maps import figures
-
-    figure = figures.draw({each.sweep.scenario.name: each for each in done})
-    for suffix in PICTURES[:2]:
-        save(figure, path.with_suffix(suffix))
-    return path.with_suffix(PICTURES[0])
 
 
 def _fineness(starts: Sequence[Panel]) -> str:

@@ -104,7 +104,8 @@ def _motions(rows: Sequence[Motion], family: Family | None = None, **told: Any) 
         Parameters of `Result`; `values` are those besides the motions.
     """
     reason = None if family is None else family.reason
-    values = {"motions": rows, "events": [], "reason": reason} | told.pop("values", {})
+    ends = dict.fromkeys(("hopf", "growth", "connection"))
+    values = {"motions": rows, "events": [], "reason": reason, **ends} | told.pop("values", {})
     notes = [f"The family ends early: {reason}."] if reason else []
     return Result(**told, values=values, notes=notes)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
@@ -12,8 +13,10 @@ from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run
 from analysis.problem.checks import Array, positive, within
 from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
 from analysis.problem.names import ArgumentError
+from analysis.problem.user_modules import is_user_name
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
+from validation.kit.processes import fatal
 from validation.kit.progress import duration, say
 from validation.sweeps.axes import axis_from
 
@@ -67,6 +70,12 @@ class Problem:
             stored = self.file.suffix.lower() == ".npz"
             base = load_run(self.file).scenario if stored else load_scenario(self.file)
         return changed(base, given)
+
+    def check_survived(self, *, rest: bool = False) -> None:
+        """Raise `ValueError` if own code ends the process that makes the scenario with it."""
+        own = any(map(is_user_name, self.named.values())) or self.file is not None
+        if own and (fault := fatal(partial(self.scenario, rest=rest))):
+            raise ValueError(f"making the scenario, with a law or body of your own, {fault}")
 
     def check_fixed(self, varied: Collection[str]) -> None:
         """Raise `ArgumentError` if an option tells what varies.

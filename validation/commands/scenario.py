@@ -1,11 +1,17 @@
 """A problem as a file, the two sides on it, and its scene: `scenario`, `check` and `scene`."""
 
-from analysis import scenario_text
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+
+from analysis import Scenario, scenario_text
 from analysis.problem.checks import whole
 from validation.commands.options import checked_end
+from validation.kit.figures import against_limits, draw_still, new_figure
 from validation.kit.tables import Table
 from validation.parser.files import Result
-from validation.parser.kinds import AnyProblem, NamedProblem, Numbers
+from validation.parser.kinds import AnyProblem, NamedProblem
 from validation.parser.runs import Formulation
 
 
@@ -24,7 +30,7 @@ def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
     return 0
 
 
-def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Numbers:
+def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result:
     """Compare engine and in-house equations on a scenario of your own.
 
     Compare accelerations, trajectories and, where they are defined, eigenvalues of a scenario
@@ -45,18 +51,23 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Number
     checks = comparisons.compare_scenario(chosen, states=states, end=end)
     failed = sum(each.agrees is False for each in checks)
     held = sum(each.agrees is True for each in checks)
+    compared = [
+        (f"{each.formulation}: {each.quantity}", each.difference, each.criterion, each.agrees)
+        for each in checks
+    ]
     return Result(
         tables=[comparisons.table(checks)],
+        draw=lambda: against_limits(compared),
         notes=[f"{failed} checks FAIL." if failed else f"All {held} checks hold."],
         code=1 if failed else 0,
     )
 
 
-def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Numbers:
+def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Result:
     """List what is in a scene of the engine, and why.
 
     List the nodes, objects, markers and sensors of a scene with the reason for each, and count its
-    coordinates, constraints and user functions.
+    coordinates, constraints and user functions. The picture is the disk at its start.
 
     Parameters
     ----------
@@ -68,13 +79,10 @@ def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Num
 
     scene = Scene(scenario=problem.scenario(), formulation=formulation)
     items = inventory(scene)
-    coordinates, equations, idle, functions = (
-        sum(each)
-        for each in zip(
-            *((i.coordinates, i.equations, i.idle, len(i.user_functions)) for i in items),
-            strict=True,
-        )
+    coordinates, equations, idle = (
+        sum(map(attrgetter(name), items)) for name in ("coordinates", "equations", "idle")
     )
+    functions = sum(len(each.user_functions) for each in items)
     table = Table.of(
         items,
         {
@@ -91,4 +99,19 @@ def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Num
         "constraints; an idle equation only says that an unused constraint force is zero), "
         f"{functions} user functions.",
     )
-    return Result(tables=[table])
+    return Result(tables=[table], draw=lambda: _start(scene.scenario))
+
+
+def _start(scenario: Scenario) -> Any:
+    """Figure of the disk at its start."""
+    state = scenario.initial_state
+    figure, axes = new_figure(width=5.0, height=4.4)
+    draw_still(axes, scenario.disk, np.array(state.coordinates))
+    marks = ("a point of the edge", "centre of gravity", "geometric centre")
+    for line, name in zip(axes.lines[-len(marks) :], marks, strict=True):
+        line.set(label=name, linestyle="none")
+    beta, gamma = state.coordinates[4:]
+    told = f"β = {beta:.4g} rad, γ = {gamma:.4g} rad, α turns with {state.rates[3]:.4g} rad/s"
+    axes.set_title(f"{scenario.name} at its start\n{told}", fontsize=10)
+    figure.legend(loc="outside lower center", ncols=3, fontsize=8, handletextpad=0.0)
+    return figure

@@ -55,8 +55,6 @@ def simulate(
     announce("simulate", run_effort(scenario, times, **how), how.get("time_limit"))
     with progress_bar() as progress:
         motion = run(scenario, times, **how, progress=progress)
-    if out is not None:
-        motion.save(out)
     estimate = motion.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
     name = "in memory alone; --out stores it" if out is None else out
@@ -76,6 +74,7 @@ def simulate(
             "pulling": motion.pulling,
         },
         csv=motion.to_csv,
+        files=[(out, motion.save)],
         draw=lambda: comparison([(scenario.name, motion)]),
         notes=[made, *_warnings(motion), *pulling],
     )
@@ -123,13 +122,12 @@ def rest(
     announce("rest", rest_effort(scenario, end, **how), how.get("time_limit"))
     with progress_bar() as progress:
         motion = run_to_rest(scenario, end, **how, progress=progress)
-    if out is not None:
-        motion.save(out)
     table = _story(motion)
     return Result(
         tables=[table],
         values={str(name): value for name, value, _ in table.rows}
         | {"ending": None if motion.ending is None else motion.ending.reason},
+        files=[(out, motion.save)],
         draw=lambda: draw_story(motion),
         notes=list(_remarks(motion)),
     )

@@ -1,11 +1,21 @@
 """The commands on the studies: `report`, `study` and `benchmark`."""
 
 import textwrap
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.checks import whole
 from validation.commands.options import output_folder
-from validation.parser.kinds import Folder, OtherFolder, Sections, TextOut
+from validation.kit.figures import against_limits
+from validation.kit.provenance import machine
+from validation.kit.tables import Table
+from validation.page.content import Verdict
+from validation.parser.files import Result, write
+from validation.parser.kinds import Folder, Numbers, OtherFolder, Sections, TextOut
+
+if TYPE_CHECKING:
+    from validation.report import Report
 
 _WIDTH = 98
 """Of a line."""
@@ -18,14 +28,15 @@ def report(
     fresh: bool = False,
     text: TextOut = None,
     verbose: bool = False,
-) -> int:
+) -> Result:
     """Measure or confirm all studies and write two pages with what they found.
 
     Run engine and in-house equations, compare them, and write a page on the disk and one on the
     method, with the tables as CSV and the figures as PNG and SVG beside them. Printed are verdicts
     and checks that fail; the exit code is 1 if one does. What has been measured is kept in the
     folder: another call takes it as it is while the code behind it, the versions and the machine
-    stay the same.
+    stay the same. The table of --csv holds the verdicts; the picture is that of all checks against
+    their limits.
 
     Parameters
     ----------
@@ -44,26 +55,42 @@ def report(
     from validation.report import as_text, make
 
     made = make(output_folder("out", out), only=only or (), fresh=fresh)
-    for section in made.sections:
-        held = sum(check.holds for check in section.checks)
-        print(f"{section.title}: {held} of {len(section.checks)} checks hold")
-        for verdict in section.verdicts:
-            said = f"{verdict.statement} {verdict.answer.capitalize()}: {verdict.numbers}"
-            print(_indented(f"{said} [{verdict.criterion}]"))
-        for check in section.checks:
-            if verbose or not check.holds:
-                word = "holds" if check.holds else "FAILS"
-                compared = f"{check.value}, limit {check.limit} ({check.where})"
-                print(_indented(f"{word}: {check.name}: {compared}"))
-        print()
     if text is not None:
         write_whole(text, as_text(made))
     failed = sum(not check.holds for check in made.checks)
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:
         said = "Nothing was measured on the spot"
-    print(f"{said}. Open {made.page}")
-    return 0 if made.holds else 1
+    parts, heads = made.sections, ("section", *Verdict._fields)
+    rows = [(each.title, *verdict) for each in parts for verdict in each.verdicts]
+    table = Table(title="Verdicts", columns=heads, rows=rows)
+    checks: list[Any] = [
+        {"section": each.title, **row._asdict()} for each in parts for row in each.checks
+    ]
+    limits = [(row["section"], row["value"], row["limit"], row["holds"]) for row in checks]
+    return Result(
+        values={"holds": made.holds, "verdicts": table.records(), "checks": checks},
+        csv=partial(write, table),
+        draw=lambda: against_limits(limits),
+        notes=[*_lines(made, verbose=verbose), f"{said}. Open {made.page}"],
+        code=0 if made.holds else 1,
+    )
+
+
+def _lines(made: "Report", *, verbose: bool) -> Iterator[str]:
+    """Verdicts, and checks that fail or all of them, by section."""
+    for section in made.sections:
+        held = sum(check.holds for check in section.checks)
+        yield f"{section.title}: {held} of {len(section.checks)} checks hold"
+        for verdict in section.verdicts:
+            said = f"{verdict.statement} {verdict.answer.capitalize()}: {verdict.numbers}"
+            yield _indented(f"{said} [{verdict.criterion}]")
+        for check in section.checks:
+            if verbose or not check.holds:
+                word = "holds" if check.holds else "FAILS"
+                compared = f"{check.value}, limit {check.limit} ({check.where})"
+                yield _indented(f"{word}: {check.name}: {compared}")
+        yield ""
 
 
 def _indented(text: str) -> str:
@@ -78,11 +105,12 @@ def study(
     out: Folder = "study",
     results: OtherFolder = None,
     fresh: bool = False,
-) -> int:
+) -> Numbers:
     """Measure the stored tables of a study anew, all of their cases.
 
     A report shows these tables and measures a sample of their cases again. An interrupted call
-    goes on where it stopped. Run times mean something on an idle machine alone.
+    goes on where it stopped. Run times mean something on an idle machine alone. Its pictures are
+    those of a report.
 
     Parameters
     ----------
@@ -98,15 +126,14 @@ def study(
     # The one that is asked for by name first: a refusal leaves no folder behind.
     asked = None if results is None else output_folder("results", results)
     folder = output_folder("out", out)
-    for each in find(name).STUDIES:
-        if each.is_stored:
-            table = measure(each, folder, results=asked or folder, fresh=fresh)
-            path = (asked or folder) / f"{each.name}.csv"
-            print(f"{path}: {len(table)} rows of {len(each.cases())} cases")
-    return 0
+    rows = []
+    for each in (each for each in find(name).STUDIES if each.is_stored):
+        table = measure(each, folder, results=asked or folder, fresh=fresh)
+        rows.append((str((asked or folder) / f"{each.name}.csv"), len(table), len(each.cases())))
+    return Result(tables=[Table(title=name, columns=("file", "rows", "cases"), rows=rows)])
 
 
-def benchmark(*, repeats: int = 7) -> int:
+def benchmark(*, repeats: int = 7) -> Result:
     """Measure what runs, sweeps and ensembles take, before and after a change.
 
     Runs that are compared are timed in turns. The exit code is 1 if something takes longer than
@@ -117,6 +144,21 @@ def benchmark(*, repeats: int = 7) -> int:
     repeats
         Timed calls of each run.
     """
-    from validation.benchmark import main
+    whole("repeats", repeats)
+    from validation.benchmark import measured_parts
 
-    return main(whole("repeats", repeats))
+    parts = measured_parts(repeats)
+    heads = ("measured", "value", "at most", "reached")
+    found: dict[str, list[Any]] = {
+        title: [(*each[:3], each.holds) for each in checks] for title, checks in parts.items()
+    }
+    rows = [row for some in found.values() for row in some]
+    every, missed = Table(title="", columns=heads, rows=rows), sum(not row[-1] for row in rows)
+    return Result(
+        tables=[Table(title=title, columns=heads, rows=some) for title, some in found.items()],
+        values=every.records(),
+        csv=partial(write, every),
+        draw=lambda: against_limits(rows),
+        notes=[f"Machine: {machine()}; {missed} of these miss what they should reach."],
+        code=1 if missed else 0,
+    )

@@ -1,7 +1,7 @@
 """The command `sweep`: many runs of a scenario, kept in one file."""
 
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from analysis.problem.checks import choice
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario_file import read_toml
 from validation.commands.options import PATIENCE, announce_cases
+from validation.kit.differences import flat
 from validation.kit.progress import say
 from validation.parser import kinds
 from validation.parser.files import PictureOut, Result
@@ -27,7 +28,7 @@ def sweep(
     varied: kinds.Axes,
     *,
     axes: kinds.Toml = None,
-    drawing: kinds.Layout,
+    drawing: kinds.Drawing,
     out: kinds.StoreOut,
     retry: bool = False,
     accept_other_code: bool = False,
@@ -73,6 +74,7 @@ def sweep(
     """
     design = _design(varied, axes, drawing)
     problem.check_fixed([axis.field for axis in design.axes])
+    problem.check_survived(rest=rest)
     wanted = Sweep(
         scenario=problem.scenario(rest=rest),
         design=design,
@@ -124,20 +126,11 @@ def _design(words: Sequence[str], file: Path | None, drawing: Mapping[str, Any])
             for name in told:
                 choice("key", name, ("axes", "layout", "number", "seed"))
             # What is no table is refused as an axis of that name.
-            found = _dotted({"": told.pop("axes", {})})
-            axes = [*(axis_from(field, value) for field, value in found), *axes]
+            found = flat(told.pop("axes", {}))
+            axes = [*(axis_from(field, value) for field, value in found.items()), *axes]
         except ValueError as error:
             raise ValueError(f"{file}: {error}") from None
     return Design(axes=tuple(axes), **{**told, **drawing})
-
-
-def _dotted(table: dict[str, Any], name: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        full = f"{name}.{key}" if name else key
-        if isinstance(value, dict):
-            yield from _dotted(value, full)
-        else:
-            yield full, value
 
 
 def _check_size(wanted: Sweep, out: Path, most: int) -> None:

@@ -5,11 +5,13 @@ Matplotlib, which takes half a second, is loaded when one is made.
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis import SpatialMotion, StoredRun, Trajectory
+from analysis import Body, SpatialMotion, StoredRun, Trajectory
+from analysis.motion.frames import poses, quaternions
 from analysis.problem.checks import Array
 
 if TYPE_CHECKING:
@@ -44,6 +46,9 @@ SPIN = "spinning speed Ω in rad/s"
 
 WIDTH = 5.8
 """Of a figure in inches, such that its letters can be read on a telephone."""
+
+_PARTS = 1e-6, 100.0
+"""Of a limit, from the least to the largest that is drawn."""
 
 _RC: Any = {
     "axes.grid": True,
@@ -84,6 +89,68 @@ def legend_above(axes: "Axes", columns: int = 4, size: float | None = None) -> N
         fontsize=size,
         frameon=False,
     )
+
+
+def draw_still(axes: "Axes", disk: Body, coordinates: Array, scale: float = 1.0) -> None:
+    """Draw a body on the table from a quarter to the side, so that it shows its face.
+
+    Parameters
+    ----------
+    axes : Axes
+    disk : Body
+    coordinates : ndarray, shape (6,)
+    scale : float
+        Of lines and marks.
+    """
+    from validation.kit.animation.keyframes import Keyframes
+    from validation.kit.animation.picture import Camera, draw
+
+    place, rotations = poses(coordinates[None])
+    unseen = np.zeros((1, 3))  # where it touches the table, and its spin
+    table = np.column_stack((place, quaternions(rotations), unseen))
+    pose = Keyframes(times=np.zeros(1), table=table, disk=disk, marks=(), source="")
+    middle = np.append(place[0, :2], 0.75 * disk.radius)
+    draw(axes, pose, Camera(middle, coordinates[3] - np.pi / 2 + 0.35, disk.radius, scale))
+
+
+def against_limits(found: Sequence[tuple[str, object, object, bool | None]]) -> "Figure":
+    """Numbers as parts of what they may be at most, logarithmically, a row for each name.
+
+    Parameters
+    ----------
+    found : sequence of (name, number, limit, holds)
+        Of what has to be equal to something, or is no number, those are drawn that fail; nothing
+        of what is not defined, for which holds is None.
+    """
+    places = {name: -row for row, name in enumerate(dict.fromkeys(name for name, *_ in found))}
+    figure, axes = new_figure(width=8.5, height=1.4 + 0.26 * len(places))
+    for wanted, look in (
+        (True, {"marker": "o", "color": COLOURS[1], "alpha": 0.5, "label": "holds"}),
+        (False, {"marker": "X", "color": COLOURS[2], "markersize": 9, "label": "fails"}),
+    ):
+        shown = [
+            (_part(number, limit, holds), places[name])
+            for name, number, limit, holds in found
+            if holds is wanted
+        ]
+        if shown:
+            axes.plot(*zip(*shown, strict=True), linestyle="none", zorder=3, **look)
+    axes.axvline(1.0, color=COLOURS[0], label="limit")
+    least, most = _PARTS
+    axes.set(xscale="log", xlim=(0.5 * least, 2.0 * most), ylim=(0.6 - len(places), 0.6))
+    axes.set(yticks=list(places.values()), yticklabels=list(places))
+    axes.set_xlabel(f"part of what is allowed, from {least:g} or less to {most:g} or more")
+    legend_above(axes)
+    return figure
+
+
+def _part(number: object, limit: object, holds: bool) -> float:
+    """A number as a part of its limit, where it is drawn; nan for what is not."""
+    if not isinstance(limit, float) or not 0.0 < limit < inf or number == limit:
+        return nan if holds else _PARTS[1]
+    part = number / limit if isinstance(number, int | float) else inf
+    # Not a number is not less than anything.
+    return max(part, _PARTS[0]) if part < _PARTS[1] else _PARTS[1]
 
 
 def angle_axis(axes: "Axes") -> None:

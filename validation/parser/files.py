@@ -8,7 +8,6 @@ import os
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -101,6 +100,8 @@ class Result:
         Writes the table of the file to a path; by default that is the first table.
     draw : callable, optional
         Makes the figure.
+    files : sequence of (path, callable)
+        What else is written, and by what; None is the path of nothing.
     notes : sequence of str
         Lines that are printed in any case, beside a file that takes standard output.
     code : int
@@ -111,6 +112,7 @@ class Result:
     values: Any = None
     csv: Callable[[Path], object] | None = None
     draw: Callable[[], Any] | None = None
+    files: Sequence[tuple[Path | None, Callable[[Path], object]]] = ()
     notes: Sequence[str] = ()
     code: int = 0
 
@@ -126,10 +128,14 @@ class Result:
         plot : Path, optional
             Draw it, .png, .svg, .pdf or -.
         """
-        if csv is not None:
-            (self.csv or partial(write, self.tables[0]))(csv)
-        if plot is not None and self.draw is not None:
-            save(self.draw(), plot)
+        from analysis.motion.files import is_standard_output
+
+        table = self.csv or (lambda path: write(self.tables[0], path))
+        files = [*self.files, (csv, table), (plot, self._draw)]
+        asked = [(path, written) for path, written in files if path is not None]
+        # Standard output comes last: where it is lost, all else is there.
+        for path, written in sorted(asked, key=lambda each: is_standard_output(each[0])):
+            written(path)
         if json:
             values = self.values() if callable(self.values) else self.values
             print(text_of.dumps(self.tables[0].records() if values is None else values))
@@ -137,6 +143,10 @@ class Result:
         for line in (*map(_text, self.tables if csv is None else ()), *self.notes):
             print(line)
         return self.code
+
+    def _draw(self, path: Path) -> None:
+        if self.draw is not None:
+            save(self.draw(), path)
 
 
 def _text(table: Table) -> str:

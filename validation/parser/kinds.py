@@ -6,12 +6,12 @@ said by the command's docstring. What several commands share is a group.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.quantities import SECTIONS
 from validation.parser.commands import Group, OfScenario
 from validation.parser.files import Result, existing, file, filled, store, writable
-from validation.parser.runs import CaseOptions
+from validation.parser.runs import CaseOptions, Layout
 
 if TYPE_CHECKING:
     from validation.commands.options import Problem
@@ -38,13 +38,13 @@ TextOut = Annotated[Path | None, file(writable(".md"))]
 Folder = Annotated[str, file(filled, "DIR")]
 OtherFolder = Annotated[str | None, file(filled, "DIR")]
 
-Section = Literal[
-    "modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps",
-    "crosscheck", "work-precision", "robustness", "lean", "numbers",
-]  # fmt: skip
+DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
+METHOD = ("crosscheck", "work-precision", "robustness", "lean", "numbers")
+"""Studies of the first page of a report, on the disk, and of the second one, on the method."""
+
 Sections = Annotated[
-    list[Section] | None,
-    {"action": "append", "choices": get_args(Section), "metavar": "SECTION"},
+    list[str] | None,
+    {"action": "append", "choices": (*DISK, *METHOD), "metavar": "SECTION"},
 ]
 
 _SPINS = {"nargs": "+", "type": str, "metavar": "SPIN"}
@@ -91,7 +91,7 @@ class _Spectrum:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Layout:
+class _Drawing:
     """How the cases of a sweep are laid out.
 
     Parameters
@@ -104,7 +104,7 @@ class _Layout:
         Of the drawing (0).
     """
 
-    layout: Literal["grid", "random", "latin-hypercube", "sobol"] | None = None
+    layout: Layout | None = None
     number: int | None = None
     seed: int | None = None
 
@@ -131,7 +131,7 @@ class _Pool:
 
 Own = Annotated[dict[str, Any], Group(_Own)]
 Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
-Layout = Annotated[dict[str, Any], Group(_Layout)]
+Drawing = Annotated[dict[str, Any], Group(_Drawing)]
 Pool = Annotated[dict[str, Any], Group(_Pool)]
 Cases = Annotated[
     dict[str, Any],

@@ -15,6 +15,8 @@ INTEGRATORS = (
     *("DOP853", "Radau", "LSODA"),
 )
 METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor")
+Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
+LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 ACCURACIES = ("tolerance", "step", "local_tolerance")
 """Of which a run has one."""
 

@@ -12,9 +12,7 @@ from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.motion.inversion import DEFINITION
 from analysis.motion.quantities import filled
 from analysis.motion.sampled import SOURCES, Source
-from validation.kit.animation import picture
-from validation.kit.animation.keyframes import keyframes
-from validation.kit.figures import MARKERS, comparison, legend_above, new_figure
+from validation.kit.figures import MARKERS, comparison, draw_still, legend_above, new_figure
 from validation.kit.references import deviation
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
@@ -166,14 +164,9 @@ def agreement(runs: Runs) -> pd.DataFrame:
 def draw_instants(trajectory: Trajectory, instants: Sequence[float]) -> Figure:
     """The disk at the samples nearest to some times in s."""
     figure, axes = new_figure(columns=len(instants), width=9.0, height=1.8, share=False)
-    poses, radius = keyframes(trajectory), trajectory.scenario.disk.radius
     for time, each in zip(instants, axes, strict=True):
         index = int(np.argmin(np.abs(trajectory.times - time)))
-        pose = poses.at(trajectory.times[[index]])
-        # From a quarter to the side, so that the disk shows its face whatever its spin.
-        azimuth = trajectory.coordinate("alpha")[index] - np.pi / 2 + 0.35
-        middle = np.append(pose.positions[0, :2], 0.75 * radius)
-        picture.draw(each, pose, picture.Camera(middle, azimuth, radius, 0.7))
+        draw_still(each, trajectory.scenario.disk, trajectory.coordinates[index], 0.7)
         each.set_title(f"{trajectory.times[index]:.2f} s", fontsize=10)
     return figure
 

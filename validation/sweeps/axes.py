@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 from math import prod
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,7 @@ from analysis.problem.checks import Array, choice, whole
 from analysis.problem.limits import LARGEST_STORAGE
 from analysis.problem.names import full_name
 from analysis.problem.values import Value, is_text, is_word, read_value
-
-Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
-LAYOUTS: tuple[Layout, ...] = get_args(Layout)
+from validation.parser.runs import LAYOUTS, Layout
 
 _RANGE = re.compile(r"([^:]+):([^:]+?)(?:\s*:\s*(\d+)\s*)?(:\s*log\s*)?")
 

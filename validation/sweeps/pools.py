@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import NamedTuple
 
 from analysis.problem.checks import choice, whole
@@ -29,11 +30,14 @@ class Pool(NamedTuple):
     workers : int
     is_lost : callable
         Whether it takes no further calls, as a `RuntimeError` of `executor.submit` says, too.
+    renewed : callable, optional
+        Makes an executor in place of one that is lost.
     """
 
     executor: Executor
     workers: int
     is_lost: Callable[[], bool] = lambda: False
+    renewed: Callable[[], Executor] | None = None
 
 
 @contextmanager
@@ -73,13 +77,14 @@ def open_pool(
         elif executor == "processes":
             pool = Pool(Processes(workers), workers)
         else:
-            pool = _own(executor, workers)
-        if executor != "dask":
+            own = partial(_own, executor, stack)
+            pool = Pool(own(), workers, renewed=own)
+        if executor in ("processes", "mpi"):
             stack.callback(pool.executor.shutdown, cancel_futures=True)
         yield pool
 
 
-def _own(name: str, workers: int) -> Pool:
+def _own(name: str, stack: ExitStack) -> Executor:
     make = user_object("executor", name)
     try:
         executor = make() if callable(make) else make
@@ -89,7 +94,8 @@ def _own(name: str, workers: int) -> Pool:
     if not isinstance(executor, Executor):
         fault = f"must be a function that returns a concurrent.futures.Executor, got {executor!r}"
         raise ArgumentError("executor", fault, f"executor {name!r}")
-    return Pool(executor, workers)
+    stack.callback(executor.shutdown, cancel_futures=True)
+    return executor
 
 
 def _mpi() -> Pool:

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import closing, contextmanager
-from itertools import islice
+from itertools import chain, islice
 from types import FrameType
 from typing import Any
 
@@ -71,8 +71,8 @@ def run_cases(
         It says what the store holds.
     """
     size, failures = store.sweep.design.size, 0
-    work = _Work(store.sweep, pool)
     todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
+    work = _Work(store.sweep, pool, todo)
     counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
     try:
         with (
@@ -80,7 +80,7 @@ def run_cases(
             closing(work),
             bar(store.path.name, unit="cases", **counted) as shown,
         ):
-            while work.fill(todo):
+            while work.fill():
                 rows = work.collect()
                 store.add(rows)
                 failures += sum(row["status"] != DONE for row in rows)
@@ -151,8 +151,9 @@ class _Work:
     one by one, in processes of this machine, where a worker that ends has one case alone.
     """
 
-    def __init__(self, sweep: Sweep, pool: Pool) -> None:
+    def __init__(self, sweep: Sweep, pool: Pool, todo: Iterable[int]) -> None:
         self._sweep, self._pool, plan = sweep, pool, sweep.plan
+        self._todo = iter(todo)
         held = LARGEST_SERIES // max(1, plan.series_bytes)
         if plan.runs_in_batches:
             held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
@@ -162,27 +163,27 @@ class _Work:
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], list[int]] = {}
         self._processes: Processes | None = None
-        self._lost = False
+        self._lost = self._has_rows = False
         # Of a case; the first chunk tells how long one takes.
         self._seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
         self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
 
-    def fill(self, todo: Iterator[int]) -> bool:
+    def fill(self) -> bool:
         """Hand out what the workers can take; whether anything is running then.
 
-        `OSError` if they are lost, as soon as nothing is running any more.
+        If they are lost, others take their place as soon as nothing is running any more; `OSError`
+        if there are none, or those before have finished nothing.
         """
-        executor, workers, is_lost = self._pool
-        self._lost = self._lost or is_lost()
-        while not self._lost and len(self._chunks) < 2 * workers:
+        self._lost = self._lost or self._pool.is_lost()
+        while not self._lost and len(self._chunks) < 2 * self._pool.workers:
             size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
-            chunk = list(islice(todo, size))
+            chunk = list(islice(self._todo, size))
             if not chunk:
                 break
             try:
-                future = executor.submit(run_chunk, self._sweep, chunk, self._hanging)
+                future = self._pool.executor.submit(run_chunk, self._sweep, chunk, self._hanging)
             except RuntimeError:
-                self._lost = True
+                self._lost, self._todo = True, chain(chunk, self._todo)
             else:
                 self._chunks[future] = chunk
         if self._lost:
@@ -191,6 +192,10 @@ class _Work:
                 self._run_alone(chunk)
             self._chunks.clear()
         if self._lost and not self._alone:
+            if self._pool.renewed is not None and self._has_rows:
+                self._pool = self._pool._replace(executor=self._pool.renewed())
+                self._lost = self._has_rows = False
+                return self.fill()
             raise OSError(
                 "the workers are lost; what is done is stored, and the same command goes on"
             )
@@ -214,6 +219,7 @@ class _Work:
             else:
                 raise error
         if rows:
+            self._has_rows = True
             names = ("seconds", "other_seconds")
             taken = sum(row.get(name) or 0.0 for row in rows for name in names)
             self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)

@@ -8,11 +8,16 @@ import pytest
 
 from tests.calls import Capture, printed, run
 
+KEYS = ["motions", "events", "reason", "hopf", "growth", "connection"]
+"""Of what is told of periodic motions, whichever they are."""
+
 FAMILIES = "analysis.nonlinear.families"
 
 
 def test_cycles_are_told_at_spins_and_over_a_parameter(capsys: Capture) -> None:
-    motions = json.loads(printed(capsys, "cycles --spin 30.9 30.91 --json"))["motions"]
+    found = json.loads(printed(capsys, "cycles --spin 30.9 30.91 --json"))
+    assert [*found] == KEYS
+    motions = found["motions"]
     assert [each["spin"] for each in motions] == pytest.approx([30.9, 30.91])
     assert all(each["stable"] and 0.0 < each["multiplier"] < 1.0 for each in motions)
     call = "cycles --over hole-distance=0.02,0.021 --amplitude 0.3 --json --plot over.svg"
@@ -38,6 +43,7 @@ def test_other_families_are_followed_from_where_they_are_born(
     monkeypatch.setattr(f"{FAMILIES}.BEYOND", np.array((0.2, 0.4, 0.6)))
     monkeypatch.setattr(f"{FAMILIES}.TILTS", np.array((0.1, 0.12, 0.14)))
     found = json.loads(printed(capsys, call, "--json --plot family.svg"))
+    assert [*found] == KEYS
     assert [each["stable"] for each in found["motions"]] == [True, True, False]
     assert (found["events"][-1]["kind"], round(found["events"][-1]["spin"], 3)) == (kind, spin)
     assert "<svg" in Path("family.svg").read_text()

@@ -23,7 +23,7 @@ from validation import report
 from validation.maps.problems import PROBLEMS
 from validation.parser import runs
 from validation.parser.commands import Command, commands
-from validation.sweeps.axes import LAYOUTS
+from validation.parser.kinds import DISK, METHOD
 
 NEEDED = {
     "show": "run.npz",
@@ -35,8 +35,6 @@ NEEDED = {
 }
 """What a command cannot do without."""
 
-SECTIONS = [name.replace("_", "-") for name in (*report.DISK, *report.METHOD)]
-
 PATHS = ("out", "csv", "plot", "text", "results")
 """Options that take a path that may lead anywhere."""
 
@@ -47,6 +45,7 @@ QUICK = (
     "simulate --source in-house --end 0.05 --samples 3",
     "rest --source in-house --end 0.05",
     "eigenvalues --system reduced --spin 30 40",
+    "scene",
 )
 FINDING = (
     *QUICK,
@@ -54,6 +53,8 @@ FINDING = (
     "cycles --spin 30.9",
     "heteroclinic",
     "sweep spin=30,31 --model 4 --end 0.02 --workers 1 --out a.db",
+    "map spin-friction --cells 1 --levels 0 --end 0.05 --witnesses 0 --workers 1",
+    "check --states 2 --end 0.05",
 )
 """Calls of commands that find something."""
 
@@ -70,10 +71,8 @@ def test_choices_are_those_of_the_packages() -> None:
     for command, option, known in (
         ("eigenvalues", "system", SYSTEMS),
         ("critical", "motion", analysis.MOTIONS),
-        ("sweep", "layout", LAYOUTS),
         ("map", "name", PROBLEMS),
-        ("report", "only", SECTIONS),
-        ("study", "name", [name for name in SECTIONS if is_stored(name)]),
+        ("study", "name", [name for name in (*DISK, *METHOD) if is_stored(name)]),
     ):
         (parser,) = (each.parser() for each in COMMANDS if each.name == command)
         (choices,) = (each.choices for each in parser.actions if each.dest == option)
@@ -184,5 +183,5 @@ def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys
 
 
 def test_a_result_is_printed_where_it_is_not_written(capsys: Capture) -> None:
-    assert printed(capsys, QUICK[-1]).startswith("Eigenvalues of Model 4 in 1/s\n")
-    assert printed(capsys, QUICK[-1], "--csv a.csv") == ""
+    assert printed(capsys, QUICK[2]).startswith("Eigenvalues of Model 4 in 1/s\n")
+    assert printed(capsys, QUICK[2], "--csv a.csv") == ""

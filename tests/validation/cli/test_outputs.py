@@ -13,6 +13,7 @@ import pytest
 
 from analysis import load_run
 from tests.calls import Capture, printed, run
+from tests.helpers import mostly_slow
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
 
@@ -82,6 +83,20 @@ def test_a_file_on_standard_output_stands_there_alone(
     assert b"/dev/stdout: 3 samples" in shown.err
     Path("new.npz").write_bytes(shown.out)
     assert load_run("new.npz").times.size == 3
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+@pytest.mark.parametrize(
+    "name", mostly_slow([each for each in WAYS if each != "page.html"], ["new.npz"])
+)
+def test_standard_output_that_takes_no_file_has_a_code_of_its_own(name: str) -> None:
+    beside = " --csv beside.csv" * (name in ("new.npz", "picture.png"))
+    call = [sys.executable, "-m", "validation", *f"{WAYS[name]} -{beside}".split()]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(call, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (3, 1)
+    assert "standard output could not be written to: " in done.stderr
+    assert Path("beside.csv").exists() == bool(beside)
 
 
 def test_suffixes_are_known_in_any_case(capsys: Capture) -> None:

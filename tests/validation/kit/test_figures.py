@@ -1,10 +1,32 @@
 """What figures share."""
 
-from math import pi
+from math import inf, nan, pi
 
-from validation.kit.figures import pi_label
+import numpy as np
+
+from validation.kit.figures import against_limits, pi_label
 
 
 def test_multiples_of_a_quarter_of_pi_are_told_as_fractions() -> None:
     told = [pi_label(quarters * pi / 4) for quarters in (-4, -3, -1, 0, 1, 2, 3, 4, 6, 8)]
     assert told == ["−π", "−3π/4", "−π/4", "0", "π/4", "π/2", "3π/4", "π", "3π/2", "2π"]
+
+
+def test_what_fails_stands_right_of_its_limit_and_what_tells_of_none_is_not_drawn() -> None:
+    found = [
+        ("a", 1e-3, 1e-2, True),
+        ("a", 5, 5, True),
+        ("a", 0.0, 1e-2, True),
+        ("b", None, 1e-2, None),
+        ("b", 2e-2, 1e-2, False),
+        *(("c", value, 1e-2, False) for value in (inf, nan, None)),
+        ("c", "other", "this", False),
+    ]
+    (axes,) = against_limits(found).axes
+    holding, failing, limit = (
+        np.array([*map(np.asarray, each.get_data())]) for each in axes.lines
+    )
+    assert [each.get_text() for each in axes.get_yticklabels()] == ["a", "b", "c"]
+    np.testing.assert_allclose(holding, [(0.1, nan, 1e-6), (0, 0, 0)])
+    np.testing.assert_allclose(failing, [(2.0, *[100.0] * 4), (-1, *[-2] * 4)])
+    assert (limit[0] == 1.0).all()

@@ -12,19 +12,20 @@ from tests.helpers import failing
 from validation import report
 from validation import study as kit
 from validation.page.section import environment
+from validation.parser.kinds import DISK, METHOD
 from validation.study import Found, Study
 
 STORED = {
     study.name: study
-    for name in (*report.DISK, *report.METHOD)
+    for name in (*DISK, *METHOD)
     for study in report.find(name).STUDIES
     if study.is_stored
 }
 
 
-@pytest.mark.parametrize("name", [*report.DISK, *report.METHOD])
+@pytest.mark.parametrize("name", [*DISK, *METHOD])
 def test_constants_that_a_text_names_stand_in_its_module(name: str) -> None:
-    (text,) = Path(kit.__file__).parent.glob(f"studies/**/{name}.md")
+    (text,) = Path(kit.__file__).parent.glob(f"studies/**/{name.replace('-', '_')}.md")
     named = find_undeclared_variables(environment(text.parent).parse(text.read_text("utf-8")))
     assert not {each for each in named if each.isupper()} - vars(report.find(name)).keys()
 

@@ -4,7 +4,7 @@ import re
 import sqlite3
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import closing, nullcontext
+from contextlib import closing
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -293,12 +293,26 @@ def one_worker() -> ProcessPoolExecutor:
 
 
 @pytest.mark.slow
-def test_executor_that_breaks_leaves_a_store_that_the_same_call_finishes(tmp_path: Path) -> None:
-    wanted, path = sweep(f"mu={CRASHES},0.1,0.2", scenario=WAYWARD, end=0.02), tmp_path / "a.db"
-    for lost in (pytest.raises(OSError, match="the workers are lost"), nullcontext()):
-        with lost, open_pool(f"{__name__}:one_worker", workers=1) as pool:
-            swept(wanted, path, pool)
-    assert Results.load(path).columns["status"].tolist() == ["crashed", DONE, DONE]
+def test_executor_that_breaks_is_made_again(tmp_path: Path) -> None:
+    wanted = sweep(f"mu={CRASHES},0.1,0.2,0.3,0.25", scenario=WAYWARD, end=0.02)
+    with open_pool(f"{__name__}:one_worker", workers=1) as pool:
+        found = swept(wanted, tmp_path / "a.db", pool).columns
+    assert found["status"].tolist() == ["crashed", *[DONE] * 4]
+
+
+def broken() -> ThreadPoolExecutor:
+    """An executor that takes nothing."""
+    executor = ThreadPoolExecutor(1)
+    executor.shutdown()
+    return executor
+
+
+def test_executor_that_takes_nothing_ends_the_sweep_with_what_to_do(tmp_path: Path) -> None:
+    with (
+        pytest.raises(OSError, match="the workers are lost; what is done is stored, and the same"),
+        open_pool(f"{__name__}:broken", workers=1) as pool,
+    ):
+        swept(WANTED, tmp_path / "a.db", pool)
 
 
 # --- Looking ahead -------------------------------------------------------------------------------

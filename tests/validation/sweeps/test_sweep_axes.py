@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from validation.sweeps.axes import LAYOUTS, Axis, Design, axis_from, axis_from_text
+from validation.parser.runs import LAYOUTS
+from validation.sweeps.axes import Axis, Design, axis_from, axis_from_text
 
 
 def design(*texts: str, **how: Any) -> Design:
