@@ -11,11 +11,11 @@ import numpy as np
 from numpy.linalg import eigvals
 from scipy.integrate import cumulative_trapezoid, solve_bvp
 
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import INVERTED, Ends, PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
-from analysis.stability.printed import critical_speed
 
 _TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""

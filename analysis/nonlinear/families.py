@@ -16,6 +16,7 @@ from itertools import chain
 import numpy as np
 import numpy.typing as npt
 
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
 from analysis.nonlinear.following import Family, events, followed, reach
@@ -36,7 +37,6 @@ from analysis.problem.checks import (
 )
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Progress
-from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
 """Amplitudes in rad from near the Hopf point; further ones close in on the connection."""

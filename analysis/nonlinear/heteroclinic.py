@@ -17,13 +17,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis.mechanics import reduced
+from analysis.mechanics.paper import critical_speed, reduced_matrices
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import WIDEST, nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, number, positive
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
-from analysis.stability.printed import critical_speed, reduced_matrices
 
 _DEPARTURE = 1e-6
 """Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""

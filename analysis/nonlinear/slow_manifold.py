@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from analysis.mechanics.paper import critical_speed
 from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import nearest_root
 from analysis.problem.checks import Array, real_array
 from analysis.problem.scenario import Scenario
-from analysis.stability.printed import critical_speed
 
 _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""

@@ -23,14 +23,22 @@ from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.nonlinear.continuation import Curve
-from analysis.problem.checks import Array, function, instance, number, positive, whole, within
+from analysis.problem.checks import (
+    Array,
+    finite_row,
+    function,
+    instance,
+    number,
+    positive,
+    whole,
+    within,
+)
 from analysis.problem.elementary import sin
 from analysis.problem.limits import MOST_STARTS
 from analysis.problem.quantities import FASTEST_TURN
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.stability.linearisation import (
     ComplexArray,
-    finite_row,
     require_spinning,
     spin_scale,
     stationary_eigenvalues,

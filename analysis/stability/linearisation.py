@@ -1,6 +1,6 @@
 """Any scenario linearised about a stationary motion, along its constraint manifold.
 
-Independent of the paper's matrices in `printed`: the nonlinear index-1
+Independent of the paper's matrices in `mechanics.paper`: the nonlinear index-1
 system s' = F(s) in the states of `mechanics.attitude` is differentiated by dual numbers along the
 tangent space T of the states that meet every constraint on position and velocity level. Its
 Jacobian maps T into itself, so that it is told by the numbers of a state that are free in T.
@@ -32,7 +32,7 @@ from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives
-from analysis.problem.checks import Array, checked, choice, float_array, instance, within
+from analysis.problem.checks import Array, checked, choice, finite_row, instance, within
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
 from analysis.problem.friction import ViscousFriction
@@ -92,34 +92,6 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
             f"{analysis} is that of Model {level}, got {scenario.name}; eigenvalues of other "
             "constraints are those of the system 'numeric'"
         )
-
-
-def spin_array(spins: npt.ArrayLike) -> Array:
-    """Return `spins` as a float array, shape (n,), n >= 1; a single number gives n = 1.
-
-    Raises
-    ------
-    ValueError
-        If it holds no real numbers, is empty, has more than one dimension, is not finite or
-        exceeds `FASTEST_TURN`.
-    """
-    result = finite_row("spins", spins, " in rad/s")
-    fastest = float(result[np.argmax(np.abs(result))])
-    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
-    return result
-
-
-def finite_row(name: str, values: npt.ArrayLike, unit: str = "") -> Array:
-    """Return finite numbers as an array, shape (n,), n >= 1; `ValueError` otherwise."""
-    result = np.atleast_1d(float_array(name, values))
-    if result.ndim != 1 or result.size == 0:
-        raise ValueError(
-            f"{name} must be one-dimensional with at least 1 entry, got shape {result.shape}"
-        )
-    if not np.all(np.isfinite(result)):
-        worst = result[~np.isfinite(result)][0]
-        raise ValueError(f"{name} must be finite numbers{unit}, got {worst}")
-    return result
 
 
 def has_drift(constraints: ConstraintSet) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import DISKS, Disk, Scenario, SmoothCoulomb, ViscousFriction
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
 from analysis.nonlinear.families import cycle_family
 from analysis.nonlinear.heteroclinic import (
@@ -20,7 +21,6 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.hopf import hopf_type
 from analysis.nonlinear.slow_manifold import NoManifoldError, slow_connection, slow_cycle
-from analysis.stability.printed import critical_speed
 from tests.helpers import model
 
 PAPER = model(4)

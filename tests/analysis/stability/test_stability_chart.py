@@ -7,11 +7,16 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
-from analysis.stability.chart import corners, hopf_curves, stability_chart, with_gradient
+from analysis.stability.chart import (
+    corners,
+    hopf_curves,
+    stability_chart,
+    static_gradient,
+    with_gradient,
+)
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.printed import full_matrices, static_gradient
 from analysis.stability.sensitivities import POWERS, sensitivities
-from analysis.stability.spectra import eigenvalues
+from analysis.stability.spectra import eigenvalues, full_matrices
 
 PAPER = Scenario()
 
