@@ -97,7 +97,9 @@ def rate(
     return [dual(result).change for result in function(moving)]
 
 
-def derivatives(function: Callable[[Sequence[Any]], Iterable[Any]], place: Array) -> Array:
+def derivatives(
+    function: Callable[[Sequence[Any]], Iterable[Any]], place: Sequence[float] | Array
+) -> Array:
     """Jacobian of a function of several numbers, shape (k, n), at a place, shape (n,)."""
     changes = rate(function, np.asarray(place).tolist(), np.eye(len(place)))
     return np.array([np.broadcast_to(each, len(place)) for each in changes])

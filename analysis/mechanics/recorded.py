@@ -23,6 +23,7 @@ from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.newton_euler import Structure, derivative
 from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
+from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
@@ -100,11 +101,19 @@ def numbers(scenario: Any) -> tuple[Any, ...]:
     return disk.mass, disk.radius, disk.eccentricity, *inertia, *scenario.table.vector
 
 
-def disk_of(values: Numbers) -> Any:
-    """A round disk of the first ones of `NUMBERS`, of any kind."""
+def disk_of(values: Numbers, body: Body | None = None) -> Any:
+    """A round disk of the first ones of `NUMBERS`, of any kind, or one with another surface.
+
+    Parameters
+    ----------
+    values : 9 numbers or more
+    body : Body, optional
+        The one that has the surface.
+    """
     mass, radius, eccentricity, a, b, c, *products = values[:9]
     return SimpleNamespace(
-        is_round_disk=True,
+        is_round_disk=body is None,
+        lowest_point=body and body.lowest_point,
         mass=mass,
         radius=radius,
         eccentricity=eccentricity,
@@ -140,12 +149,10 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     """
     recorder = Recorder(NUMBERS, STATE)
     along, across, down = recorder.constants[9:]
-    disk: Any = structure.body
-    if disk is None:
-        disk = disk_of(recorder.constants)
-        if not structure.products:
-            # Zeros take no time in what is recorded.
-            disk.products = (0.0, 0.0, 0.0)
+    disk = disk_of(recorder.constants, structure.body)
+    if not structure.products:
+        # Zeros take no time in what is recorded.
+        disk.products = (0.0, 0.0, 0.0)
     found, multipliers = derivative(
         structure,
         disk,

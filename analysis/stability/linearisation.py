@@ -23,6 +23,7 @@ and all times in sqrt(r / g).
 
 from dataclasses import replace
 from math import cos, hypot, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +32,9 @@ from scipy.linalg import qr
 from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
-from analysis.mechanics.dual import derivatives
+from analysis.mechanics.dual import derivatives, of_duals
+from analysis.mechanics.linear_algebra import Numbers
+from analysis.mechanics.penalty import Solver
 from analysis.problem.checks import Array, checked, choice, finite_row, instance, within
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
@@ -111,6 +114,15 @@ def upright(scenario: Scenario, gamma: float) -> Place:
     return -scenario.disk.eccentricity * np.cos(gamma) * held, 0.0, pi / 2, gamma
 
 
+def rates_and_held(held: ConstraintSet, disk: Any, solve: Solver, state: Numbers) -> list[Any]:
+    """Time derivative of a state, 12 numbers of any kind, and what constraints hold at zero."""
+    return [
+        *solve(*state)[:12],
+        *position_residuals(held, disk, state),
+        *velocity_residuals(held, disk, state),
+    ]
+
+
 class Linearisation:
     """A scenario linearised about a stationary motion.
 
@@ -131,27 +143,33 @@ class Linearisation:
         """Unit sqrt(g / r) of the spin in rad/s."""
         radius, unit = scenario.disk.radius, self.frequency
         self._units = np.repeat((radius, 1.0, radius * unit, unit), 3)
-        self._jacobian = recorded.jacobian(scenario)
+        self._solve = recorded.solver(scenario, functions=of_duals)
         step = _SPIN_STEP * unit
         if spin is not None:
-            self._powers = np.vstack((self._by_state(spin), self._held(spin)))[None]
+            self._powers = self._slopes(spin)[None]
         else:
-            less, rest, more = (self._by_state(each) for each in (-step, 0.0, step))
-            still, moving = self._held(0.0), self._held(step)
-            linear = np.vstack((more - less, 2 * (moving - still))) / (2 * _SPIN_STEP)
-            square = np.vstack((more - 2 * rest + less, 0.0 * still)) / (2 * _SPIN_STEP**2)
-            self._powers = np.array((np.vstack((rest, still)), linear, square))
+            less, rest, more = (self._slopes(each) for each in (-step, 0.0, step))
+            linear = (more - less) / (2 * _SPIN_STEP)
+            square = (more - 2 * rest + less) / (2 * _SPIN_STEP**2)
+            self._powers = np.array((rest, linear, square))
 
-    def state(self, spin: float) -> Array:
-        """State of the stationary motion at a spin in rad/s, shape (12,)."""
+    def state(self, spin: Any, disk: Any = None) -> tuple[Any, ...]:
+        """State of the stationary motion at a spin in rad/s, 12 numbers.
+
+        Parameters
+        ----------
+        spin : number
+        disk : optional
+            That of the scenario with its numbers of another kind.
+        """
         x, y, beta, gamma = self._place
-        disk, rates = self._scenario.disk, (0.0, 0.0, 0.0, spin, 0.0, 0.0)
-        coordinates = x, y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
-        return np.array(state_of(disk, coordinates, rates))
+        height, *_ = self._scenario.disk.clearance(beta, gamma)
+        coordinates, rates = (x, y, height, 0.0, beta, gamma), (0.0, 0.0, 0.0, spin, 0.0, 0.0)
+        return state_of(disk or self._scenario.disk, coordinates, rates)
 
     def accelerations(self, spin: float) -> Array:
         """Changes of the velocities there without units, shape (6,): zero if it is stationary."""
-        found = np.array(recorded.solver(self._scenario)(*self.state(spin).tolist())[6:12])
+        found = np.array(recorded.solver(self._scenario)(*self.state(spin))[6:12])
         result: Array = found / (self._units[6:] * self.frequency)
         return result
 
@@ -164,24 +182,20 @@ class Linearisation:
         """Whether they are zero, but for rounding."""
         return self.change(spin) <= ZERO
 
-    def _by_state(self, spin: float) -> Array:
-        """Jacobian of the flow without units, shape (12, 12)."""
-        found = self._jacobian(self.state(spin)) * self._units / self._units[:, None]
-        result: Array = found / self.frequency
+    def _slopes(self, spin: float) -> Array:
+        """Derivatives of `rates_and_held` by the state without units, shape (12 + m, 12)."""
+        held, disk = self._scenario.constraints, self._scenario.disk
+        found = derivatives(
+            lambda moving: rates_and_held(held, disk, self._solve, moving), self.state(spin)
+        )
+        result: Array = found * self._units / self._row_units(len(found))[:, None]
         return result
 
-    def _held(self, spin: float) -> Array:
-        """Derivatives of what the constraints hold, without units, shape (m, 12)."""
-        held, disk = self._scenario.constraints, self._scenario.disk
-        rows = derivatives(
-            lambda moving: [
-                *position_residuals(held, disk, moving),
-                *velocity_residuals(held, disk, moving),
-            ],
-            self.state(spin),
+    def _row_units(self, count: int) -> Array:
+        """Units of as many numbers of `rates_and_held`, shape (count,)."""
+        return np.append(
+            self._units * self.frequency, np.full(count - 12, self._scenario.disk.radius)
         )
-        result: Array = rows * self._units / disk.radius
-        return result
 
     def matrices(self, spins: Array) -> Array:
         """State matrices in 1/s at spins in rad/s, shape (n, k, k), without what is neutral.
@@ -205,8 +219,40 @@ class Linearisation:
         result: Array = self.frequency * rows @ bases
         return result
 
+    def spread(
+        self, spin: float, left: ComplexArray, right: ComplexArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """What weighs changes of the slopes of `rates_and_held`, and the deviation they act on.
+
+        The first derivative of an eigenvalue by a parameter is that of the weighted sum of their
+        slopes along the deviation: what it changes of the constraints changes how the free
+        numbers carry the others.
+
+        Parameters
+        ----------
+        spin : float
+            In rad/s.
+        left, right : ndarray, complex, shape (k,)
+            Eigenvectors of the state matrix there, the left one conjugated.
+
+        Returns
+        -------
+        weights : ndarray, complex, shape (12 + m,)
+        deviation : ndarray, complex, shape (12,)
+        """
+        every = self._at(np.array([spin]))
+        free, neutral, bases = self._tangents(every[:, 12:])
+        carried = np.setdiff1d(np.arange(12), [*free, *neutral])
+        weights: ComplexArray = np.zeros(every.shape[1], dtype=complex)
+        weights[free] = left
+        normals, rows = every[0, 12:, carried], every[0][np.ix_(free, carried)]
+        weights[12:] = -np.linalg.solve(normals, rows.T @ left)
+        weights /= self._row_units(weights.size)
+        deviation: ComplexArray = self._units * (bases[0] @ right)
+        return weights, deviation
+
     def _at(self, spins: Array) -> Array:
-        """Those of `_by_state` and `_held` at spins in rad/s, shape (n, 12 + m, 12)."""
+        """Those of `_slopes` at spins in rad/s, shape (n, 12 + m, 12)."""
         spin = np.vander(spins / self.frequency, len(self._powers), increasing=True)
         return np.tensordot(spin, self._powers, axes=1)
 
