@@ -9,7 +9,8 @@ Some directions of T are neutral. They, too, are mapped into themselves (which i
 that leaving them out leaves the other eigenvalues as they are:
 
 - alpha: the disk may stand on the table in any direction;
-- its rate, unless the spin is held: the neighbouring stationary motion, an eigenvalue of zero;
+- its rate, unless the spin is held: the neighbouring stationary motion, an eigenvalue of zero, of
+  a tilted motion together with another attitude;
 - the drift, unless the centre of gravity is held: spinning elsewhere on the table, which circles
   in the turning R-frame and has the eigenvalues +-i spin.
 
@@ -208,15 +209,22 @@ class Linearisation:
         every = self._at(spins)
         jacobians = every[:, :12]
         free, neutral, bases = self._tangents(every[:, 12:])
-        rows = jacobians[:, free]
-        coupling = np.max(np.abs(rows[:, :, neutral]), axis=(1, 2))
-        worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
+        rows, size = jacobians[:, free], np.max(np.abs(jacobians), axis=(1, 2))
+        found, coupling = rows @ bases, rows[:, :, neutral]
+        if 9 in neutral and np.any(np.max(np.abs(rows[:, :, 9]), axis=1) > _NEUTRAL * size):
+            # The neighbouring motion has another attitude, which deviations are then told from.
+            neighbour = -np.linalg.pinv(found, _NEUTRAL) @ rows[:, :, [9]]
+            rows = jacobians[:, [*free, 9]]
+            others = rows[:, :, [each for each in neutral if each != 9]]
+            coupling = np.append(others, rows[:, :, [9]] + rows @ bases @ neighbour, axis=2)
+            found = found - neighbour @ (jacobians[:, [9]] @ bases)
+        worst = float(np.max(np.max(np.abs(coupling), axis=(1, 2)) / size))
         if worst > _NEUTRAL:
             raise ArithmeticError(
                 f"a change of the spin or of the place of {self._scenario.name} is not neutral: "
                 f"relative coupling {worst:.1e}"
             )
-        result: Array = self.frequency * rows @ bases
+        result: Array = self.frequency * found
         return result
 
     def spread(
@@ -259,7 +267,6 @@ class Linearisation:
     def _tangents(self, normals: Array) -> tuple[Array, list[int], Array]:
         """Free numbers and neutral ones, and how all deviate with each free one."""
         held = self._scenario.constraints
-        # A free spin is that about the centre of gravity: no other motion is stationary.
         neutral = [3] if "constant-spin" in held else [3, 9]
         if has_drift(held):
             neutral += [0, 1]

@@ -61,9 +61,7 @@ def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: Frictio
     assert per_speed_and_slope(law, 0.0)[1] / unit == pytest.approx(expected / unit, abs=2e-6)
 
 
-def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_not() -> (
-    None
-):
+def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_not() -> None:
     speeds = np.geomspace(1e-3, 10.0, 9)
     expected = -0.3 * speeds / (0.04 + speeds**2) ** 1.5
     for law, accuracy in ((Elementary(), 1e-14), (Own(), 1e-9)):
