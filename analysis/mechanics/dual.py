@@ -63,10 +63,10 @@ class Dual:
         return dual(other) / self
 
     def __lt__(self, other: Any) -> Any:
-        return self.value < plain(other)
+        return self.value < value_of(other)
 
     def __gt__(self, other: Any) -> Any:
-        return self.value > plain(other)
+        return self.value > value_of(other)
 
     def __pow__(self, exponent: float) -> "Dual":
         slope = exponent * self.value ** (exponent - 1)
@@ -78,7 +78,7 @@ def dual(number: Any) -> Dual:
     return number if isinstance(number, Dual) else Dual(number, 0.0)
 
 
-def plain(number: Any) -> Any:
+def value_of(number: Any) -> Any:
     """The value of a dual number, or the number itself."""
     return number.value if isinstance(number, Dual) else number
 

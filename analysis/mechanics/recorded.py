@@ -16,8 +16,8 @@ from analysis.mechanics.dual import (
     dual,
     of_duals,
     of_floats,
-    plain,
     rate,
+    value_of,
 )
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.newton_euler import Structure, derivative
@@ -53,7 +53,7 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
         If there is no solution, or several.
     """
     alone, per_along, per_across, along, across = given
-    force, by_along, by_across, slip_x, slip_y = map(plain, given)
+    force, by_along, by_across, slip_x, slip_y = map(value_of, given)
 
     def missing(load: float) -> float:
         x, y = law.force(slip_x, slip_y, load)
@@ -200,7 +200,7 @@ def solver(
             return code(*state)
         except ArithmeticError as error:
             cause = "" if isinstance(error, ZeroDivisionError) else f": {error}"
-            angles = [plain(each) for each in state[3:6]]
+            angles = [value_of(each) for each in state[3:6]]
             raise ArithmeticError(
                 f"singular index-1 system of {scenario.name} at alpha, beta, gamma = {angles}"
                 + cause
@@ -230,7 +230,7 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
 
 def _contact_load(alone: Any, added: Any) -> Any:
     """Normal force in N that friction takes as its load, from that without friction."""
-    more, force = plain(added), plain(alone)
+    more, force = value_of(added), value_of(alone)
     if more >= 1.0:
         raise ArithmeticError(
             f"each newton of normal force calls for {more:.3g} N of it through friction"

@@ -177,8 +177,8 @@ def fall(scenario: Scenario, spin: float) -> Fall:
             f"the motion from noninverted spinning at {spin:.9g} rad/s neither turns back nor "
             f"goes over within {run.t[-1]:.3g} s: {run.message}"
         )
-    is_over = has_passed or (is_flat and run.y[1, -1] > 1.5 * np.pi)
-    return Fall(states=run.y.T, side=1.0 if is_over else -1.0, distances=distances(1.5))
+    goes_over = has_passed or (is_flat and run.y[1, -1] > 1.5 * np.pi)
+    return Fall(states=run.y.T, side=1.0 if goes_over else -1.0, distances=distances(1.5))
 
 
 def _ending(direction: float, of: Callable[[Array], float]) -> Any:

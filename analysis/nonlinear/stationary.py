@@ -247,14 +247,14 @@ def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver)
         That of `recorded.solver`.
     """
     x, y, beta, gamma = place
-    disk, held = scenario.disk, scenario.constraints
+    disk, constraints = scenario.disk, scenario.constraints
     r, unit = disk.radius, spin**2 + spin_scale(scenario) ** 2
     coordinates = r * x, r * y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
     state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
     ahead, across, _, *turning = solve(*state)[6:12]
-    no_slips = tuple(each for each in SLIPS if each in held)
+    no_slips = tuple(each for each in SLIPS if each in constraints)
     slips = velocity_residuals(no_slips, disk, state) if no_slips else []
-    away = position_residuals(held, disk, state)[1:] if "fixed-cog" in held else []
+    away = position_residuals(constraints, disk, state)[1:] if "fixed-cog" in constraints else []
     return [
         *(each / (r * unit) for each in (ahead, across)),
         *(each / unit for each in turning),
@@ -344,13 +344,13 @@ def stationary_branch(
         value, beta, gamma = unit * point[4], point[2], point[3]
         return f"beyond {value:.9g} with beta {beta:.6g} and gamma {gamma:.6g} rad"
 
-    def is_over(point: Array) -> bool:
+    def meets_upright(point: Array) -> bool:
         """Whether the branch meets upright spinning, or has gone past it."""
         begin, here = np.cos((start.beta, start.gamma)), np.cos(point[2:4])
         return bool(np.max(np.abs(here)) < _SAME or np.all(begin * here < 0.0))
 
     ends = interval[0] / unit, interval[1] / unit
-    points = Curve(equations, ends, _STEP, where, is_over).through(point)
+    points = Curve(equations, ends, _STEP, where, meets_upright).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )

@@ -111,17 +111,8 @@ def falling(values: npt.NDArray[np.inexact]) -> ComplexArray:
 
 def upright(scenario: Scenario, gamma: float) -> Place:
     """Where the disk spins upright: G, or a centre of gravity that is held, above the origin."""
-    held = not has_drift(scenario.constraints)
-    return -scenario.disk.eccentricity * np.cos(gamma) * held, 0.0, pi / 2, gamma
-
-
-def rates_and_held(held: ConstraintSet, disk: Any, solve: Solver, state: Numbers) -> list[Any]:
-    """Time derivative of a state, 12 numbers of any kind, and what constraints hold at zero."""
-    return [
-        *solve(*state)[:12],
-        *position_residuals(held, disk, state),
-        *velocity_residuals(held, disk, state),
-    ]
+    is_held = not has_drift(scenario.constraints)
+    return -scenario.disk.eccentricity * np.cos(gamma) * is_held, 0.0, pi / 2, gamma
 
 
 class Linearisation:
@@ -168,6 +159,15 @@ class Linearisation:
         coordinates, rates = (x, y, height, 0.0, beta, gamma), (0.0, 0.0, 0.0, spin, 0.0, 0.0)
         return state_of(disk or self._scenario.disk, coordinates, rates)
 
+    def equations(self, disk: Any, solve: Solver, state: Numbers) -> list[Any]:
+        """Time derivative of a state and residuals of constraints, 12 + m numbers of any kind."""
+        constraints = self._scenario.constraints
+        return [
+            *solve(*state)[:12],
+            *position_residuals(constraints, disk, state),
+            *velocity_residuals(constraints, disk, state),
+        ]
+
     def accelerations(self, spin: float) -> Array:
         """Changes of the velocities there without units, shape (6,): zero if it is stationary."""
         found = np.array(recorded.solver(self._scenario)(*self.state(spin))[6:12])
@@ -184,16 +184,14 @@ class Linearisation:
         return self.change(spin) <= ZERO
 
     def _slopes(self, spin: float) -> Array:
-        """Derivatives of `rates_and_held` by the state without units, shape (12 + m, 12)."""
-        held, disk = self._scenario.constraints, self._scenario.disk
-        found = derivatives(
-            lambda moving: rates_and_held(held, disk, self._solve, moving), self.state(spin)
-        )
+        """Derivatives of `equations` by the state without units, shape (12 + m, 12)."""
+        disk, solve = self._scenario.disk, self._solve
+        found = derivatives(lambda moving: self.equations(disk, solve, moving), self.state(spin))
         result: Array = found * self._units / self._row_units(len(found))[:, None]
         return result
 
     def _row_units(self, count: int) -> Array:
-        """Units of as many numbers of `rates_and_held`, shape (count,)."""
+        """Units of as many numbers of `equations`, shape (count,)."""
         return np.append(
             self._units * self.frequency, np.full(count - 12, self._scenario.disk.radius)
         )
@@ -230,7 +228,7 @@ class Linearisation:
     def spread(
         self, spin: float, left: ComplexArray, right: ComplexArray
     ) -> tuple[ComplexArray, ComplexArray]:
-        """What weighs changes of the slopes of `rates_and_held`, and the deviation they act on.
+        """What weighs changes of the slopes of `equations`, and the deviation they act on.
 
         The first derivative of an eigenvalue by a parameter is that of the weighted sum of their
         slopes along the deviation: what it changes of the constraints changes how the free
@@ -266,9 +264,9 @@ class Linearisation:
 
     def _tangents(self, normals: Array) -> tuple[Array, list[int], Array]:
         """Free numbers and neutral ones, and how all deviate with each free one."""
-        held = self._scenario.constraints
-        neutral = [3] if "constant-spin" in held else [3, 9]
-        if has_drift(held):
+        constraints = self._scenario.constraints
+        neutral = [3] if "constant-spin" in constraints else [3, 9]
+        if has_drift(constraints):
             neutral += [0, 1]
         others = np.array([each for each in range(12) if each not in neutral])
         triangle, best = qr(self._powers[0][12:, others], mode="r", pivoting=True)

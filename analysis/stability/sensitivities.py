@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from analysis.mechanics import recorded
-from analysis.mechanics.dual import Dual, dual, of_duals, plain
+from analysis.mechanics.dual import Dual, dual, of_duals, value_of
 from analysis.mechanics.newton_euler import Structure
 from analysis.problem.checks import instance
 from analysis.problem.scenario import Scenario
@@ -24,7 +24,6 @@ from analysis.stability.critical import Crossing
 from analysis.stability.linearisation import (
     ComplexArray,
     Linearisation,
-    rates_and_held,
     spin_scale,
     spinning,
 )
@@ -89,8 +88,8 @@ def sensitivities(
     w, v = left[:, critical].conj(), right[:, critical]
     changes = _changes(scenario, system, crossing.spin, *system.spread(crossing.spin, w, v))
     growths = (changes / (w @ v)).real
-    *own, products, gradient, _ = (-growths / growths[-1]).tolist()
-    found = dict(zip(_PARAMETERS, own, strict=False))
+    *fields, products, gradient, _ = (-growths / growths[-1]).tolist()
+    found = dict(zip(_PARAMETERS, fields, strict=False))
     size = 0.5 * gradient - 0.5
     radius = size - 5 * products - sum(POWERS[name] * found[name] for name in found)
     return {**found, "radius": radius, "friction_gradient": gradient, "size": size}
@@ -120,10 +119,10 @@ def _changes(
     moving_disk = recorded.disk_of(numbers, structure.body)
     state = system.state(changing("spin", spin), moving_disk)
     moving = [
-        Dual(Dual(plain(each), along), dual(each).change)
+        Dual(Dual(value_of(each), along), dual(each).change)
         for each, along in zip(state, deviation.tolist(), strict=True)
     ]
-    found = rates_and_held(scenario.constraints, moving_disk, solve, moving)
+    found = system.equations(moving_disk, solve, moving)
     slopes = [dual(dual(each).change).change * np.ones(len(_PARAMETERS)) for each in found]
     result: ComplexArray = weights @ np.array(slopes)
     return result

@@ -88,7 +88,7 @@ CLOSED: dict[System, tuple[Level, Callable[..., Array]]] = {
 _LARGEST_STEP = 0.05
 """Branches are followed in steps of at most this many rad/s, whatever spins are asked for,"""
 
-_LARGEST_PART = 1 / 300
+_LARGEST_FRACTION = 1 / 300
 """and of this part of `spin_scale`, which is shorter where the disk is large or gravity weak."""
 
 _MOST_STEPS = 20_000
@@ -236,9 +236,9 @@ def branches(
     spins = np.append(below[:-1], above)
     helpers = follow(matrices(spins), below.size - 1)
     right = np.clip(np.searchsorted(spins, wanted), 1, spins.size - 1)
-    part = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
+    fraction = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
     before, after = helpers[right - 1], helpers[right]
-    expected = before + part * (after - before)
+    expected = before + fraction * (after - before)
     values = _next(before, expected, np.linalg.eigvals(matrices(wanted)).astype(complex))
     if has_drift(scenario.constraints):
         values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
@@ -247,7 +247,7 @@ def branches(
 
 def helper_spins(scenario: Scenario, low: float, high: float) -> Array:
     """Equally spaced spins from `low` to `high` in rad/s, close enough to follow branches."""
-    step = min(_LARGEST_STEP, _LARGEST_PART * spin_scale(scenario))
+    step = min(_LARGEST_STEP, _LARGEST_FRACTION * spin_scale(scenario))
     count = min(int(np.ceil((high - low) / step)), _MOST_STEPS)
     return np.linspace(low, high, count + 1)
 
@@ -283,8 +283,8 @@ def _next(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> C
     """Values in the order of those they are expected to be, no two the same, shape (n, k)."""
     cost = np.abs(values[:, None] - expected[:, :, None])
     order = np.argmin(cost, axis=2)
-    for step, places in enumerate(order.tolist()):
-        if len(set(places)) < len(places):
+    for step, chosen in enumerate(order.tolist()):
+        if len(set(chosen)) < len(chosen):
             change = values[step] - last[step][:, None]
             convention = _TIE_BREAK * np.abs(change.real + change.imag)
             order[step] = linear_sum_assignment(cost[step] + convention)[1]
