@@ -168,19 +168,14 @@ class Linearisation:
             *velocity_residuals(constraints, disk, state),
         ]
 
-    def accelerations(self, spin: float) -> Array:
-        """Changes of the velocities there without units, shape (6,): zero if it is stationary."""
-        found = np.array(recorded.solver(self._scenario)(*self.state(spin))[6:12])
-        result: Array = found / (self._units[6:] * self.frequency)
-        return result
-
     def change(self, spin: float) -> float:
-        """The largest of them as a part of those of the spinning."""
-        largest = np.max(np.abs(self.accelerations(spin)))
-        return float(largest / (1.0 + (spin / self.frequency) ** 2))
+        """Largest change of the velocities there, as a part of those of the spinning."""
+        found = np.array(recorded.solver(self._scenario)(*self.state(spin))[6:12])
+        largest = np.max(np.abs(found) / self._units[6:])
+        return float(largest / (self.frequency + spin**2 / self.frequency))
 
     def is_stationary(self, spin: float) -> bool:
-        """Whether they are zero, but for rounding."""
+        """Whether that is none, but for rounding."""
         return self.change(spin) <= ZERO
 
     def _slopes(self, spin: float) -> Array:
