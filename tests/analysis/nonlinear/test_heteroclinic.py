@@ -155,6 +155,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "friction law cannot give": lambda: slow_connection(LOOSE),
     "cycles must hold 4": lambda: period_growth([], HERE),
     "is no saddle with one growing": lambda: saddle(PAPER, 0.0),
+    "the reduced system is that of Model 4, got Model 2": lambda: saddle(model(2), 30.0),
 }
 
 
