@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from analysis import MODELS, Scenario
+from analysis.mechanics.paper import critical_speed
 from analysis.stability.critical import critical_speeds
-from analysis.stability.printed import critical_speed
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness.outcomes import CASES, explained

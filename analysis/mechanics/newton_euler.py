@@ -38,7 +38,7 @@ class Structure(NamedTuple):
     products : bool
         Whether the disk has products of inertia.
     body : Body, optional
-        Other than a round disk; its numbers are no constants of what is recorded.
+        Other than a round disk; its surface is part of what is recorded.
     chart : EulerAngles or EulerTurning
         What a state holds.
     """

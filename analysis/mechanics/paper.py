@@ -1,6 +1,7 @@
-"""The paper's equations of motion as they are printed, to be compared with the general ones.
+"""The paper's equations as they are printed, with their numbers, and its closed forms.
 
-Nothing is simulated with them. In the co-rotating coordinates, Eqs. (15)-(32),
+Nothing is simulated with them; the general equations are compared with them, and the misprints
+come from there. In the co-rotating coordinates, Eqs. (15)-(32),
 
 M(z) z'' - h(z, z') = f + w_N lambda_N + W_T lambda_T with z = (x, y, z, alpha, beta, gamma),
 
@@ -8,20 +9,34 @@ with the constraints (66), (83), (84), (87), (88) on position, velocity and acce
 which together are the systems of index 1, (79), (80), (92). Appendix A has the same in inertial
 coordinates q = (x, y, z, alpha, beta, gamma), the position of G in the inertial frame.
 
+The linear full system, Eqs. (48)-(55), is M z'' + (D + G) z' + (K + N) z = 0 with z = (x, y,
+beta - pi/2, gamma -+ pi/2). The linear reduced system, Eqs. (111), (112), has the states (beta -
+pi/2, gamma -+ pi/2, beta'); p(lambda) = (a - lambda)(lambda² + b lambda + c) is its characteristic
+polynomial, and B_bar = B - m e². Turning the body frame by pi about its z axis swaps inverted and
+noninverted spinning and the sign of the eccentricity and changes nothing else, so noninverted
+spinning has the same equations with -e. The reduced system itself, Eqs. (93)-(110), is that of
+`reduced`.
+
 Notation as in the paper; s and c in front of a letter are its sine and cosine.
 """
 
-from collections.abc import Sequence
-from math import cos, sin
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import cos, sin, sqrt
+from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from analysis.problem.body import Body
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, choice, spin_array
 from analysis.problem.constraints import MULTIPLIERS, ConstraintSet, multiplier_names
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, require_plain
+from analysis.problem.start import MOTIONS, Motion
 
 Vector = Sequence[float] | Array
+
+# --- Equations of motion in co-rotating coordinates ---------------------------------------------
 
 
 def mass_matrix(disk: Body, z: Vector) -> Array:
@@ -157,15 +172,13 @@ def constraint_directions(constraints: ConstraintSet, disk: Body, z: Vector) -> 
 
     Velocity-level residuals are W^T u, less the prescribed spin in the row of a constant spin.
     """
-    r, e = disk.radius, disk.eccentricity
-    x, y, beta, gamma = z[0], z[1], z[4], z[5]
+    e, beta, gamma = disk.eccentricity, z[4], z[5]
     sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
     every = (
-        (0.0, 0.0, 1.0, 0.0, -r * cb, 0.0),
+        normal_direction(disk, z),
         (1.0, 0.0, 0.0, 0.0, 0.0, -e * sg),
         (0.0, 1.0, 0.0, 0.0, -e * sb * sg, e * cb * cg),
-        (1.0, 0.0, 0.0, r * cb - y, 0.0, r),
-        (0.0, 1.0, 0.0, x, r * sb, 0.0),
+        *tangential_directions(disk, z).T,
         (0.0, 0.0, 0.0, 1.0, 0.0, 0.0),
     )
     return np.array([every[row] for row in _rows(constraints)])
@@ -191,6 +204,9 @@ def constraint_changes(constraints: ConstraintSet, disk: Body, z: Vector, u: Vec
 def _rows(constraints: ConstraintSet) -> list[int]:
     """Numbers of the rows of a set, in the order of `MULTIPLIERS`."""
     return [MULTIPLIERS.index(name) for name in multiplier_names(constraints)]
+
+
+# --- Appendix A: the same in inertial coordinates -----------------------------------------------
 
 
 def inertial_mass_matrix(disk: Body, q: Vector) -> Array:
@@ -286,3 +302,203 @@ def rate_matrix(z: Vector) -> Array:
     B[:2, :2] = ((ca, -sa), (sa, ca))
     B[:2, 3] = (-sa * x - ca * y, ca * x - sa * y)
     return B
+
+
+# --- The linear full system ---------------------------------------------------------------------
+
+
+def paper_numbers(scenario: Scenario, motion: Motion = "inverted") -> dict[str, float]:
+    """Numbers of `printed_matrices` by the paper's names, of a scenario and a motion.
+
+    The eccentricity is the height of S above G: +e for inverted, -e for noninverted spinning.
+
+    Raises
+    ------
+    ValueError
+        If the motion is unknown.
+    """
+    choice("motion", motion, MOTIONS)
+    disk = scenario.disk
+    return {
+        "m": disk.mass,
+        "r": disk.radius,
+        "e": disk.eccentricity if motion == "inverted" else -disk.eccentricity,
+        "A": disk.inertia_x,
+        "B": disk.inertia_y,
+        "C": disk.inertia_z,
+        "mg": scenario.weight,
+    }
+
+
+def printed_matrices(numbers: Mapping[str, float], D: float | None = None) -> dict[str, Array]:
+    """Matrices of Eqs. (48)-(54) by the paper's names, shape (4, 4) each, of `paper_numbers`.
+
+    With the signs of Eq. (48), friction enters as + d D_C and + d Omega B_C with the force d =
+    mu m g / epsilon: the paper prints (53) and (54) with a minus, which would feed energy in. The
+    powers of Omega are left out: D + G = d D_C + Omega G_h and K + N = Omega² K_h + K_f + d Omega
+    B_C. M is Eq. (49), G_h (50), K_h (51), K_f (52), D_C (53) and B_C (54); D abbreviates A - B -
+    C, unless another number is given.
+    """
+    m, r, e, A, B, C, mg = numbers.values()
+    me, D = m * e, A - B - C if D is None else D
+    printed = {
+        "M": ((m, 0, 0, -me), (0, m, -me, 0), (0, -me, B, 0), (-me, 0, 0, C)),
+        "G_h": (
+            (0, -2 * m, 2 * me, 0),
+            (2 * m, 0, 0, -2 * me),
+            (-2 * me, 0, 0, -D),
+            (0, 2 * me, D, 0),
+        ),
+        "K_h": ((-m, 0, 0, me), (0, -m, me, 0), (0, me, A - C, 0), (me, 0, 0, A - B)),
+        "K_f": ((0, 0, 0, 0), (0, 0, 0, 0), (0, 0, -mg * (e + r), 0), (0, 0, 0, -mg * e)),
+        "D_C": ((1, 0, 0, r), (0, 1, r, 0), (0, r, r * r, 0), (r, 0, 0, r * r)),
+        "B_C": ((0, -1, -r, 0), (1, 0, 0, 0), (r, 0, 0, 0), (0, -r, -r * r, 0)),
+    }
+    return {name: np.array(rows, dtype=float) for name, rows in printed.items()}
+
+
+def first_order(printed: Mapping[str, Array], spins: npt.ArrayLike, d: npt.ArrayLike) -> Array:
+    """Eq. (55): state matrices in (z, z'), shape (n, 8, 8), with a friction force d in N s/m.
+
+    That is one for all spins, or one for each.
+    """
+    M, G_h, K_h, K_f, D_C, B_C = printed.values()
+    Omega, d = np.reshape(spins, (-1, 1, 1)), np.reshape(d, (-1, 1, 1))
+    result = np.zeros((Omega.size, 8, 8))
+    result[:, :4, 4:] = np.eye(4)
+    result[:, 4:, :4] = -np.linalg.solve(M, Omega**2 * K_h + K_f + d * Omega * B_C)
+    result[:, 4:, 4:] = -np.linalg.solve(M, d * D_C + Omega * G_h)
+    return result
+
+
+# --- The linear reduced system ------------------------------------------------------------------
+
+
+def reduced_matrices(
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
+) -> Array:
+    """State matrices of the reduced system, Eqs. (111), (112), shape (n, 3, 3).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its constraints are not looked at.
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s, of either sign.
+    motion : {"inverted", "noninverted"}
+    """
+    m, r, e, _, B, _, mg = paper_numbers(scenario, motion).values()
+    Omega, stiffness = np.atleast_1d(spins), mg / (B - m * e**2)
+    d = scenario.friction.gradient * stiffness
+    A = np.zeros((Omega.size, 3, 3))
+    A[:, 0, 2] = 1.0
+    A[:, 1, 0] = Omega
+    A[:, 2, 0] = stiffness * (r + e) - Omega**2
+    A[:, 2, 1] = -d * e * (r + e) * Omega
+    A[:, 2, 2] = -d * (r + e) ** 2
+    return A
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ClosedForm:
+    """Approximate factors of the characteristic polynomial for small smoothing, Eq. (114).
+
+    Parameters
+    ----------
+    a : float
+        Limit of the real eigenvalue lambda_3 in 1/s, Eqs. (119), (122); the same at all spins.
+    b, c : ndarray, shape (n,)
+        Coefficients b in 1/s, Eq. (121), and c in 1/s², Eq. (120).
+    """
+
+    a: float
+    b: Array
+    c: Array
+
+    @property
+    def eigenvalues(self) -> npt.NDArray[np.complex128]:
+        """lambda_1 and lambda_2 from Eq. (123) and lambda_3 from Eq. (122), shape (n, 3), 1/s."""
+        root = np.sqrt((self.b**2 - 4 * self.c).astype(complex))
+        third = np.full_like(root, self.a)
+        return np.column_stack(((-self.b + root) / 2, (-self.b - root) / 2, third))
+
+
+def closed_form(
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
+) -> ClosedForm:
+    """Eigenvalues in closed form for small smoothing, Eqs. (113)-(123).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its constraints are not looked at: the closed form is that of the reduced system. Its
+        friction must be on: the expansion is one in the reciprocal friction gradient.
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s, of either sign.
+    motion : {"inverted", "noninverted"}
+        For noninverted spinning c is negative: lambda_1 and lambda_2 are real and of opposite
+        sign at every spin but 0, so the motion is unstable.
+
+    Raises
+    ------
+    ValueError
+        If a spin is not finite, there is none, the motion is unknown, there is no friction or the
+        table leans.
+    """
+    require_plain(scenario, "the closed form")
+    if not scenario.friction.is_on:
+        raise ValueError("friction must have a positive gradient for the closed form, got 0")
+    Omega = spin_array(spins)
+    _, r, e, *_ = paper_numbers(scenario, motion).values()
+    A = reduced_matrices(scenario, Omega, motion)
+    a, c = float(A[0, 2, 2]), e / (r + e) * Omega**2
+    return ClosedForm(a=a, b=(A[:, 2, 0] + c) / a, c=c)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CriticalSpeed:
+    """Spin at which two eigenvalues of the reduced system sum to zero, Eqs. (126), (132).
+
+    Parameters
+    ----------
+    spin : float
+        Critical spinning speed in rad/s (paper: Omega_crit).
+    frequency : float
+        Imaginary part of the crossing pair in rad/s, Eqs. (127), (131); 0 where none crosses.
+    kind : {"hopf", "static", "saddle"}
+        "hopf": the pair +-i omega crosses the imaginary axis, stable above the critical speed.
+        "static": without eccentricity omega is 0; a real eigenvalue passes zero, beside the
+        neutral one of the angle gamma. "saddle": for noninverted spinning omega² is negative;
+        the sum of two real eigenvalues of opposite sign passes zero and no stability changes.
+    """
+
+    spin: float
+    frequency: float
+    kind: Literal["hopf", "static", "saddle"]
+
+
+def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalSpeed:
+    """Critical spinning speed of the reduced system in closed form, Eqs. (126), (127).
+
+    It is exact for every positive friction and depends neither on the friction coefficient nor
+    on the smoothing: Eqs. (129), (130) contain them as a common factor only.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its disk and gravity alone are looked at: the closed form is that of the reduced system,
+        whatever the constraints of the scenario.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If the motion is unknown or the table leans.
+    """
+    require_plain(scenario, "the closed form")
+    m, r, e, _, B, _, mg = paper_numbers(scenario, motion).values()
+    Omega_crit = sqrt((r + e) ** 2 / r * mg / (B - m * e**2))
+    if e > 0.0:
+        frequency = sqrt(e / (r + e)) * Omega_crit
+        return CriticalSpeed(spin=Omega_crit, frequency=frequency, kind="hopf")
+    return CriticalSpeed(spin=Omega_crit, frequency=0.0, kind="static" if e == 0.0 else "saddle")

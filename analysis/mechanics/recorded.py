@@ -16,13 +16,14 @@ from analysis.mechanics.dual import (
     dual,
     of_duals,
     of_floats,
-    plain,
     rate,
+    value_of,
 )
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.newton_euler import Structure, derivative
 from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
+from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
@@ -52,7 +53,7 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
         If there is no solution, or several.
     """
     alone, per_along, per_across, along, across = given
-    force, by_along, by_across, slip_x, slip_y = map(plain, given)
+    force, by_along, by_across, slip_x, slip_y = map(value_of, given)
 
     def missing(load: float) -> float:
         x, y = law.force(slip_x, slip_y, load)
@@ -100,11 +101,19 @@ def numbers(scenario: Any) -> tuple[Any, ...]:
     return disk.mass, disk.radius, disk.eccentricity, *inertia, *scenario.table.vector
 
 
-def disk_of(values: Numbers) -> Any:
-    """A round disk of the first ones of `NUMBERS`, of any kind."""
+def disk_of(values: Numbers, body: Body | None = None) -> Any:
+    """A round disk of the first ones of `NUMBERS`, of any kind, or one with another surface.
+
+    Parameters
+    ----------
+    values : 9 numbers or more
+    body : Body, optional
+        The one that has the surface.
+    """
     mass, radius, eccentricity, a, b, c, *products = values[:9]
     return SimpleNamespace(
-        is_round_disk=True,
+        is_round_disk=body is None,
+        lowest_point=body and body.lowest_point,
         mass=mass,
         radius=radius,
         eccentricity=eccentricity,
@@ -140,12 +149,10 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     """
     recorder = Recorder(NUMBERS, STATE)
     along, across, down = recorder.constants[9:]
-    disk: Any = structure.body
-    if disk is None:
-        disk = disk_of(recorder.constants)
-        if not structure.products:
-            # Zeros take no time in what is recorded.
-            disk.products = (0.0, 0.0, 0.0)
+    disk = disk_of(recorder.constants, structure.body)
+    if not structure.products:
+        # Zeros take no time in what is recorded.
+        disk.products = (0.0, 0.0, 0.0)
     found, multipliers = derivative(
         structure,
         disk,
@@ -193,7 +200,7 @@ def solver(
             return code(*state)
         except ArithmeticError as error:
             cause = "" if isinstance(error, ZeroDivisionError) else f": {error}"
-            angles = [plain(each) for each in state[3:6]]
+            angles = [value_of(each) for each in state[3:6]]
             raise ArithmeticError(
                 f"singular index-1 system of {scenario.name} at alpha, beta, gamma = {angles}"
                 + cause
@@ -223,7 +230,7 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
 
 def _contact_load(alone: Any, added: Any) -> Any:
     """Normal force in N that friction takes as its load, from that without friction."""
-    more, force = plain(added), plain(alone)
+    more, force = value_of(added), value_of(alone)
     if more >= 1.0:
         raise ArithmeticError(
             f"each newton of normal force calls for {more:.3g} N of it through friction"

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.linalg import eigvals
 from scipy.integrate import cumulative_trapezoid, solve_bvp
 
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import INVERTED, Ends, PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
-from analysis.stability.printed import critical_speed
 
 _TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
@@ -62,10 +62,10 @@ def slow_rotation(scenario: Scenario, tilt: float) -> PeriodicMotion:
     """The rotating motion without slip of a tilt in rad, to begin with; see `slow_manifold`."""
     disk, spin = scenario.disk, critical_speed(scenario).spin
     gamma = np.linspace(-np.pi / 2, 1.5 * np.pi, _FIRST_NODES)
-    reach = disk.radius + disk.eccentricity * np.sin(gamma)
+    lever = disk.radius + disk.eccentricity * np.sin(gamma)
     # The height of the centre of gravity is conserved.
-    beta = np.pi - np.arcsin(reach[0] * np.cos(tilt) / reach)
-    rate = disk.eccentricity * spin * np.sin(beta) * np.cos(gamma) / reach
+    beta = np.pi - np.arcsin(lever[0] * np.cos(tilt) / lever)
+    rate = disk.eccentricity * spin * np.sin(beta) * np.cos(gamma) / lever
     times = cumulative_trapezoid(-1.0 / (spin * np.cos(beta)), gamma, initial=0.0)
     return PeriodicMotion(
         scenario=scenario,
@@ -103,7 +103,7 @@ def solve(
     NoCycleError
         If the iteration does not converge, or to something else.
     """
-    ends, stretches = start.ends, 2.0 if start.ends.mirrored else 1.0
+    ends, repeats = start.ends, 2.0 if start.ends.mirrored else 1.0
     found, unit = _collocated(scenario, value, start, spin)
     speed, duration = found.p.tolist()
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
@@ -117,11 +117,11 @@ def solve(
             kind=start.kind,
             spin=speed,
             value=reached,
-            period=stretches * duration,
+            period=repeats * duration,
             times=times,
             states=states,
             larger=larger,
-            log_strong=stretches * strong,
+            log_strong=repeats * strong,
         )
         if motion.flaw is None:
             return motion

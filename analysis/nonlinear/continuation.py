@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from analysis.problem.checks import Array
 
-_PART, WIDEST = 0.02, 0.5
+_SEARCH_STEP, WIDEST = 0.02, 0.5
 """Steps and range to both sides of a search for a root, in parts of its centre."""
 
 _NEWTON = 8
@@ -37,8 +37,8 @@ def nearest_root(function: Callable[[float], float], centre: float) -> float | N
     None is found if the function does not change its sign within half the centre to both sides.
     """
     middle = function(centre)
-    for count in range(1, round(WIDEST / _PART) + 1):
-        for way in (-_PART, _PART):
+    for count in range(1, round(WIDEST / _SEARCH_STEP) + 1):
+        for way in (-_SEARCH_STEP, _SEARCH_STEP):
             outer, inner = (centre * (1.0 + way * each) for each in (count, count - 1))
             if function(outer) * middle <= 0.0:
                 return float(brentq(function, inner, outer, xtol=1e-11, rtol=1e-14))
@@ -58,7 +58,7 @@ class Curve(NamedTuple):
         Longest one.
     where : callable
         What to say of the last good point where the curve is lost.
-    is_over : callable
+    ends_before : callable
         Whether the curve ends before a point.
     """
 
@@ -66,7 +66,7 @@ class Curve(NamedTuple):
     interval: tuple[float, float]
     step: float
     where: Callable[[Array], str] = str
-    is_over: Callable[[Array], bool] = lambda _: False
+    ends_before: Callable[[Array], bool] = lambda _: False
 
     def through(self, start: Array) -> list[Array]:
         """Points of the curve both ways from one of them: first that on which the last one falls.
@@ -88,13 +88,13 @@ class Curve(NamedTuple):
             ahead = point + step * tangent
             guess, row, end = ahead, tangent, float(np.clip(ahead[-1], *self.interval))
             if end != ahead[-1]:
-                part = (end - point[-1]) / (ahead - point)[-1]
-                guess, row = point + part * (ahead - point), np.eye(point.size)[-1]
+                fraction = (end - point[-1]) / (ahead - point)[-1]
+                guess, row = point + fraction * (ahead - point), np.eye(point.size)[-1]
             found = self._corrected(guess, row)
             if found is None or not _is_near(*found, ahead, tangent, step):
                 step /= 2.0
                 continue
-            if self.is_over(found[0]):
+            if self.ends_before(found[0]):
                 return made
             if len(made) == _MOST:
                 why = f"has more than {_MOST} points one way, and goes on"

@@ -16,9 +16,10 @@ from itertools import chain
 import numpy as np
 import numpy.typing as npt
 
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
-from analysis.nonlinear.following import Family, events, followed, reach
+from analysis.nonlinear.following import Family, continue_to, events, followed
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
@@ -36,7 +37,6 @@ from analysis.problem.checks import (
 )
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Progress
-from analysis.stability.printed import critical_speed
 
 AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
 """Amplitudes in rad from near the Hopf point; further ones close in on the connection."""
@@ -101,7 +101,7 @@ def cycle_family(
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
-    found = followed(reach, hopf_cycle(scenario), wanted.tolist())
+    found = followed(continue_to, hopf_cycle(scenario), wanted.tolist())
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
@@ -139,12 +139,12 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     why = "within half the critical speed of it, where cycles are looked for"
     in_range("spin", spin, low, high, is_above=True, is_below=True, why=why)
     spins = [before.spin]
-    for cycle in followed(reach, before, _amplitudes(scenario)):
-        part = (spin - before.spin) / (cycle.spin - before.spin)
-        if 0.0 < part <= 1.0:
+    for cycle in followed(continue_to, before, _amplitudes(scenario)):
+        fraction = (spin - before.spin) / (cycle.spin - before.spin)
+        if 0.0 < fraction <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
             low, high = before.value**2, cycle.value**2
-            return solve(scenario, float(np.sqrt(low + part * (high - low))), cycle, spin=spin)
+            return solve(scenario, float(np.sqrt(low + fraction * (high - low))), cycle, spin=spin)
         spins.append(cycle.spin)
         before = cycle
     raise ValueError(
@@ -260,7 +260,7 @@ def asymmetric_family(
         states=states + _FIRST * np.eye(3)[1],
     )
     first = solve(born.scenario, start.value, start)
-    found = followed(reach, first, wanted.tolist())
+    found = followed(continue_to, first, wanted.tolist())
     family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
     return replace(family, born=breaking)
 
@@ -324,6 +324,7 @@ def rotating_family(
     begins = heteroclinic_connection(scenario).spin
     first = solve(scenario, _TILT, slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
-    ways = (followed(reach, first, way.tolist()) for way in (wanted[:split][::-1], wanted[split:]))
+    down, up = wanted[:split][::-1].tolist(), wanted[split:].tolist()
+    ways = (followed(continue_to, first, way) for way in (down, up))
     found = Family.of(begins, *ways, progress=progress, wanted=wanted.size)
     return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))

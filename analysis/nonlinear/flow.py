@@ -11,13 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics.dual import Dual, dual, per_speed_and_slope
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.reduced import acceleration_from
 from analysis.problem.checks import Array, in_range
 from analysis.problem.elementary import cos, sin
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import require_spinning
+
+_NO_SLIP = 1e-12
+"""Slip over the finest speed of a law at least: where there is none, 0 / 0 is no force."""
 
 
 def require_cycles(scenario: Scenario, steepest: float = np.inf) -> None:
@@ -71,9 +74,8 @@ def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
     ndarray, shape (3, n)
     """
 
-    def force(slip: Array) -> Array:
-        result: Array = slip * _each(scenario.friction.per_speed, np.abs(slip))
-        return result
+    def force(slip: Array) -> Any:
+        return slip * _friction(scenario, slip)[0]
 
     return np.array(derivative(scenario, spin, x, force), dtype=float)
 
@@ -83,13 +85,11 @@ def derivatives(scenario: Scenario, spin: float, x: Array) -> tuple[Array, Array
 
     The parameters are those of `right_hand_side`.
     """
-    friction = scenario.friction
 
     def force(slip: Dual) -> Dual:
-        speeds = np.abs(slip.value)
-        per_speed = _each(friction.per_speed, speeds)
-        slope = per_speed + speeds * _each(friction.per_speed_slope, speeds)
-        return Dual(slip.value * per_speed, slope * slip.change)
+        per_speed, slope = _friction(scenario, slip.value)
+        change = per_speed + np.abs(slip.value) * slope
+        return Dual(slip.value * per_speed, change * slip.change)
 
     *state, turning = (
         Dual(value, axis) for value, axis in zip((*x, spin), np.eye(4)[:, :, None], strict=True)
@@ -123,6 +123,7 @@ def derivative(
     return rate, spin * sin_tilt, acceleration
 
 
-def _each(function: Callable[[float], float], values: Array) -> Array:
-    """Values of a friction law, which takes floats alone."""
-    return np.array([function(value) for value in values.tolist()])
+def _friction(scenario: Scenario, slip: Array) -> tuple[Any, Any]:
+    """Force for each newton of load and each m/s of slips, and its slope by their size."""
+    law = scenario.friction
+    return per_speed_and_slope(law, np.maximum(np.abs(slip), _NO_SLIP * law.finest_speed))

@@ -68,7 +68,7 @@ class Family:
         return cls(motions=tuple(found), begins=begins, reason=reason)
 
 
-def reach(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> PeriodicMotion:
+def continue_to(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> PeriodicMotion:
     """Motion of a value, on the way over others if it is too far from `start`.
 
     Raises
@@ -81,14 +81,14 @@ def reach(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> Per
     except NoCycleError:
         if not halvings:
             raise
-    between = reach((start.value + value) / 2.0, start, halvings - 1)
-    return reach(value, between, halvings - 1)
+    between = continue_to((start.value + value) / 2.0, start, halvings - 1)
+    return continue_to(value, between, halvings - 1)
 
 
 def followed(
     find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, values: Iterable[T]
 ) -> Iterator[PeriodicMotion]:
-    """Motions, each found from the one before, such as by `reach`.
+    """Motions, each found from the one before, such as by `continue_to`.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> 
 
     def at(value: float) -> float:
         if value not in found:
-            found[value] = reach(value, first)
+            found[value] = continue_to(value, first)
         return found[value].characteristic(multiplier)
 
     brentq(at, first.value, last.value, xtol=1e-9)

@@ -17,13 +17,14 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analysis.mechanics import reduced
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import WIDEST, nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, number, positive
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
-from analysis.stability.printed import critical_speed, reduced_matrices
+from analysis.stability.spectra import matrices_over_spin
 
 _DEPARTURE = 1e-6
 """Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""
@@ -119,8 +120,9 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
     NoConnectionError
         If it is no saddle with one growing direction.
     """
-    spin = number("spin", spin)
-    values, vectors = np.linalg.eig(reduced_matrices(scenario, [spin], "noninverted")[0])
+    spins = np.array([number("spin", spin)])
+    matrices = matrices_over_spin(scenario, "reduced", "noninverted")
+    values, vectors = np.linalg.eig(matrices(spins)[0])
     order = np.argsort(-values.real)
     values = values[order]
     if values[0].imag or not values[0].real > 0.0 > values[1].real:
@@ -177,8 +179,8 @@ def fall(scenario: Scenario, spin: float) -> Fall:
             f"the motion from noninverted spinning at {spin:.9g} rad/s neither turns back nor "
             f"goes over within {run.t[-1]:.3g} s: {run.message}"
         )
-    is_over = has_passed or (is_flat and run.y[1, -1] > 1.5 * np.pi)
-    return Fall(states=run.y.T, side=1.0 if is_over else -1.0, distances=distances(1.5))
+    goes_over = has_passed or (is_flat and run.y[1, -1] > 1.5 * np.pi)
+    return Fall(states=run.y.T, side=1.0 if goes_over else -1.0, distances=distances(1.5))
 
 
 def _ending(direction: float, of: Callable[[Array], float]) -> Any:

@@ -19,12 +19,12 @@ import numpy as np
 from scipy.linalg import eig
 
 from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics.paper import critical_speed, reduced_matrices
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, real_array
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
-from analysis.stability.printed import critical_speed, reduced_matrices
 
 HopfKind = Literal["supercritical", "subcritical", "degenerate"]
 

@@ -191,8 +191,8 @@ class PeriodicMotion:
         }
         followed, other = self.ends.columns
         names = ("spin", "period", "multiplier", "log_strong", "stable")
-        told = {name: getattr(self, name) for name in names}
-        return {followed: self.value, other: second[other], **told}
+        common = {name: getattr(self, name) for name in names}
+        return {followed: self.value, other: second[other], **common}
 
 
 def is_stable(multiplier: float) -> bool | None:

@@ -13,12 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from analysis.mechanics.dual import per_speed_and_slope
+from analysis.mechanics.paper import critical_speed
 from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import nearest_root
 from analysis.problem.checks import Array, real_array
 from analysis.problem.scenario import Scenario
-from analysis.stability.printed import critical_speed
 
 _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
@@ -80,10 +81,10 @@ def _slip(scenario: Scenario, needed: float) -> float:
     law = scenario.friction
     if needed == 0.0:
         return 0.0
-    slip = needed / law.gradient
+    slip: float = needed / law.gradient
     for _ in range(60):
-        miss = law.per_speed(slip) * slip - needed
-        slope = law.per_speed(slip) + law.per_speed_slope(slip) * slip
+        per_speed, change = per_speed_and_slope(law, slip)
+        miss, slope = per_speed * slip - needed, per_speed + change * slip
         if slope <= 0.0 or slip > _LARGEST_SLIP:
             break
         step = miss / slope

@@ -1,4 +1,4 @@
-"""All stationary motions of an eccentric disk: attitude and place constant in the turning frame.
+"""All stationary motions of a body: attitude and place constant in the turning frame.
 
 While the spin is free nothing makes good what friction takes, so that a stationary motion has no
 slip, hence no friction; its contact point then lies on the axis of turning, and so must its centre
@@ -6,7 +6,9 @@ of gravity, since nothing pushes it sideways: cos(gamma) = 0 and (r + e sin(gamm
 With friction and a free spin an eccentric disk therefore has inverted and noninverted spinning,
 and no tilted stationary motion. With held spin, where the constraint replaces what friction takes,
 there are tilted ones: the disk slides on a circle, its centre of gravity between up and sideways.
-A search from many starts finds them, and a continuation follows them through folds.
+Without friction, any body may turn about the vertical through its centre of gravity with its
+contact point on a circle. A search from many starts finds them, and a continuation follows them
+through folds.
 """
 
 from collections.abc import Callable
@@ -23,14 +25,21 @@ from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.nonlinear.continuation import Curve
-from analysis.problem.checks import Array, function, instance, number, positive, whole, within
-from analysis.problem.elementary import sin
+from analysis.problem.checks import (
+    Array,
+    finite_row,
+    function,
+    instance,
+    number,
+    positive,
+    whole,
+    within,
+)
 from analysis.problem.limits import MOST_STARTS
 from analysis.problem.quantities import FASTEST_TURN
-from analysis.problem.scenario import Scenario, require_plain
+from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import (
     ComplexArray,
-    finite_row,
     require_spinning,
     spin_scale,
     stationary_eigenvalues,
@@ -56,7 +65,7 @@ _FLAT = 0.02
 """Inclination from flat in rad below which the Euler angles end, and nothing is looked for."""
 
 _MIRROR: Array = np.array((0.0, 0.0, np.pi, np.pi))
-"""A place and its mirror image add up to this."""
+"""A place and its mirror image, which most bodies have, add up to this."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,9 +106,11 @@ class StationaryMotion:
         In rad; gamma between -pi and pi.
     eigenvalues : ndarray, complex, shape (k,)
         In 1/s, by falling real part, but for the neutral ones of its neighbours; see
-        `stationary_eigenvalues`.
+        `stationary_eigenvalues`. None, k = 0, where its neighbours have no such.
     value : float
         Of the parameter that is continued: the spin, or another one.
+    reason : str or None
+        Why there are no eigenvalues, if there are none.
     """
 
     spin: float
@@ -109,16 +120,17 @@ class StationaryMotion:
     gamma: float
     eigenvalues: ComplexArray
     value: float
+    reason: str | None = None
 
     @property
     def growth(self) -> float:
-        """Largest real part of its eigenvalues in 1/s."""
-        return float(self.eigenvalues[0].real)
+        """Largest real part of its eigenvalues in 1/s, nan if there are none."""
+        return float(self.eigenvalues[0].real) if self.eigenvalues.size else np.nan
 
     @property
     def is_tilted(self) -> bool:
-        """Whether the disk is not upright."""
-        return abs(self.beta - np.pi / 2) > _SAME
+        """Whether it is neither inverted nor noninverted spinning."""
+        return bool(np.max(np.abs(np.cos((self.beta, self.gamma)))) > _SAME)
 
     @classmethod
     def at(
@@ -127,28 +139,35 @@ class StationaryMotion:
         """That of a place, x / r, y / r, beta and gamma; the parameter is the spin by default."""
         r = scenario.disk.radius
         x, y, beta, gamma = (place * (r, r, 1.0, 1.0)).tolist()
+        eigenvalues, reason = np.empty(0, dtype=complex), None
+        try:
+            eigenvalues = stationary_eigenvalues(scenario, spin, (x, y, beta, gamma))
+        except ArithmeticError as error:
+            reason = str(error)
         return cls(
             spin=spin,
             x=x,
             y=y,
             beta=beta,
             gamma=gamma,
-            eigenvalues=stationary_eigenvalues(scenario, spin, (x, y, beta, gamma)),
+            eigenvalues=eigenvalues,
             value=spin if value is None else value,
+            reason=reason,
         )
 
 
 def stationary_motions(
     scenario: Scenario, spin: float, starts: int = STARTS
 ) -> tuple[StationaryMotion, ...]:
-    """Search for stationary motions of any constraints from random attitudes and places.
+    """Search for stationary motions of any body and constraints, from random attitudes and places.
 
-    Inverted and noninverted spinning are always among them; others may be missed.
+    Inverted and noninverted spinning are among them if the body can spin like that; others may be
+    missed. Of those that are not isolated, there are some.
 
     Parameters
     ----------
     scenario : Scenario
-        With an eccentric disk on an ideal contact and a horizontal table.
+        On an ideal contact and a horizontal table; a round disk must be eccentric.
     spin : float
         In rad/s, not zero.
     starts : int
@@ -164,9 +183,8 @@ def stationary_motions(
     ValueError
         If an argument is out of range or the scenario another one.
     """
-    require_plain(scenario, "the search for stationary motions")
     require_spinning(scenario, "the search for stationary motions")
-    if scenario.disk.eccentricity == 0.0:
+    if scenario.disk.is_round_disk and scenario.disk.eccentricity == 0.0:
         raise ValueError("eccentricity must be positive: without it every gamma is stationary")
     if within("spin", spin, -FASTEST_TURN, FASTEST_TURN) == 0.0:
         raise ValueError("spin must not be 0")
@@ -180,7 +198,8 @@ def stationary_motions(
     for begin in begins:
         place = _solved(scenario, spin, begin)
         if place is not None:
-            found.extend(each for each in (place, _turned(_MIRROR - place)) if _new(each, found))
+            both = place, _solved(scenario, spin, _MIRROR - place)
+            found.extend(each for each in both if each is not None and _new(each, found))
     found.sort(key=lambda place: -float(place[3]))
     return tuple(StationaryMotion.at(scenario, spin, place) for place in found)
 
@@ -228,14 +247,14 @@ def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver)
         That of `recorded.solver`.
     """
     x, y, beta, gamma = place
-    disk, held = scenario.disk, scenario.constraints
+    disk, constraints = scenario.disk, scenario.constraints
     r, unit = disk.radius, spin**2 + spin_scale(scenario) ** 2
-    coordinates = r * x, r * y, r * sin(beta), 0.0, beta, gamma
+    coordinates = r * x, r * y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
     state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
     ahead, across, _, *turning = solve(*state)[6:12]
-    no_slips = tuple(each for each in SLIPS if each in held)
+    no_slips = tuple(each for each in SLIPS if each in constraints)
     slips = velocity_residuals(no_slips, disk, state) if no_slips else []
-    away = position_residuals(held, disk, state)[1:] if "fixed-cog" in held else []
+    away = position_residuals(constraints, disk, state)[1:] if "fixed-cog" in constraints else []
     return [
         *(each / (r * unit) for each in (ahead, across)),
         *(each / unit for each in turning),
@@ -290,7 +309,7 @@ def stationary_branch(
         If an iteration fails, or too many motions lie in the interval; the message names
         the last good one.
     """
-    require_plain(scenario, "the continuation of stationary motions")
+    require_spinning(scenario, "the continuation of stationary motions")
     if not instance("start", start, StationaryMotion).is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
     if finite_row("interval", interval).size != 2:
@@ -325,14 +344,13 @@ def stationary_branch(
         value, beta, gamma = unit * point[4], point[2], point[3]
         return f"beyond {value:.9g} with beta {beta:.6g} and gamma {gamma:.6g} rad"
 
-    def is_over(point: Array) -> bool:
+    def meets_upright(point: Array) -> bool:
         """Whether the branch meets upright spinning, or has gone past it."""
-        sideways = abs(abs(point[3]) - np.pi / 2)
-        is_upright = max(abs(point[2] - np.pi / 2), sideways) < _SAME
-        return is_upright or bool(np.cos(point[3]) * np.cos(start.gamma) < 0.0)
+        begin, here = np.cos((start.beta, start.gamma)), np.cos(point[2:4])
+        return bool(np.max(np.abs(here)) < _SAME or np.all(begin * here < 0.0))
 
     ends = interval[0] / unit, interval[1] / unit
-    points = Curve(equations, ends, _STEP, where, is_over).through(point)
+    points = Curve(equations, ends, _STEP, where, meets_upright).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from analysis.problem.elementary import Members
 from analysis.problem.names import ArgumentError, check_names, nearest
-from analysis.problem.quantities import LARGEST_VALUE, QUANTITIES, Quantity, short
+from analysis.problem.quantities import FASTEST_TURN, LARGEST_VALUE, QUANTITIES, Quantity, short
 
 Array = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -279,6 +279,34 @@ def increasing_times(times: npt.ArrayLike) -> Array:
         raise ArgumentError(
             "times", f"must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"
         )
+    return result
+
+
+def spin_array(spins: npt.ArrayLike) -> Array:
+    """Return `spins` as a float array, shape (n,), n >= 1; a single number gives n = 1.
+
+    Raises
+    ------
+    ValueError
+        If it holds no real numbers, is empty, has more than one dimension, is not finite or
+        exceeds `FASTEST_TURN`.
+    """
+    result = finite_row("spins", spins, " in rad/s")
+    fastest = float(result[np.argmax(np.abs(result))])
+    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
+    return result
+
+
+def finite_row(name: str, values: npt.ArrayLike, unit: str = "") -> Array:
+    """Return finite numbers as an array, shape (n,), n >= 1; `ValueError` otherwise."""
+    result = np.atleast_1d(float_array(name, values))
+    if result.ndim != 1 or result.size == 0:
+        raise ValueError(
+            f"{name} must be one-dimensional with at least 1 entry, got shape {result.shape}"
+        )
+    if not np.all(np.isfinite(result)):
+        worst = result[~np.isfinite(result)][0]
+        raise ValueError(f"{name} must be finite numbers{unit}, got {worst}")
     return result
 
 

@@ -82,22 +82,6 @@ class FrictionLaw(Described):
             fault = "must say per_speed or force"
         raise ArgumentError("law", fault, f"friction law {LAWS.name_of(type(self))!r}")
 
-    def per_speed_slope(self, speed: float) -> float:
-        """Derivative of `per_speed` by the speed in s²/m², at no slip that to the right.
-
-        A law of one's own need not say it: it then comes from differences of sixth order, good
-        to some 1e-10 of the gradient over `finest_speed` where the law is smooth.
-        """
-        step = 1e-3 * max(self.finest_speed, speed)
-        if speed < 3.0 * step:
-            weights = (-49 / 20, 6.0, -15 / 2, 20 / 3, -15 / 4, 6 / 5, -1 / 6)
-            nodes = range(7)
-        else:
-            weights = (-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60)
-            nodes = range(-3, 4)
-        pairs = zip(weights, nodes, strict=True)
-        return sum(w * self.per_speed(speed + k * step) for w, k in pairs) / step
-
     @property
     @abstractmethod
     def finest_speed(self) -> float:
@@ -188,10 +172,6 @@ class SmoothCoulomb(_Regularised):
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         return self.coefficient / (speed + self.smoothing)
 
-    def per_speed_slope(self, speed: float) -> float:
-        """Derivative of `per_speed`; see `FrictionLaw`."""
-        return -self.coefficient / (speed + self.smoothing) ** 2
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stribeck(_Smoothed):
@@ -235,13 +215,6 @@ class Stribeck(_Smoothed):
         coefficient = self.kinetic + (self.static - self.kinetic) * drop
         return coefficient / (speed + self.smoothing)
 
-    def per_speed_slope(self, speed: float) -> float:
-        """Derivative of `per_speed`; see `FrictionLaw`."""
-        relative = speed / self.stribeck_speed
-        drop = (self.static - self.kinetic) * exp(-(relative**2))
-        change = -2.0 * relative / self.stribeck_speed * drop
-        return (change - self.per_speed(speed)) / (speed + self.smoothing)
-
     @property
     def finest_speed(self) -> float:
         """Slip speed in m/s over which the law bends."""
@@ -277,17 +250,6 @@ class TanhCoulomb(_Regularised):
             return self.coefficient / self.smoothing * (1.0 - relative * relative / 3.0)
         return self.coefficient * tanh(relative) / speed
 
-    def per_speed_slope(self, speed: float) -> float:
-        """Derivative of `per_speed`; see `FrictionLaw`."""
-        relative, unit = speed / self.smoothing, self.coefficient / self.smoothing**2
-        if relative < 0.05:
-            # The difference below would lose digits; the next term is below 1e-13 of this.
-            square = relative * relative
-            series = 2 / 3 - square * (8 / 15 - square * (34 / 105 - square * 496 / 2835))
-            return -unit * relative * (series + square**4 * 2764 / 31185)
-        high = tanh(relative)
-        return unit * ((1.0 - high * high) - high / relative) / relative
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ViscousFriction(FrictionLaw):
@@ -313,10 +275,6 @@ class ViscousFriction(FrictionLaw):
     def per_speed(self, speed: float) -> float:  # noqa: ARG002 - the same at every speed
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         return self.viscosity
-
-    def per_speed_slope(self, speed: float) -> float:  # noqa: ARG002 - the same at every speed
-        """Derivative of `per_speed`; see `FrictionLaw`."""
-        return 0.0
 
     @property
     def finest_speed(self) -> float:

@@ -18,7 +18,15 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import root
 
-from analysis.problem.checks import Array, not_negative, positive, within
+from analysis.mechanics.paper import paper_numbers
+from analysis.problem.checks import (
+    Array,
+    finite_row,
+    not_negative,
+    positive,
+    spin_array,
+    within,
+)
 from analysis.problem.friction import ViscousFriction
 from analysis.problem.quantities import STEEPEST_FRICTION
 from analysis.problem.scenario import Scenario
@@ -27,11 +35,10 @@ from analysis.stability.critical import Spectra, spin_interval
 from analysis.stability.linearisation import (
     ROUND_OFF,
     ComplexArray,
-    finite_row,
-    spin_array,
+    require_spinning,
     spin_scale,
 )
-from analysis.stability.printed import full_matrices, static_gradient
+from analysis.stability.spectra import full_matrices
 
 
 def with_gradient(scenario: Scenario, gradient: float) -> Scenario:
@@ -68,6 +75,7 @@ def stability_chart(
         If spins or gradients are empty or not finite, a gradient is negative, the motion is
         unknown or the scenario another one.
     """
+    require_spinning(scenario, "the full system", 1)
     spins = spin_array(spins)
     gradients = _gradients(gradients)
     not_negative("gradients", float(np.min(gradients)))
@@ -95,6 +103,49 @@ SPINS = (0.0, 100.0)
 
 
 Kind = Literal["double hopf", "zero hopf", "double zero"]
+
+
+def static_gradient(
+    scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
+) -> Array:
+    """Friction gradient at which a real eigenvalue is zero, in s/m, shape (n,), in closed form.
+
+    An eigenvalue is zero where det(K + N) = 0 in Eq. (55). The determinant is quadratic in
+    d = mu m g / epsilon without a linear term:
+
+        d² ((B - A + m e r) Omega² + m e g) ((C - A + 2 m e r + m r²) Omega² + m g (r + e))
+        = (m Omega)² ((A - B_bar) Omega² - m e g) ((C - A - m e²) Omega² + m g (r + e)).
+
+    Below the gradient found, an odd number of eigenvalues is unstable: inverted spinning falls
+    over without oscillating. Where there is no such gradient the result is nan; so it is at every
+    spin for noninverted spinning of a disk with A >= B_bar, whose right side is positive and
+    whose left side is not: it is unstable at every spin and with every friction.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of Model 1, on a horizontal table; its friction is not looked at.
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s.
+    motion : {"inverted", "noninverted"}
+
+    Raises
+    ------
+    ValueError
+        If a spin is not finite, there is none, the motion is unknown or the scenario another one.
+    """
+    require_spinning(scenario, "the full system", 1)
+    Omega2 = spin_array(spins) ** 2
+    m, r, e, A, B, C, mg = paper_numbers(scenario, motion).values()
+    B_bar = scenario.disk.inertia_about_cog[1]
+    left = ((B - A + m * e * r) * Omega2 + mg * e) * (
+        (C - A + 2 * m * e * r + m * r**2) * Omega2 + mg * (r + e)
+    )
+    right = ((A - B_bar) * Omega2 - mg * e) * ((C - A - m * e**2) * Omega2 + mg * (r + e))
+    exists = left * right > 0.0
+    ratio = np.divide(right, left, out=np.full_like(left, np.nan), where=exists)
+    result: Array = np.sqrt(Omega2 * ratio) / scenario.table.gravity
+    return result
 
 
 class HopfCurve(NamedTuple):
@@ -167,6 +218,7 @@ def hopf_curves(
     ValueError
         If an argument is out of range, the motion is unknown or the scenario another one.
     """
+    require_spinning(scenario, "the full system", 1)
     wanted = _gradients(gradients)
     positive("gradients", float(np.min(wanted)))
     grid, scale = np.linspace(*spin_interval(spins, "spins"), _SPINS), spin_scale(scenario)

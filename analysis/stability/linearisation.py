@@ -1,6 +1,6 @@
 """Any scenario linearised about a stationary motion, along its constraint manifold.
 
-Independent of the paper's matrices in `printed`: the nonlinear index-1
+Independent of the paper's matrices in `mechanics.paper`: the nonlinear index-1
 system s' = F(s) in the states of `mechanics.attitude` is differentiated by dual numbers along the
 tangent space T of the states that meet every constraint on position and velocity level. Its
 Jacobian maps T into itself, so that it is told by the numbers of a state that are free in T.
@@ -9,7 +9,8 @@ Some directions of T are neutral. They, too, are mapped into themselves (which i
 that leaving them out leaves the other eigenvalues as they are:
 
 - alpha: the disk may stand on the table in any direction;
-- its rate, unless the spin is held: the neighbouring stationary motion, an eigenvalue of zero;
+- its rate, unless the spin is held: the neighbouring stationary motion, an eigenvalue of zero, of
+  a tilted motion together with another attitude;
 - the drift, unless the centre of gravity is held: spinning elsewhere on the table, which circles
   in the turning R-frame and has the eigenvalues +-i spin.
 
@@ -23,6 +24,7 @@ and all times in sqrt(r / g).
 
 from dataclasses import replace
 from math import cos, hypot, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,8 +33,10 @@ from scipy.linalg import qr
 from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
-from analysis.mechanics.dual import derivatives
-from analysis.problem.checks import Array, checked, choice, float_array, instance, within
+from analysis.mechanics.dual import derivatives, of_duals
+from analysis.mechanics.linear_algebra import Numbers
+from analysis.mechanics.penalty import Solver
+from analysis.problem.checks import Array, checked, choice, finite_row, instance, within
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
 from analysis.problem.friction import ViscousFriction
@@ -94,34 +98,6 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
         )
 
 
-def spin_array(spins: npt.ArrayLike) -> Array:
-    """Return `spins` as a float array, shape (n,), n >= 1; a single number gives n = 1.
-
-    Raises
-    ------
-    ValueError
-        If it holds no real numbers, is empty, has more than one dimension, is not finite or
-        exceeds `FASTEST_TURN`.
-    """
-    result = finite_row("spins", spins, " in rad/s")
-    fastest = float(result[np.argmax(np.abs(result))])
-    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
-    return result
-
-
-def finite_row(name: str, values: npt.ArrayLike, unit: str = "") -> Array:
-    """Return finite numbers as an array, shape (n,), n >= 1; `ValueError` otherwise."""
-    result = np.atleast_1d(float_array(name, values))
-    if result.ndim != 1 or result.size == 0:
-        raise ValueError(
-            f"{name} must be one-dimensional with at least 1 entry, got shape {result.shape}"
-        )
-    if not np.all(np.isfinite(result)):
-        worst = result[~np.isfinite(result)][0]
-        raise ValueError(f"{name} must be finite numbers{unit}, got {worst}")
-    return result
-
-
 def has_drift(constraints: ConstraintSet) -> bool:
     """Whether the disk may spin at any place on the table."""
     return "fixed-cog" not in constraints
@@ -135,8 +111,8 @@ def falling(values: npt.NDArray[np.inexact]) -> ComplexArray:
 
 def upright(scenario: Scenario, gamma: float) -> Place:
     """Where the disk spins upright: G, or a centre of gravity that is held, above the origin."""
-    held = not has_drift(scenario.constraints)
-    return -scenario.disk.eccentricity * np.cos(gamma) * held, 0.0, pi / 2, gamma
+    is_held = not has_drift(scenario.constraints)
+    return -scenario.disk.eccentricity * np.cos(gamma) * is_held, 0.0, pi / 2, gamma
 
 
 class Linearisation:
@@ -159,57 +135,61 @@ class Linearisation:
         """Unit sqrt(g / r) of the spin in rad/s."""
         radius, unit = scenario.disk.radius, self.frequency
         self._units = np.repeat((radius, 1.0, radius * unit, unit), 3)
-        self._jacobian = recorded.jacobian(scenario)
+        self._solve = recorded.solver(scenario, functions=of_duals)
         step = _SPIN_STEP * unit
         if spin is not None:
-            self._powers = np.vstack((self._by_state(spin), self._held(spin)))[None]
+            self._powers = self._slopes(spin)[None]
         else:
-            less, rest, more = (self._by_state(each) for each in (-step, 0.0, step))
-            still, moving = self._held(0.0), self._held(step)
-            linear = np.vstack((more - less, 2 * (moving - still))) / (2 * _SPIN_STEP)
-            square = np.vstack((more - 2 * rest + less, 0.0 * still)) / (2 * _SPIN_STEP**2)
-            self._powers = np.array((np.vstack((rest, still)), linear, square))
+            less, rest, more = (self._slopes(each) for each in (-step, 0.0, step))
+            linear = (more - less) / (2 * _SPIN_STEP)
+            square = (more - 2 * rest + less) / (2 * _SPIN_STEP**2)
+            self._powers = np.array((rest, linear, square))
 
-    def state(self, spin: float) -> Array:
-        """State of the stationary motion at a spin in rad/s, shape (12,)."""
+    def state(self, spin: Any, disk: Any = None) -> tuple[Any, ...]:
+        """State of the stationary motion at a spin in rad/s, 12 numbers.
+
+        Parameters
+        ----------
+        spin : number
+        disk : optional
+            That of the scenario with its numbers of another kind.
+        """
         x, y, beta, gamma = self._place
-        disk, rates = self._scenario.disk, (0.0, 0.0, 0.0, spin, 0.0, 0.0)
-        coordinates = x, y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
-        return np.array(state_of(disk, coordinates, rates))
+        height, *_ = self._scenario.disk.clearance(beta, gamma)
+        coordinates, rates = (x, y, height, 0.0, beta, gamma), (0.0, 0.0, 0.0, spin, 0.0, 0.0)
+        return state_of(disk or self._scenario.disk, coordinates, rates)
 
-    def accelerations(self, spin: float) -> Array:
-        """Changes of the velocities there without units, shape (6,): zero if it is stationary."""
-        found = np.array(recorded.solver(self._scenario)(*self.state(spin).tolist())[6:12])
-        result: Array = found / (self._units[6:] * self.frequency)
-        return result
+    def equations(self, disk: Any, solve: Solver, state: Numbers) -> list[Any]:
+        """Time derivative of a state and residuals of constraints, 12 + m numbers of any kind."""
+        constraints = self._scenario.constraints
+        return [
+            *solve(*state)[:12],
+            *position_residuals(constraints, disk, state),
+            *velocity_residuals(constraints, disk, state),
+        ]
 
     def change(self, spin: float) -> float:
-        """The largest of them as a part of those of the spinning."""
-        largest = np.max(np.abs(self.accelerations(spin)))
-        return float(largest / (1.0 + (spin / self.frequency) ** 2))
+        """Largest change of the velocities there, as a part of those of the spinning."""
+        found = np.array(recorded.solver(self._scenario)(*self.state(spin))[6:12])
+        largest = np.max(np.abs(found) / self._units[6:])
+        return float(largest / (self.frequency + spin**2 / self.frequency))
 
     def is_stationary(self, spin: float) -> bool:
-        """Whether they are zero, but for rounding."""
+        """Whether that is none, but for rounding."""
         return self.change(spin) <= ZERO
 
-    def _by_state(self, spin: float) -> Array:
-        """Jacobian of the flow without units, shape (12, 12)."""
-        found = self._jacobian(self.state(spin)) * self._units / self._units[:, None]
-        result: Array = found / self.frequency
+    def _slopes(self, spin: float) -> Array:
+        """Derivatives of `equations` by the state without units, shape (12 + m, 12)."""
+        disk, solve = self._scenario.disk, self._solve
+        found = derivatives(lambda moving: self.equations(disk, solve, moving), self.state(spin))
+        result: Array = found * self._units / self._row_units(len(found))[:, None]
         return result
 
-    def _held(self, spin: float) -> Array:
-        """Derivatives of what the constraints hold, without units, shape (m, 12)."""
-        held, disk = self._scenario.constraints, self._scenario.disk
-        rows = derivatives(
-            lambda moving: [
-                *position_residuals(held, disk, moving),
-                *velocity_residuals(held, disk, moving),
-            ],
-            self.state(spin),
+    def _row_units(self, count: int) -> Array:
+        """Units of as many numbers of `equations`, shape (count,)."""
+        return np.append(
+            self._units * self.frequency, np.full(count - 12, self._scenario.disk.radius)
         )
-        result: Array = rows * self._units / disk.radius
-        return result
 
     def matrices(self, spins: Array) -> Array:
         """State matrices in 1/s at spins in rad/s, shape (n, k, k), without what is neutral.
@@ -222,28 +202,66 @@ class Linearisation:
         every = self._at(spins)
         jacobians = every[:, :12]
         free, neutral, bases = self._tangents(every[:, 12:])
-        rows = jacobians[:, free]
-        coupling = np.max(np.abs(rows[:, :, neutral]), axis=(1, 2))
-        worst = float(np.max(coupling / np.max(np.abs(jacobians), axis=(1, 2))))
+        rows, size = jacobians[:, free], np.max(np.abs(jacobians), axis=(1, 2))
+        found, coupling = rows @ bases, rows[:, :, neutral]
+        if 9 in neutral and np.any(np.max(np.abs(rows[:, :, 9]), axis=1) > _NEUTRAL * size):
+            # The neighbouring motion has another attitude, which deviations are then told from.
+            neighbour = -np.linalg.pinv(found, _NEUTRAL) @ rows[:, :, [9]]
+            rows = jacobians[:, [*free, 9]]
+            others = rows[:, :, [each for each in neutral if each != 9]]
+            coupling = np.append(others, rows[:, :, [9]] + rows @ bases @ neighbour, axis=2)
+            found = found - neighbour @ (jacobians[:, [9]] @ bases)
+        worst = float(np.max(np.max(np.abs(coupling), axis=(1, 2)) / size))
         if worst > _NEUTRAL:
             raise ArithmeticError(
                 f"a change of the spin or of the place of {self._scenario.name} is not neutral: "
                 f"relative coupling {worst:.1e}"
             )
-        result: Array = self.frequency * rows @ bases
+        result: Array = self.frequency * found
         return result
 
+    def spread(
+        self, spin: float, left: ComplexArray, right: ComplexArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """What weighs changes of the slopes of `equations`, and the deviation they act on.
+
+        The first derivative of an eigenvalue by a parameter is that of the weighted sum of their
+        slopes along the deviation: what it changes of the constraints changes how the free
+        numbers carry the others.
+
+        Parameters
+        ----------
+        spin : float
+            In rad/s.
+        left, right : ndarray, complex, shape (k,)
+            Eigenvectors of the state matrix there, the left one conjugated.
+
+        Returns
+        -------
+        weights : ndarray, complex, shape (12 + m,)
+        deviation : ndarray, complex, shape (12,)
+        """
+        every = self._at(np.array([spin]))
+        free, neutral, bases = self._tangents(every[:, 12:])
+        carried = np.setdiff1d(np.arange(12), [*free, *neutral])
+        weights: ComplexArray = np.zeros(every.shape[1], dtype=complex)
+        weights[free] = left
+        normals, rows = every[0, 12:, carried], every[0][np.ix_(free, carried)]
+        weights[12:] = -np.linalg.solve(normals, rows.T @ left)
+        weights /= self._row_units(weights.size)
+        deviation: ComplexArray = self._units * (bases[0] @ right)
+        return weights, deviation
+
     def _at(self, spins: Array) -> Array:
-        """Those of `_by_state` and `_held` at spins in rad/s, shape (n, 12 + m, 12)."""
+        """Those of `_slopes` at spins in rad/s, shape (n, 12 + m, 12)."""
         spin = np.vander(spins / self.frequency, len(self._powers), increasing=True)
         return np.tensordot(spin, self._powers, axes=1)
 
     def _tangents(self, normals: Array) -> tuple[Array, list[int], Array]:
         """Free numbers and neutral ones, and how all deviate with each free one."""
-        held = self._scenario.constraints
-        # A free spin is that about the centre of gravity: no other motion is stationary.
-        neutral = [3] if "constant-spin" in held else [3, 9]
-        if has_drift(held):
+        constraints = self._scenario.constraints
+        neutral = [3] if "constant-spin" in constraints else [3, 9]
+        if has_drift(constraints):
             neutral += [0, 1]
         others = np.array([each for each in range(12) if each not in neutral])
         triangle, best = qr(self._powers[0][12:, others], mode="r", pivoting=True)

@@ -15,18 +15,19 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from analysis.problem.checks import Array, choice, instance
+from analysis.mechanics import paper
+from analysis.problem.checks import Array, choice, instance, spin_array
+from analysis.problem.quantities import Level
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import MOTIONS, Motion
 from analysis.stability.linearisation import (
     ComplexArray,
     falling,
     has_drift,
-    spin_array,
+    require_spinning,
     spin_scale,
     spinning,
 )
-from analysis.stability.printed import full_matrices, reduced_matrices
 
 System = Literal["full", "reduced", "numeric"]
 SYSTEMS: tuple[System, ...] = get_args(System)
@@ -35,16 +36,59 @@ SYSTEMS: tuple[System, ...] = get_args(System)
 Matrices = Callable[[Array], Array]
 """State matrices, shape (n, k, k), at spins in rad/s, shape (n,)."""
 
-CLOSED: dict[System, tuple[int, Callable[..., Array]]] = {
+
+def full_matrices(
+    scenario: Scenario,
+    spins: npt.ArrayLike,
+    motion: Motion = "inverted",
+    *,
+    gradient: npt.ArrayLike | None = None,
+) -> Array:
+    """State matrices of the full system, Eqs. (48)-(55), without the drift.
+
+    In the R-frame, which turns with the disk, a place fixed on the table circles with -Omega. That
+    gives Eq. (55) the pair of eigenvalues +-i Omega exactly, whatever the friction. In the states
+    (beta, gamma, inertial velocity of G along e_x^R and e_y^R, rates of beta and gamma) the place
+    does not occur.
+
+    Load "weight" and load "contact" have the same linearisation, because the contact force is m g
+    up to second order, Eq. (40).
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its constraints are not looked at.
+    spins : array_like, shape (n,)
+        Spinning speeds in rad/s, of either sign.
+    motion : {"inverted", "noninverted"}
+    gradient : float or array_like, shape (n,), optional
+        Friction gradient mu / epsilon in s/m, or one for each spin, in place of that of the
+        scenario's law.
+
+    Returns
+    -------
+    ndarray, shape (n, 6, 6)
+    """
+    spins = np.atleast_1d(spins)
+    d = scenario.weight * np.array(scenario.friction.gradient if gradient is None else gradient)
+    printed = paper.printed_matrices(paper.paper_numbers(scenario, motion))
+    matrices = paper.first_order(printed, spins, d)
+    change = np.zeros((spins.size, 8, 8))
+    change[:, 4, 1], change[:, 5, 0] = -spins, spins
+    turned = (np.eye(8) + change) @ matrices @ (np.eye(8) - change)
+    return np.ascontiguousarray(turned[:, 2:, 2:])
+
+
+CLOSED: dict[System, tuple[Level, Callable[..., Array]]] = {
     "full": (1, full_matrices),
-    "reduced": (4, reduced_matrices),
+    "reduced": (4, paper.reduced_matrices),
 }
 """Systems in closed form: the model that each is of, and what gives its matrices."""
 
 _LARGEST_STEP = 0.05
 """Branches are followed in steps of at most this many rad/s, whatever spins are asked for,"""
 
-_LARGEST_PART = 1 / 300
+_LARGEST_FRACTION = 1 / 300
 """and of this part of `spin_scale`, which is shorter where the disk is large or gravity weak."""
 
 _MOST_STEPS = 20_000
@@ -113,10 +157,9 @@ def matrices_over_spin(
     choice("motion", motion, MOTIONS)
     if system == "numeric":
         return spinning(scenario, motion).matrices
-    matrices = partial(CLOSED[system][1], scenario, motion=motion)
-    # Another scenario is refused at once.
-    matrices(np.zeros(1))
-    return matrices
+    level, matrices = CLOSED[system]
+    require_spinning(scenario, f"the {system} system", level)
+    return partial(matrices, scenario, motion=motion)
 
 
 def eigenvalues(
@@ -193,9 +236,9 @@ def branches(
     spins = np.append(below[:-1], above)
     helpers = follow(matrices(spins), below.size - 1)
     right = np.clip(np.searchsorted(spins, wanted), 1, spins.size - 1)
-    part = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
+    fraction = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
     before, after = helpers[right - 1], helpers[right]
-    expected = before + part * (after - before)
+    expected = before + fraction * (after - before)
     values = _next(before, expected, np.linalg.eigvals(matrices(wanted)).astype(complex))
     if has_drift(scenario.constraints):
         values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
@@ -204,7 +247,7 @@ def branches(
 
 def helper_spins(scenario: Scenario, low: float, high: float) -> Array:
     """Equally spaced spins from `low` to `high` in rad/s, close enough to follow branches."""
-    step = min(_LARGEST_STEP, _LARGEST_PART * spin_scale(scenario))
+    step = min(_LARGEST_STEP, _LARGEST_FRACTION * spin_scale(scenario))
     count = min(int(np.ceil((high - low) / step)), _MOST_STEPS)
     return np.linspace(low, high, count + 1)
 
@@ -240,8 +283,8 @@ def _next(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> C
     """Values in the order of those they are expected to be, no two the same, shape (n, k)."""
     cost = np.abs(values[:, None] - expected[:, :, None])
     order = np.argmin(cost, axis=2)
-    for step, places in enumerate(order.tolist()):
-        if len(set(places)) < len(places):
+    for step, chosen in enumerate(order.tolist()):
+        if len(set(chosen)) < len(chosen):
             change = values[step] - last[step][:, None]
             convention = _TIE_BREAK * np.abs(change.real + change.imag)
             order[step] = linear_sum_assignment(cost[step] + convention)[1]

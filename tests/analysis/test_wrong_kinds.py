@@ -13,6 +13,7 @@ import pytest
 
 import analysis
 from analysis import MODELS, Ensemble, Scenario, Trajectory, simulate, simulate_many
+from analysis.mechanics import paper
 from analysis.nonlinear import families, following, heteroclinic, hopf, slow_manifold
 from analysis.nonlinear.stationary import (
     Parameter,
@@ -20,7 +21,7 @@ from analysis.nonlinear.stationary import (
     stationary_branch,
     stationary_motions,
 )
-from analysis.stability import chart, critical, linearisation, printed, spectra
+from analysis.stability import chart, critical, linearisation, spectra
 from analysis.stability.sensitivities import sensitivities
 from mbs_models import Newton
 from validation.sweeps.plan import Plan
@@ -38,8 +39,8 @@ OF_A_SCENARIO: dict[str, Callable[[Any], Any]] = {
     "scenario_text": analysis.scenario_text,
     "ensemble": lambda given: Ensemble(scenario=given, fields={"spin": SPINS}),
     "critical_speeds": critical.critical_speeds,
-    "critical_speed": printed.critical_speed,
-    "closed_form": lambda given: printed.closed_form(given, SPINS),
+    "critical_speed": paper.critical_speed,
+    "closed_form": lambda given: paper.closed_form(given, SPINS),
     "eigenvalues": lambda given: spectra.eigenvalues(given, SPINS),
     "branches": lambda given: spectra.branches(given, SPINS),
     "spinning": linearisation.spinning,

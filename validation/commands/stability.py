@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from analysis import LEVELS, MODELS, Start
+from analysis.mechanics.paper import CriticalSpeed, critical_speed
 from analysis.problem.names import ArgumentError
 from analysis.stability import spectra
 from analysis.stability.critical import CriticalSpeeds, critical_speeds, spin_interval
-from analysis.stability.printed import CriticalSpeed, critical_speed
 from analysis.stability.spectra import Branches
 from validation.commands.options import parse_spins
 from validation.kit import figures

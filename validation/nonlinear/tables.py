@@ -9,11 +9,11 @@ from math import log
 from typing import Any
 
 from analysis import Scenario
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.hopf import Growth, HopfType
 from analysis.nonlinear.motions import KINDS, Event, Kind, PeriodicMotion
 from analysis.nonlinear.slow_manifold import SlowOrbit, slow_connection
-from analysis.stability.printed import critical_speed
 from validation.kit.tables import Cell, Table
 
 Motion = Mapping[str, Any]

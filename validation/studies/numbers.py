@@ -10,7 +10,6 @@ import pandas as pd
 import mbs_models
 from analysis import GRAVITY, MODELS, ROUNDED_STEEL_DISK, STEEL_DISK, Scenario
 from analysis.mechanics import paper
-from analysis.stability.printed import first_order, paper_numbers, printed_matrices
 from validation.page.content import Content, Rows, Verdict
 from validation.run import run
 from validation.studies.comparisons import random_state
@@ -55,11 +54,11 @@ LeftOver = Iterable[npt.ArrayLike]
 
 def _linear_friction() -> LeftOver:
     scenario, spin = Scenario(), np.array([40.0])
-    right = printed_matrices(paper_numbers(scenario))
+    right = paper.printed_matrices(paper.paper_numbers(scenario))
     printed = MATRIX_CHANGES["(53) and (54) with the printed signs"](right)
     force = scenario.friction.gradient * scenario.weight
     engine = mbs_models.state_matrix(spinning(scenario, *spin))
-    systems = (first_order(each, spin, force)[0] for each in (printed, right))
+    systems = (paper.first_order(each, spin, force)[0] for each in (printed, right))
     return ((each - engine) / np.max(np.abs(engine)) for each in systems)
 
 

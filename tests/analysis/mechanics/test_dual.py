@@ -1,14 +1,17 @@
 """Dual numbers: exact derivatives of whatever is worked out with them."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
 
-from analysis.mechanics.dual import derivatives, rate
+from analysis import LAWS, FrictionLaw
+from analysis.mechanics.dual import derivatives, per_speed_and_slope, rate
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
-from tests.helpers import assert_close, jacobian
+from tests.helpers import assert_close, derivative, jacobian
+from tests.wayward_law import Own
 
 FORMULAS: dict[str, Callable[[Sequence[Any]], list[Any]]] = {
     "sums": lambda x: [-x[0] + 2.0 - x[1], 3.0 - (x[0] - x[1]), x[1] + 1.5],
@@ -30,3 +33,38 @@ def test_values_may_be_arrays_of_many_places() -> None:
     x, y = np.linspace(0.1, 1.0, 5), np.linspace(2.0, 3.0, 5)
     (found,) = rate(lambda z: [z[0] * sin(z[1])], (x, y), (np.ones(5), 2.0 * np.ones(5)))
     np.testing.assert_allclose(found, np.sin(y) + 2.0 * x * np.cos(y), rtol=1e-14)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Elementary(Own):
+    """The same law in functions that take dual numbers."""
+
+    def per_speed(self, speed: float) -> float:
+        return self.strength / hypot(0.1 * self.order, speed)
+
+
+SIMPLE: list[FrictionLaw] = [law for law in (kind() for kind in LAWS.values()) if law.is_simple]
+
+
+@pytest.mark.parametrize("law", [*SIMPLE, Own(), Elementary()], ids=lambda law: type(law).__name__)
+def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
+    unit = law.gradient / law.finest_speed
+    for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
+        speed = relative * law.finest_speed
+        stretched = derivative(lambda t, v=speed: np.array(law.per_speed(v * (1.0 + t))))  # type: ignore[misc]
+        # Differences over a small speed lose digits.
+        expected, accuracy = float(stretched) / speed / unit, 1e-10 + 1e-12 / relative
+        assert per_speed_and_slope(law, speed)[1] / unit == pytest.approx(expected, abs=accuracy)
+    near = 1e-6 * law.finest_speed
+    assert law.per_speed(near) == pytest.approx(law.gradient, rel=2e-6)
+    expected = (law.per_speed(near) - law.gradient) / near
+    assert per_speed_and_slope(law, 0.0)[1] / unit == pytest.approx(expected / unit, abs=2e-6)
+
+
+def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_not() -> None:
+    speeds = np.geomspace(1e-3, 10.0, 9)
+    expected = -0.3 * speeds / (0.04 + speeds**2) ** 1.5
+    for law, accuracy in ((Elementary(), 1e-14), (Own(), 1e-9)):
+        values, slopes = per_speed_and_slope(law, speeds)
+        np.testing.assert_allclose(values, [law.per_speed(each) for each in speeds], rtol=1e-15)
+        np.testing.assert_allclose(slopes, expected, rtol=accuracy, atol=accuracy)

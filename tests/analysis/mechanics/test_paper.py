@@ -1,9 +1,20 @@
-"""The paper's printed equations against Lagrange's equations of the rigid body."""
+"""The paper's printed equations against Lagrange's equations, and its closed forms."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from analysis import ConstraintSet, Disk, Scenario, Table
+from analysis import (
+    MODELS,
+    MOTIONS,
+    ConstraintSet,
+    Disk,
+    Motion,
+    Scenario,
+    SmoothCoulomb,
+    Table,
+)
 from analysis.mechanics import paper
 from analysis.problem.checks import Array
 from tests.helpers import (
@@ -63,3 +74,31 @@ def test_directions_are_gradients_of_positions_and_terms_their_changes(
     change = derivative(lambda t: paper.constraint_directions(constraints, disk, z + t * u))
     terms = paper.constraint_changes(constraints, disk, z, u)
     np.testing.assert_allclose(terms, change @ u, rtol=0.0, atol=1e-11)
+
+
+REDUCED = Scenario(constraints=MODELS[4])
+
+
+@pytest.mark.parametrize(("coefficient", "smoothing"), [(1e-3, 10.0), (50.0, 1e-3)])
+def test_critical_speed_depends_on_neither_friction_parameter(
+    coefficient: float, smoothing: float
+) -> None:
+    friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing)
+    critical, scenario = paper.critical_speed(REDUCED), replace(REDUCED, friction=friction)
+    values = np.linalg.eigvals(paper.reduced_matrices(scenario, critical.spin)[0])
+    tolerance = 1e-12 * np.max(np.abs(values)) + 1e-11
+    assert np.min(np.abs(values - 1j * critical.frequency)) < tolerance
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_closed_form_converges_with_the_smoothing(motion: Motion) -> None:
+    errors = []
+    for smoothing in (1e-2, 1e-3, 1e-4):
+        scenario = replace(REDUCED, friction=SmoothCoulomb(smoothing=smoothing))
+        values = np.linalg.eigvals(paper.reduced_matrices(scenario, 40.0, motion)[0])
+        approximate = paper.closed_form(scenario, 40.0, motion).eigenvalues[0]
+        errors.append([np.min(np.abs(values - value)) for value in approximate])
+    rates = np.log10(np.array(errors)[:-1] / np.array(errors)[1:])
+    # lambda_1,2 are off by O(epsilon²), lambda_3 by O(epsilon), as Eq. (122) says
+    assert np.all(rates[:, 2] == pytest.approx(1.0, abs=0.05))
+    assert np.all(rates[:, :2] > 0.95)

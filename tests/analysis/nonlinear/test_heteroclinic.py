@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import DISKS, Disk, Scenario, SmoothCoulomb, ViscousFriction
+from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
 from analysis.nonlinear.families import cycle_family
 from analysis.nonlinear.heteroclinic import (
@@ -20,7 +21,6 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.hopf import hopf_type
 from analysis.nonlinear.slow_manifold import NoManifoldError, slow_connection, slow_cycle
-from analysis.stability.printed import critical_speed
 from tests.helpers import model
 
 PAPER = model(4)
@@ -155,6 +155,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "friction law cannot give": lambda: slow_connection(LOOSE),
     "cycles must hold 4": lambda: period_growth([], HERE),
     "is no saddle with one growing": lambda: saddle(PAPER, 0.0),
+    "the reduced system is that of Model 4, got Model 2": lambda: saddle(model(2), 30.0),
 }
 
 

@@ -1,4 +1,4 @@
-"""All stationary motions of an eccentric disk."""
+"""All stationary motions of a disk, and of other bodies."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -6,7 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import CENTRED_DISK, ConstraintSet, Scenario, SmoothCoulomb, Start, Table, simulate
+from analysis import (
+    CENTRED_DISK,
+    ConstraintSet,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Table,
+    simulate,
+)
 from analysis.nonlinear.continuation import Curve
 from analysis.nonlinear.stationary import (
     Parameter,
@@ -17,6 +25,8 @@ from analysis.nonlinear.stationary import (
 from analysis.problem.checks import Array
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
+from tests.bodies import BODIES, COMPOSED, TIPPE_TOP
+from tests.helpers import not_none
 
 HELD = Scenario(constraints=("contact", "constant-spin"))
 """At held spin a disk has tilted stationary motions."""
@@ -101,6 +111,83 @@ def deviation_of_gamma(scenario: Scenario, motion: StationaryMotion) -> Array:
         run = simulate(replace(scenario, start=start), times, local_tolerance=1e-12)
         runs.append(run.coordinate("gamma")[60:])
     return np.asarray((runs[0] - runs[1]) / 2.0)
+
+
+FRICTIONLESS = SmoothCoulomb(coefficient=0.0)
+
+
+def test_frictionless_tippe_top_leans_and_nods_as_its_closed_form_says() -> None:
+    spin, gravity = 100.0, 9.81
+    top, scenario = TIPPE_TOP, Scenario(disk=TIPPE_TOP, friction=FRICTIONLESS)
+    (a, b, _), torque = top.inertia_about_cog, top.mass * gravity * top.eccentricity
+    lean = torque / ((a - b) * spin**2)
+    found = stationary_motions(scenario, spin, starts=12)
+    tilted = [each for each in found if abs(np.sin(each.beta) * np.sin(each.gamma)) < 0.999]
+    assert len(found) - len(tilted) == 2
+    # The second derivative of the potential that its momenta leave, over the inertia of a nod.
+    angle, axial = np.arccos(lean), spin * a * lean
+    vertical = axial * lean + spin * b * (1 - lean**2)
+
+    def potential(angle: float) -> float:
+        across = vertical - axial * np.cos(angle)
+        return float(across**2 / (2 * b * np.sin(angle) ** 2) + torque * np.cos(angle))
+
+    step = 1e-3
+    ahead, here, back = (potential(angle + each) for each in (step, 0.0, -step))
+    inertia = b + top.mass * top.eccentricity**2 * np.sin(angle) ** 2
+    nod = np.sqrt((ahead - 2 * here + back) / step**2 / inertia)
+    for each in tilted:
+        assert np.sin(each.beta) * np.sin(each.gamma) == pytest.approx(lean, abs=1e-9)
+        assert np.min(np.abs(each.eigenvalues - 1j * nod)) < 1e-4 * nod
+        assert each.growth < 1e-5 * nod
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_stationary_motions_of_every_body_stay_where_they_are(name: str) -> None:
+    body = BODIES[name]
+    held: ConstraintSet = ("contact", "constant-spin") if body.is_round_disk else ("contact",)
+    law = SmoothCoulomb() if body.is_round_disk else FRICTIONLESS
+    scenario = Scenario(disk=body, constraints=held, friction=law)
+    found = stationary_motions(scenario, 100.0, starts=10)
+    assert any(abs(np.cos(each.gamma)) > 0.01 for each in found)
+    for each in found[:3]:
+        place = {which: getattr(each, which) for which in ("x", "y", "beta", "gamma")}
+        rates = dict.fromkeys(("x_rate", "y_rate", "beta_rate", "gamma_rate"), 0.0)
+        start = Start(spin=each.spin, **place, **rates)
+        run = simulate(replace(scenario, start=start), np.array((0.0, 0.01, 0.02)))
+        for which, value in place.items():
+            assert run.coordinate(which) == pytest.approx(value, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    "scenario",
+    [
+        Scenario(disk=COMPOSED, constraints=("contact", "constant-spin")),
+        Scenario(disk=BODIES["ellipse"], friction=FRICTIONLESS),
+    ],
+    ids=lambda each: type(each.disk).__name__,
+)
+def test_motions_of_other_bodies_are_followed_in_the_spin(scenario: Scenario) -> None:
+    start = stationary_motions(scenario, 60.0, starts=10)[0]
+    branch = stationary_branch(scenario, start, (55.0, 65.0))
+    assert {round(each.value, 9) for each in (branch[0], branch[-1])} <= {55.0, 65.0}
+    assert min(abs(each.gamma - start.gamma) for each in branch) == 0.0
+
+
+def test_motions_that_are_not_isolated_lose_no_others() -> None:
+    held: ConstraintSet = ("contact", "no-slip-across", "held-tilt-rate")
+    found = stationary_motions(Scenario(constraints=held), 28.0, starts=12)
+    assert len(found) > 2
+    assert {each.reason for each in found} == {None}
+    # The disk may stand at any tilt.
+    assert all(np.min(np.abs(each.eigenvalues)) < 1e-5 for each in found)
+
+
+def test_motion_whose_eigenvalues_cannot_be_told_says_why() -> None:
+    place = np.array((0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2))
+    found = StationaryMotion.at(Scenario(), 30.0, place)
+    assert np.isnan(found.growth)
+    assert "is not stationary" in not_none(found.reason)
 
 
 @pytest.mark.slow

@@ -24,12 +24,12 @@ from analysis import (
     scenario_text,
     simulate,
 )
+from analysis.mechanics.paper import critical_speed
 from analysis.problem import bodies
 from analysis.problem.checks import Array
 from analysis.problem.elementary import sqrt
 from analysis.problem.plain_data import as_plain
 from analysis.stability.critical import critical_speeds
-from analysis.stability.printed import critical_speed
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
 from tests.calls import printed
 from tests.helpers import jacobian, turn_z

@@ -36,13 +36,12 @@ from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.calls import ROOT, python
-from tests.helpers import derivative, model
+from tests.helpers import model
 from tests.wayward_law import Answering, Own
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
 OTHERS = SHIPPED[1:]
-SIMPLE = [law for law in SHIPPED if law.is_simple]
 GENERAL = [law for law in SHIPPED if not law.is_simple]
 SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
 
@@ -62,21 +61,6 @@ def test_both_sides_write_the_same_law(law: FrictionLaw) -> None:
         for turn, load in ((0.3, 1.0), (2.0, 4.3), (4.0, 0.02)):
             slip = speed * np.cos(turn), speed * np.sin(turn)
             assert engine(*slip, load) == pytest.approx(law.force(*slip, load), rel=2e-14)
-
-
-@pytest.mark.parametrize("law", [*SIMPLE, Own()], ids=name)
-def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
-    unit = law.gradient / law.finest_speed
-    for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
-        speed = relative * law.finest_speed
-        stretched = derivative(lambda t, v=speed: np.array(law.per_speed(v * (1.0 + t))))  # type: ignore[misc]
-        # Differences over a small speed lose digits.
-        expected, accuracy = float(stretched) / speed / unit, 1e-10 + 1e-12 / relative
-        assert law.per_speed_slope(speed) / unit == pytest.approx(expected, abs=accuracy)
-    near = 1e-6 * law.finest_speed
-    assert law.per_speed(near) == pytest.approx(law.gradient, rel=2e-6)
-    expected = (law.per_speed(near) - law.gradient) / near
-    assert law.per_speed_slope(0.0) / unit == pytest.approx(expected / unit, abs=2e-6)
 
 
 def test_laws_are_the_papers_where_they_have_to_be_and_have_their_full_force() -> None:

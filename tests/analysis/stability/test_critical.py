@@ -20,11 +20,11 @@ from analysis import (
     SmoothCoulomb,
     Table,
 )
+from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from analysis.problem.constraints import set_name
-from analysis.stability.chart import corners, with_gradient
+from analysis.stability.chart import corners, static_gradient, with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
-from analysis.stability.printed import critical_speed, static_gradient
 from analysis.stability.spectra import System, matrices_over_spin
 from tests.helpers import model, not_none
 

@@ -27,16 +27,11 @@ from analysis import (
     simulate,
 )
 from analysis.mechanics import paper
+from analysis.mechanics.paper import first_order, paper_numbers, printed_matrices
 from analysis.problem.checks import Array
 from analysis.problem.constraints import set_name
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import ComplexArray, Linearisation, spinning, upright
-from analysis.stability.printed import (
-    first_order,
-    paper_numbers,
-    printed_matrices,
-    signed_eccentricity,
-)
 from analysis.stability.spectra import eigenvalues
 from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import mostly_slow, random_disk
@@ -58,9 +53,9 @@ def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
     The forces that hold the slip or the centre of gravity are zero in the stationary motion, so
     that they act along their directions there, and add no stiffness.
     """
-    printed = printed_matrices(paper_numbers(scenario, motion))
-    mass = printed["M"]
-    r, e = scenario.disk.radius, signed_eccentricity(scenario.disk, motion)
+    numbers = paper_numbers(scenario, motion)
+    printed = printed_matrices(numbers)
+    mass, r, e = printed["M"], numbers["r"], numbers["e"]
     slips = (
         ("no-slip-along", (1.0, 0.0, 0.0, r), (0.0, -spin, -r * spin, 0.0)),
         ("no-slip-across", (0.0, 1.0, r, 0.0), (spin, 0.0, 0.0, 0.0)),

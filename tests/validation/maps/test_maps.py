@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 from analysis import MODELS, STEEL_DISK, Scenario
+from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
-from analysis.stability.printed import critical_speed
 from tests.bodies import ELLIPSE
 from tests.calls import Capture, run
 from tests.helpers import not_none

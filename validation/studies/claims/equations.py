@@ -15,7 +15,6 @@ from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Start
 from analysis.mechanics import paper
 from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array
-from analysis.stability.printed import closed_form, reduced_matrices
 from mbs_models import Scene
 from validation.studies.claims.grades import Judged, grade, within
 from validation.studies.comparisons import solutions
@@ -109,10 +108,10 @@ def exponents() -> Array:
     sizes = []
     for smoothing in SMOOTHINGS:
         scenario = Scenario(constraints=MODELS[4], friction=SmoothCoulomb(smoothing=smoothing))
-        found = np.linalg.eigvals(reduced_matrices(scenario, [SPIN])[0])
+        found = np.linalg.eigvals(paper.reduced_matrices(scenario, [SPIN])[0])
         third, lower, upper = np.sort_complex(found)
         a, b, c = third.real, -(lower + upper).real, (lower * upper).real
-        sizes.append(np.abs((a, b, c, a - closed_form(scenario, [SPIN]).a)))
+        sizes.append(np.abs((a, b, c, a - paper.closed_form(scenario, [SPIN]).a)))
     fitted: Array = np.polyfit(np.log(SMOOTHINGS), np.log(sizes), 1)[0]
     return fitted
 

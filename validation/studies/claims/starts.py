@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
 from analysis import LEVELS, MODELS, FlatError, Level, Scenario, Start
+from analysis.mechanics import paper
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT
 from analysis.motion.inversion import OUTCOMES as DECIDED
 from analysis.motion.inversion import STAYING
 from analysis.motion.sampled import Source
-from analysis.stability import printed
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures
 from validation.run import run
@@ -53,7 +53,7 @@ def inverts(result: str) -> bool:
 
 def critical_speed() -> float:
     """That of the reduced system in closed formulation, in rad/s."""
-    return printed.critical_speed(Scenario(constraints=MODELS[4])).spin
+    return paper.critical_speed(Scenario(constraints=MODELS[4])).spin
 
 
 # --- Random starts ------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.stability.printed import CriticalSpeed, critical_speed
+from analysis.mechanics.paper import CriticalSpeed, critical_speed
 from validation.kit.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables

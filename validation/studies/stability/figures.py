@@ -12,9 +12,9 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario
+from analysis.mechanics.paper import closed_form
 from analysis.stability import spectra
-from analysis.stability.chart import stability_chart
-from analysis.stability.printed import closed_form, static_gradient
+from analysis.stability.chart import stability_chart, static_gradient
 from validation.kit.figures import ENGINE, SPIN, legend_above, new_figure
 from validation.studies.stability import measured
 

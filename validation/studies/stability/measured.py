@@ -18,13 +18,13 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
 )
+from analysis.mechanics.paper import closed_form, critical_speed
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.stability import spectra
 from analysis.stability.chart import corners, hopf_curves, with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.linearisation import ComplexArray
-from analysis.stability.printed import closed_form, critical_speed
 from mbs_models import Formulation
 from validation.kit.limits import largest
 from validation.studies.stability.eigenvalue_check import distance, engine_matrices, gaps, spinning

@@ -9,11 +9,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from analysis.mechanics.paper import first_order, paper_numbers, printed_matrices
 from analysis.problem.checks import Array
 from analysis.problem.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
 from analysis.problem.scenario import Scenario
 from analysis.stability.critical import Crossing, Spectra
-from analysis.stability.printed import first_order, paper_numbers, printed_matrices
 
 PRINTED = (27.1, 30.2)
 """Omega_crit1 and Omega_crit2 of the full system as printed, in rad/s."""

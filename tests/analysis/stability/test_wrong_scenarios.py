@@ -1,7 +1,8 @@
-"""The paper's printed matrices and closed forms, and its numbers; see also the linearisation."""
+"""Scenarios, motions and spins that a linear system does not take."""
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,57 +10,24 @@ import pytest
 
 from analysis import (
     MODELS,
-    MOTIONS,
-    Motion,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Table,
 )
-from analysis.stability.chart import hopf_curves, stability_chart
+from analysis.mechanics.paper import closed_form, critical_speed
+from analysis.stability.chart import hopf_curves, stability_chart, static_gradient
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import spinning
-from analysis.stability.printed import (
-    closed_form,
-    critical_speed,
-    full_matrices,
-    reduced_matrices,
-    static_gradient,
-)
 from analysis.stability.spectra import branches, eigenvalues
 
 FULL = Scenario()
 PAPER = Scenario(constraints=MODELS[4])
 
 
-@pytest.mark.parametrize(("coefficient", "smoothing"), [(1e-3, 10.0), (50.0, 1e-3)])
-def test_critical_speed_depends_on_neither_friction_parameter(
-    coefficient: float, smoothing: float
-) -> None:
-    friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing)
-    critical, scenario = critical_speed(PAPER), replace(PAPER, friction=friction)
-    values = np.linalg.eigvals(reduced_matrices(scenario, critical.spin)[0])
-    tolerance = 1e-12 * np.max(np.abs(values)) + 1e-11
-    assert np.min(np.abs(values - 1j * critical.frequency)) < tolerance
-
-
-@pytest.mark.parametrize("motion", MOTIONS)
-def test_closed_form_converges_with_the_smoothing(motion: Motion) -> None:
-    errors = []
-    for smoothing in (1e-2, 1e-3, 1e-4):
-        scenario = replace(PAPER, friction=SmoothCoulomb(smoothing=smoothing))
-        values = np.linalg.eigvals(reduced_matrices(scenario, 40.0, motion)[0])
-        approximate = closed_form(scenario, 40.0, motion).eigenvalues[0]
-        errors.append([np.min(np.abs(values - value)) for value in approximate])
-    rates = np.log10(np.array(errors)[:-1] / np.array(errors)[1:])
-    # lambda_1,2 are off by O(epsilon²), lambda_3 by O(epsilon), as Eq. (122) says
-    assert np.all(rates[:, 2] == pytest.approx(1.0, abs=0.05))
-    assert np.all(rates[:, :2] > 0.95)
-
-
 CALLS: dict[str, tuple[str, Any]] = {
-    "full matrices": ("full", full_matrices),
-    "reduced matrices": ("reduced", reduced_matrices),
+    "full system": ("full", partial(eigenvalues, system="full")),
+    "reduced system": ("reduced", partial(eigenvalues, system="reduced")),
     "closed form": ("closed", closed_form),
     "spectra": ("any", eigenvalues),
     "static": ("full", static_gradient),
