@@ -1,5 +1,6 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from math import atan2, cos, hypot, pi, sin
 from typing import Any, ClassVar
@@ -7,7 +8,6 @@ from typing import Any, ClassVar
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-from exudyn.lieGroupBasics import CompositionRuleForRotationVectors
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 
 from analysis.motion import frames
@@ -238,16 +238,30 @@ class Floating(Model):
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
     ) -> Array:
-        angular = self._angular_acceleration(second_derivatives)
-        given = (coordinates, rates, second_derivatives[:3], angular)
-        rows = [np.array([each]) for each in given]
-        return frames.accelerations_from_inertial(*rows)[0]  # type: ignore[no-any-return]
+        x, y, _, alpha, beta, gamma = coordinates
+        xd, yd, _, ad, bd, gd = rates
+        sa, ca, sb, cb, sg, cg = (f(each) for each in (alpha, beta, gamma) for f in (sin, cos))
+        ax, ay, zdd, *turning = second_derivatives.tolist()
+        wx, wy, wz = self._angular_acceleration(turning)
+        # Both frames turn: the components in them change by that, too.
+        bdd = cg * wx - sg * wy - ad * gd * sb
+        add = (sg * wx + cg * wy + bd * gd - ad * bd * cb) / sb
+        gdd = wz - add * cb + ad * bd * sb
+        xdd = ca * ax + sa * ay + 2.0 * ad * yd + add * y + ad * ad * x
+        ydd = ca * ay - sa * ax - 2.0 * ad * xd - add * x + ad * ad * y
+        return np.array((xdd, ydd, zdd, add, bdd, gdd))
 
-    def _angular_acceleration(self, second_derivatives: Array) -> Array:
-        self.system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())
-        angular = self.system.GetNodeOutput(self._node, _OUTPUT.AngularAcceleration)
-        result: Array = np.array(angular, dtype=float)
-        return result
+    def _angular_acceleration(self, turning: Floats) -> Sequence[float]:
+        """Components in axes of the body, from second derivatives of what tells the rotation."""
+        position = self.system.systemData.GetODE2Coordinates()
+        # Two sets of parameters, apart in sign, tell a rotation.
+        s, x, y, z = (position[3:7] + self.origin[3:7]).tolist()
+        sdd, xdd, ydd, zdd, *_unused = turning
+        return (
+            2.0 * (s * xdd - x * sdd - y * zdd + z * ydd),
+            2.0 * (s * ydd - y * sdd - z * xdd + x * zdd),
+            2.0 * (s * zdd - z * sdd - x * ydd + y * xdd),
+        )
 
 
 class FloatingLie(Floating):
@@ -274,15 +288,16 @@ class FloatingLie(Floating):
     def moved(self, position: Array, velocity: Array, time: float) -> Array:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
         found, origin = super().moved(position, velocity, time), self.origin[3:6]
-        turned = CompositionRuleForRotationVectors(origin + position[3:6], time * velocity[3:6])
-        found[3:6] = turned - origin
+        x, y, z = (origin + position[3:6]).tolist()
+        half = 0.5 * hypot(x, y, z)
+        part = 0.5 * sin(half) / half if half else 0.5
+        parameters = np.array((cos(half), part * x, part * y, part * z))
+        turning = np.array(quaternion_rates(parameters.tolist(), velocity[3:6].tolist()))
+        found[3:6] = self.rotation_vector((parameters + time * turning).tolist()) - origin
         return found
 
-    def _angular_acceleration(self, second_derivatives: Array) -> Array:
-        # The engine offers no such output for this node; its coordinates are the local components.
-        rotation = self.record()[3:12].reshape(3, 3)
-        angular: Array = rotation @ second_derivatives[3:6]
-        return angular
+    def _angular_acceleration(self, turning: Floats) -> Sequence[float]:
+        return turning[:3]
 
 
 def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
@@ -307,11 +322,6 @@ def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:
     return (
         [ca * x - sa * y, sa * x + ca * y, z],
         [ca * vx - sa * vy, sa * vx + ca * vy, zd],
-        [
-            ch * cos(total),
-            sh * cos(apart),
-            sh * sin(apart),
-            ch * sin(total),
-        ],
+        [ch * cos(total), sh * cos(apart), sh * sin(apart), ch * sin(total)],
         [ad * sb * sg + bd * cg, ad * sb * cg - bd * sg, ad * cb + gd],
     )

@@ -62,8 +62,7 @@ class Model(ABC):
     has_euler_angles: ClassVar[bool] = False
     """Whether alpha, beta and gamma are coordinates of the engine, singular at a flat disk.
 
-    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns; and `moved`
-    loses some digits, as rotations do that are composed or told by more than three numbers.
+    Otherwise alpha and gamma are taken from a rotation, and known up to whole turns.
     """
 
     closes_contact: ClassVar[bool] = False
@@ -273,7 +272,7 @@ class Model(ABC):
         """
 
     def moved(self, position: Array, velocity: Array, time: float) -> Array:
-        """The engine's coordinates after so many s at constant velocities, shape (n,)."""
+        """The engine's coordinates after so many s of turning one way, shape (n,)."""
         return position + time * velocity
 
     def multipliers(

@@ -112,7 +112,7 @@ class Probe:
         if not m:
             return _solution(matrix, self._forces()), np.zeros(0)
         right = np.zeros(n + m)
-        right[n:] = -self._residual_rate(quick=quick and self._model.has_euler_angles)
+        right[n:] = -self._residual_rate(quick=quick)
         if self.load_equation is None:
             right[:n] = self._forces()
             solution = _solution(matrix, right)
