@@ -84,9 +84,8 @@ def simulate(
         By default, the first of the former with a step, and with a tolerance on the ideal contact
         where no constraint is left; else DOP853, Radau where friction is stiff, or LSODA where a
         penalty contact is, on the engine's accelerations. Where that leads to nothing, the other
-        way is tried. An `Integrator` with a
-        `local_tolerance`, as DOPRI5 always has, takes its accuracy from there, and `step` only
-        limits its steps.
+        way is tried. An `Integrator` with a `local_tolerance`, as DOPRI5 always has, takes its
+        accuracy from there, and `step` only limits its steps.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
