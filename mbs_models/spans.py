@@ -154,20 +154,19 @@ class _Spans:
         lowest = int(np.argmin(leaning(values)))
         call.watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
         self._unwrap(values, moments)
-        try:
-            self.ended, moments, values = until_ending(
-                moments,
-                values,
-                self._places(values, samples, period),
-                self._motion,
-                period=period,
-                work=call.counts,
-                allow_pulling=not self._must_not_pull,
-            )
-        except EngineError:
-            # What a run that broke off has recorded last may make no sense.
-            if samples.failure is None:
-                raise
+        places = self._places(values, samples, period)
+        if samples.failure is not None:
+            # What it has recorded last may make no sense: nothing is known to be negative there.
+            places = (Place(row, width + bool(why), "") for row, width, why in places)
+        self.ended, moments, values = until_ending(
+            moments,
+            values,
+            places,
+            self._motion,
+            period=period,
+            work=call.counts,
+            allow_pulling=not self._must_not_pull,
+        )
         if self.ended is None and samples.failure is not None:
             raise _failed(samples.failure, moments, values)
         check_upright(moments, values[:, PLACE])
