@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, instance
-from analysis.problem.constraints import demanded, independent_coordinates
+from analysis.problem.constraints import demanded, independent_coordinates, prescribed
 from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
@@ -82,7 +82,7 @@ class AccelerationProblem:
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
             free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")
-            kept = [f"{name}_rate" for name in self.model.held_rates]
+            kept = [f"{name}_rate" for name in prescribed(scenario.constraints).values()]
             names = tuple(name for name in free if name not in kept)
         self.names = names
         # Where they stand among the six coordinates and the six rates.
@@ -166,8 +166,8 @@ class AccelerationProblem:
 
     def _normal_force(self, state: Array) -> float:
         found = self._solved(state)
-        if self.model.contact_equation is not None:
-            return self.model.contact_force(found[3])
+        if self.model.joints.contact_equation is not None:
+            return self.model.joints.contact_force(found[3])
         return float(self._forces([found])[0, 0])
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:

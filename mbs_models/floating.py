@@ -78,52 +78,36 @@ class Floating(Model):
         )
         self._node = self.system.GetObject(self._body)["nodeNumber"]
         # The engine adds these four at once.
-        self.reasons |= {
+        self.assembly.reasons |= {
             ("node", int(self._node)): "position and rotation of the disk",
             ("object", int(self._body)): "the disk",
             ("marker", 0): "what the weight acts on",
             ("load", 0): "the weight",
         }
-        self._table = self._add_table()
+        self._table = self.assembly.add(
+            items.ObjectGround(), "the table, which what holds the disk refers to"
+        )
         self._centre = self._disk_marker(0.0, "the disk's centre")
         self._add_forces()
         if self.loads is None:
-            self._hold()
-
-    def _close_contact(self, origin: int) -> None:
-        if not isinstance(self.scenario.disk, Sphere):
-            super()._close_contact(origin)
-            return
-        above = self._add(
-            items.MarkerBodyRigid(
-                bodyNumber=self._table, localPosition=[0.0, 0.0, self.scenario.disk.radius]
-            ),
-            "the plane in which the middle of a sphere moves",
-        )
-        joint = self._add(
-            items.ObjectJointGeneric(
-                markerNumbers=[above, self._centre], constrainedAxes=[0, 0, 1, 0, 0, 0]
-            ),
-            "contact with the table",
-        )
-        self._joints["contact"] = joint, [2]
+            self.joints.add(self._table, self._centre, self._disk_marker, self._turning)
 
     def _disk_marker(self, offset: float, why: str) -> int:
-        return self._add(
+        return self.assembly.add(
             items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0]), why
         )
 
     def act(self, force: Force, name: str) -> None:
         # Friction alone asks for angles that are regular unless the disk lies flat.
         rotation = UPWARD if self.loads is None else np.eye(3)
-        side = self._add(
+        side = self.assembly.add(
             items.MarkerBodyRigid(
                 bodyNumber=self._table,
                 localHT=exu.HT(rotation=rotation, translation=[0.0] * 3),
             ),
             f"the table's side of {name}",
         )
-        self._add(
+        self.assembly.add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, self._centre],
                 useIntrinsicFormulation=False,
@@ -181,7 +165,7 @@ class Floating(Model):
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
         assert coordinate == "alpha"
         start = self.start
-        node = self._add(
+        node = self.assembly.add(
             items.Node1D(
                 referenceCoordinates=[0.0],
                 initialCoordinates=[start.coordinates[3]],
@@ -189,20 +173,20 @@ class Floating(Model):
             ),
             "the spin angle, which a free body's coordinates do not hold",
         )
-        carrier = self._add(
+        carrier = self.assembly.add(
             # Its motion is prescribed, so that its inertia matters to nothing.
             items.ObjectRotationalMass1D(nodeNumber=node, inertia=self.scenario.disk.inertia_z),
             "carrier that turns at the constant spin",
         )
         # The joint wants its y axis along e_x of the R-frame, across the disk's axis.
-        across = self._add(
+        across = self.assembly.add(
             items.MarkerBodyRigid(
                 bodyNumber=carrier,
                 localHT=exu.HT(rotation=RotationMatrixZ(-pi / 2), translation=[0.0] * 3),
             ),
             "the carrier's side of its joint",
         )
-        self._add(
+        self.assembly.add(
             items.ObjectJointGeneric(
                 markerNumbers=[across, self._centre], constrainedAxes=[0, 0, 0, 1, 0, 0]
             ),

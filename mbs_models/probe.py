@@ -55,7 +55,7 @@ class Probe:
         self._zeros = np.zeros(2 * (self._size + self._equations,))
         scenario = model.scenario
         feeds_back = scenario.friction.load == "contact" and scenario.rubs
-        self.load_equation = model.contact_equation if feeds_back else None
+        self.load_equation = model.joints.contact_equation if feeds_back else None
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
@@ -86,7 +86,7 @@ class Probe:
             # Of those on position level, the engine tells that of the centre of gravity alone.
             found = {
                 name: float(np.linalg.norm(residuals[rows]))
-                for name, rows in model.equations.items()
+                for name, rows in model.joints.equations.items()
                 if level == "velocity" or name == "fixed-cog"
             }
             for constraint, value in ({"contact": gap} | found).items():
@@ -219,7 +219,7 @@ class Probe:
         """Change of the forces for each newton of contact force, shape (n,); none if it pulls."""
         data = self._system.systemData
         present = data.GetAECoordinates()
-        load = self._model.contact_force(present)
+        load = self._model.joints.contact_force(present)
         if load < 0.0:
             return np.zeros(self._size)
         little = _PART * max(load, _PART * self._model.scenario.weight)

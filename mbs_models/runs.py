@@ -10,6 +10,7 @@ import exudyn as exu
 import numpy as np
 
 from analysis.problem.checks import Array
+from analysis.problem.constraints import prescribed
 from analysis.problem.start import COORDINATES
 from mbs_models.integrators import Integrator, Newton
 from mbs_models.model import Model
@@ -46,7 +47,7 @@ class Samples:
     Parameters
     ----------
     records : ndarray, shape (n, k)
-        See `Model.record`.
+        See `Assembly.record`.
     algebraic : ndarray, shape (n, m)
         Algebraic coordinates.
     counts : dict
@@ -157,11 +158,11 @@ def _samples(model: Model, start: Start | None, spacing: float) -> Start:
 
     As far as they are finite.
     """
-    times, stored = model.samples()
+    times, stored = model.assembly.samples()
     places = spacing * np.arange(len(stored))
     good = np.all(np.isfinite(stored), axis=1) & (np.abs(times - places) < 0.5 * spacing)
     stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
-    unknowns = len(model.record())
+    unknowns = len(model.assembly.record())
     if start is not None:
         # The engine's own first sample holds neither.
         accelerations, algebraic = start
@@ -325,7 +326,8 @@ def force_rounding(model: Model) -> float:
     largest += model.own_equations
     if model.has_constraints(scenario):
         largest.append(rim_speed)
-        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in model.held_rates]
+        held = prescribed(scenario.constraints).values()
+        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in held]
     lost = friction.slope(scenario.weight) * rim_speed
     if contact is not None:
         lost += contact.stiffness * disk.radius

@@ -234,17 +234,17 @@ class _Spans:
     def _stop(self, begin: float) -> Stop | None:
         """What ends a run that pulls, meets a condition or is out of time, if any may."""
         model, conditions, watch = self._model, self._call.conditions, self._call.watch
-        pulls = self._must_not_pull and model.contact_equation is not None
+        pulls = self._must_not_pull and model.joints.contact_equation is not None
         turned = turning_negative(conditions, state_of(self._here))
         data, angles = model.system.systemData, self._here[TURNING]
         end = float(self._call.times[-1])
 
         def stop(moment: float) -> str | None:
             nonlocal angles
-            if pulls and model.contact_force(data.GetAECoordinates()) < 0.0:
+            if pulls and model.joints.contact_force(data.GetAECoordinates()) < 0.0:
                 return CONTACT_WOULD_PULL
             if conditions:
-                row = np.hstack(model.decode(model.record()[None]))[0]
+                row = np.hstack(model.decode(model.assembly.record()[None]))[0]
                 row[TURNING] += _whole_turns(angles - row[TURNING])
                 angles = row[TURNING]
                 if leaning(row) < LEAST_TILT:

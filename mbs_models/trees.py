@@ -10,6 +10,7 @@ import numpy as np
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
+from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
 from mbs_models.model import Floats, Force, Load, Model
 
@@ -37,7 +38,7 @@ class _Tree(Model):
         )
         n = len(joints)
         position, velocity = self.encode(self.start.coordinates, self.start.rates)
-        self._node = self._add(
+        self._node = self.assembly.add(
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=n,
                 referenceCoordinates=[0.0] * n,
@@ -48,7 +49,7 @@ class _Tree(Model):
         )
         offsets, cogs = [[0.0] * 3] * (n - 1), [[0.0] * 3] * (n - 1)
         inertias = [np.zeros((3, 3))] * (n - 1) + [disk.tensor_about_cog]
-        self._tree = self._add(
+        self._tree = self.assembly.add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
                 gravity=list(self.scenario.table.vector),
@@ -66,7 +67,7 @@ class _Tree(Model):
 
     def act(self, force: Force, name: str) -> None:
         self.system.SetObjectParameter(self._tree, "forceUserFunction", force)
-        self.reasons["object", self._tree] += f" and {name} by a user function"
+        self.assembly.reasons["object", self._tree] += f" and {name} by a user function"
 
 
 class EulerTree(_Tree):
@@ -99,12 +100,17 @@ class EulerTree(_Tree):
     def _build(self) -> None:
         super()._build()
         if self.scenario.contact is None:
-            self._centre = self._disk_marker(0.0, "the disk's centre")
-            self._table = self._add_table()
-            self._hold()
+            centre = self._disk_marker(0.0, "the disk's centre")
+            table = self.assembly.add(
+                items.ObjectGround(), "the table, which what holds the disk refers to"
+            )
+            self.joints.add(table, centre, self._disk_marker, self._turning)
+
+    def _turning(self, coordinate: str) -> tuple[int, int]:
+        return self._node, self._order.index(COORDINATES.index(coordinate))
 
     def _disk_marker(self, offset: float, why: str) -> int:
-        return self._add(
+        return self.assembly.add(
             items.MarkerKinematicTreeRigid(
                 objectNumber=self._tree, linkNumber=5, localPosition=[offset, 0.0, 0.0]
             ),
