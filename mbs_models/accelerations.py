@@ -121,9 +121,9 @@ class AccelerationProblem:
         """Coordinates, rates and constraint forces, shape (n, 12 + k), from n states."""
         found = [self._solved(state) for state in states]
         values = np.array([(*z, *u) for z, u, _, _ in found])
-        return np.column_stack((values, self._forces(found)))
+        return np.column_stack((values, self.forces(found)))
 
-    def _forces(self, found: Sequence[_Solved]) -> Array:
+    def forces(self, found: Sequence[_Solved]) -> Array:
         """Constraint forces, shape (n, k)."""
         z, u, second, algebraic = (np.array(each) for each in zip(*found, strict=True))
         return self.model.multipliers(second, algebraic, z, u)
@@ -168,7 +168,7 @@ class AccelerationProblem:
         found = self._solved(state)
         if self.model.joints.contact_equation is not None:
             return self.model.joints.contact_force(found[3])
-        return float(self._forces([found])[0, 0])
+        return float(self.forces([found])[0, 0])
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:
         def said(state: Array) -> float:
@@ -231,9 +231,7 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     with solving(motion.system):
         second_derivatives, algebraic = motion.probe.solved()
     z, u = model.start.coordinates, model.start.rates
-    forces = model.multipliers(
-        second_derivatives[None], algebraic[None], np.array([z]), np.array([u])
-    )
+    forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
     return model.decode_accelerations(second_derivatives, z, u), forces[0]
 
 

@@ -1,6 +1,7 @@
 """An engine system put together item by item, each with its reason, and what it records."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, Literal, get_args
 
 import exudyn as exu
@@ -11,6 +12,8 @@ from analysis.problem.checks import Array
 
 Kind = Literal["node", "object", "marker", "load", "sensor"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+
+_STORED = {"storeInternal": True, "writeToFile": False}
 
 Reading = tuple[int, Any]
 """Number of a node, and an output variable of it."""
@@ -39,29 +42,37 @@ class Assembly:
         self.reasons[kind, number] = why
         return number
 
+    @cached_property
+    def table(self) -> int:
+        """Number of the ground object, added when it is first asked for."""
+        return self.add(items.ObjectGround(), "the table, which what holds the disk refers to")
+
+    def sense(self, read: Callable[[], Array], why: str) -> int:
+        """Have something read at every sample of a run; returns the sensor."""
+        sensor = items.SensorUserFunction(
+            sensorNumbers=[],
+            factors=[],
+            sensorUserFunction=lambda *_unused: read(),
+            **_STORED,
+        )
+        return self.add(sensor, f"{why} at every sample, by a user function")
+
     def finish(self, readings: Sequence[Reading], *, constrained: bool) -> None:
         """Add what is sampled in a run, the readings and any algebraic coordinates; assemble.
 
         What is added later needs that anew, which forgets initial accelerations.
         """
-        self._readings, data = readings, self.system.systemData
-        store = {"storeInternal": True, "writeToFile": False}
+        self._readings = readings
         self._sensors = [
             self.add(
-                items.SensorNode(nodeNumber=node, outputVariableType=output, **store),
+                items.SensorNode(nodeNumber=node, outputVariableType=output, **_STORED),
                 f"{output.name} at every sample",
             )
             for node, output in readings
         ]
         if constrained:
-            forces = items.SensorUserFunction(
-                sensorNumbers=[],
-                factors=[],
-                sensorUserFunction=lambda *_unused: data.GetAECoordinates(),
-                **store,
-            )
-            why = "constraint forces at every sample, by a user function"
-            self._sensors.append(self.add(forces, why))
+            forces = self.system.systemData.GetAECoordinates
+            self._sensors.append(self.sense(forces, "constraint forces"))
         self.system.Assemble()
 
     def record(self) -> Array:

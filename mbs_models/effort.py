@@ -6,7 +6,6 @@ those of an in-house run; the numbers come from measured runs.
 
 from dataclasses import replace
 from math import ceil, inf, log2
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,14 +27,8 @@ _LIKE: Method = "RK23"
 """In-house method that takes steps in proportion to those of the engine's own integrators."""
 
 
-class _Own(NamedTuple):
-    """Processor time of their steps in s, and how long these are over the steps of `_LIKE`."""
-
-    seconds: float
-    part: float
-
-
-_EXPLICIT, _IMPLICIT = _Own(5e-5, 0.5), _Own(3e-4, 0.25)
+_EXPLICIT, _IMPLICIT = (5e-5, 0.5), (3e-4, 0.25)
+"""Processor time of their steps in s, and how long these are over the steps of `_LIKE`."""
 
 _EVALUATION_SECONDS = {"contact-tree": 2.5e-5, "floating-lie": 6e-5}
 """Processor time in s of an evaluation of accelerations in a formulation,"""
@@ -136,11 +129,12 @@ def simulation_effort(
         chosen = find_integrator(scene, integrator)
     if chosen.steps_accelerations:
         return _stepping_effort(scene, times, chosen, step or inf, tolerance)
-    own, doubt = _IMPLICIT if chosen.implicit else _EXPLICIT, ""
+    step_seconds, part = _IMPLICIT if chosen.implicit else _EXPLICIT
+    doubt = ""
     wanted = chosen.local_tolerance or tolerance
     known = shared.simulation_effort(scene.scenario, times, method=_LIKE, local_tolerance=wanted)
     argument, value = known.argument.replace("local_tolerance", "tolerance"), known.value
-    needed = own.part * float(times[-1] - times[0]) / known.steps
+    needed = part * float(times[-1] - times[0]) / known.steps
     if chosen.controls_step:
         steps = _count(spacings, min(max(needed, MINIMUM_STEP), step or inf))
     elif step is not None:
@@ -154,7 +148,7 @@ def simulation_effort(
             # It takes over.
             found = _stepping_effort(scene, times, other, inf, tolerance)
             before = first * (2.0**LATE - 1.0)
-            seconds = found.seconds + before * own.seconds
+            seconds = found.seconds + before * step_seconds
             return replace(found, steps=found.steps + before, seconds=seconds)
         if halvings >= HALVINGS:
             halvings = HALVINGS - 1
@@ -164,7 +158,7 @@ def simulation_effort(
         if first >= steps / 8.0:
             argument, value = "times", f"up to t = {times[-1]:g} s"
     return Effort(
-        steps=steps, seconds=steps * own.seconds, argument=argument, value=value, doubt=doubt
+        steps=steps, seconds=steps * step_seconds, argument=argument, value=value, doubt=doubt
     )
 
 

@@ -84,13 +84,10 @@ class Floating(Model):
             ("marker", 0): "what the weight acts on",
             ("load", 0): "the weight",
         }
-        self._table = self.assembly.add(
-            items.ObjectGround(), "the table, which what holds the disk refers to"
-        )
         self._centre = self._disk_marker(0.0, "the disk's centre")
         self._add_forces()
         if self.loads is None:
-            self.joints.add(self._table, self._centre, self._disk_marker, self._turning)
+            self.joints.add(self._centre, self._disk_marker, self._turning)
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self.assembly.add(
@@ -102,7 +99,7 @@ class Floating(Model):
         rotation = UPWARD if self.loads is None else np.eye(3)
         side = self.assembly.add(
             items.MarkerBodyRigid(
-                bodyNumber=self._table,
+                bodyNumber=self.assembly.table,
                 localHT=exu.HT(rotation=rotation, translation=[0.0] * 3),
             ),
             f"the table's side of {name}",
@@ -201,13 +198,22 @@ class Floating(Model):
         return np.array(data.GetODE2Coordinates(exu.ConfigurationType.Reference))
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
-        place, velocity, parameters, local = _free_motion(coordinates, rates)
-        attitude, turning = self._rotation(parameters, local)
-        position, velocity = [*place, *attitude], [*velocity, *turning]
+        x, y, z, alpha, beta, gamma = coordinates
+        xd, yd, zd, ad, bd, gd = rates
+        sa, ca, sb, cb, sg, cg = _sines_and_cosines(alpha, beta, gamma)
+        vx, vy = xd - ad * y, yd + ad * x
+        sh, ch = sin(0.5 * beta), cos(0.5 * beta)
+        total, apart = 0.5 * (alpha + gamma), 0.5 * (alpha - gamma)
+        attitude, turning = self._rotation(
+            [ch * cos(total), sh * cos(apart), sh * sin(apart), ch * sin(total)],
+            [ad * sb * sg + bd * cg, ad * sb * cg - bd * sg, ad * cb + gd],
+        )
+        position = [ca * x - sa * y, sa * x + ca * y, z, *attitude]
+        velocity = [ca * vx - sa * vy, sa * vx + ca * vy, zd, *turning]
         if "constant-spin" in self.scenario.constraints:
             # The carrier's.
-            position.append(coordinates[3])
-            velocity.append(rates[3])
+            position.append(alpha)
+            velocity.append(ad)
         return (np.array(position) - self.origin).tolist(), velocity
 
     def _rotation(self, parameters: Floats, local: Floats) -> tuple[Floats, Floats]:
@@ -224,7 +230,7 @@ class Floating(Model):
     ) -> Array:
         x, y, _, alpha, beta, gamma = coordinates
         xd, yd, _, ad, bd, gd = rates
-        sa, ca, sb, cb, sg, cg = (f(each) for each in (alpha, beta, gamma) for f in (sin, cos))
+        sa, ca, sb, cb, sg, cg = _sines_and_cosines(alpha, beta, gamma)
         ax, ay, zdd, *turning = second_derivatives.tolist()
         wx, wy, wz = self._angular_acceleration(turning)
         # Both frames turn: the components in them change by that, too.
@@ -295,17 +301,5 @@ def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
     ]
 
 
-def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:
-    """Position and velocity of G, Euler parameters, and angular velocity in the body's axes."""
-    x, y, z, alpha, beta, gamma = coordinates
-    xd, yd, zd, ad, bd, gd = rates
-    sa, ca, sb, cb, sg, cg = sin(alpha), cos(alpha), sin(beta), cos(beta), sin(gamma), cos(gamma)
-    vx, vy = xd - ad * y, yd + ad * x
-    sh, ch = sin(0.5 * beta), cos(0.5 * beta)
-    total, apart = 0.5 * (alpha + gamma), 0.5 * (alpha - gamma)
-    return (
-        [ca * x - sa * y, sa * x + ca * y, z],
-        [ca * vx - sa * vy, sa * vx + ca * vy, zd],
-        [ch * cos(total), sh * cos(apart), sh * sin(apart), ch * sin(total)],
-        [ad * sb * sg + bd * cg, ad * sb * cg - bd * sg, ad * cb + gd],
-    )
+def _sines_and_cosines(a: float, b: float, c: float) -> tuple[float, ...]:
+    return sin(a), cos(a), sin(b), cos(b), sin(c), cos(c)

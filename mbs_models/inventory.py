@@ -108,8 +108,7 @@ def idle_friction(model: Model) -> None:
 
 def sensor_per_quantity(model: Model) -> None:
     """Five sensors, stored at every sample: coordinates, rates, accelerations, state and force."""
-    system = model.system
-    data = system.systemData
+    data = model.system.systemData
     for read in (
         data.GetODE2Coordinates,
         data.GetODE2Coordinates_t,
@@ -117,16 +116,8 @@ def sensor_per_quantity(model: Model) -> None:
         model.assembly.record,
         data.GetAECoordinates,
     ):
-        system.AddSensor(
-            items.SensorUserFunction(
-                sensorNumbers=[],
-                factors=[],
-                storeInternal=True,
-                writeToFile=False,
-                sensorUserFunction=lambda *_unused, read=read: read(),
-            )
-        )
-    system.Assemble()
+        model.assembly.sense(read, "ballast")
+    model.system.Assemble()
 
 
 def ten_markers(model: Model) -> None:

@@ -35,7 +35,6 @@ class Joints:
 
     def add(
         self,
-        table: int,
         centre: int,
         disk_marker: Callable[[float, str], int],
         turning: Callable[[str], tuple[int, int]],
@@ -44,8 +43,6 @@ class Joints:
 
         Parameters
         ----------
-        table : int
-            The ground object.
         centre : int
             Marker at the disk's centre.
         disk_marker : callable
@@ -53,10 +50,10 @@ class Joints:
         turning : callable
             From a coordinate whose rate is held to a node and the place in it of that.
         """
-        scenario, add = self._scenario, self._assembly.add
+        scenario, add, table = self._scenario, self._assembly.add, self._assembly.table
         origin = add(items.MarkerBodyRigid(bodyNumber=table), "the table's side of the joints")
         if isinstance(scenario.disk, Sphere):
-            self._level_middle(table, centre)
+            self._level_middle(centre)
         else:
             self._roll(origin, centre)
         if "fixed-cog" in scenario.constraints:
@@ -70,12 +67,11 @@ class Joints:
             if coordinate := HELD[name].rate:
                 self._held[name] = self._hold_rate(coordinate, *turning(coordinate)), [0]
 
-    def _level_middle(self, table: int, centre: int) -> None:
+    def _level_middle(self, centre: int) -> None:
         """Close the contact of a sphere."""
+        height = [0.0, 0.0, self._scenario.disk.radius]
         above = self._assembly.add(
-            items.MarkerBodyRigid(
-                bodyNumber=table, localPosition=[0.0, 0.0, self._scenario.disk.radius]
-            ),
+            items.MarkerBodyRigid(bodyNumber=self._assembly.table, localPosition=height),
             "the plane in which the middle of a sphere moves",
         )
         joint = self._assembly.add(

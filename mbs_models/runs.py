@@ -12,7 +12,7 @@ import numpy as np
 from analysis.problem.checks import Array
 from analysis.problem.constraints import prescribed
 from analysis.problem.start import COORDINATES
-from mbs_models.integrators import Integrator, Newton
+from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.probe import Probe
 from mbs_models.solving import Ended, EngineError, cause_of, quiet, solving
@@ -283,7 +283,12 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     stepping.adaptiveStep = False
     stepping.automaticStepSize = integrator.controls_step
     if integrator.newton is not None:
-        _apply(integrator.newton, stepping.newton, model)
+        newton, wanted = stepping.newton, integrator.newton
+        newton.useModifiedNewton = wanted.modified
+        newton.maxIterations = MOST_ITERATIONS
+        newton.relativeTolerance = wanted.relative
+        asked = (wanted.absolute or 0.0) * model.scenario.weight
+        newton.absoluteTolerance = max(asked, force_rounding(model))
     if integrator.spectral_radius is not None:
         stepping.generalizedAlpha.spectralRadius = integrator.spectral_radius
     if integrator.local_tolerance is not None:
@@ -296,15 +301,6 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     # Without a multiplier, the contact force is taken from them.
     stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
     return settings
-
-
-def _apply(newton: Newton, settings: Any, model: Model) -> None:
-    """Write how steps are solved into the engine's settings of that."""
-    settings.useModifiedNewton = newton.modified
-    settings.maxIterations = MOST_ITERATIONS
-    settings.relativeTolerance = newton.relative
-    wanted = (newton.absolute or 0.0) * model.scenario.weight
-    settings.absoluteTolerance = max(wanted, force_rounding(model))
 
 
 def force_rounding(model: Model) -> float:

@@ -12,6 +12,7 @@ from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
+from mbs_models.loads import normal_force
 from mbs_models.model import Floats, Force, Load, Model
 
 _ROUND = "has a round disk at its end"
@@ -32,10 +33,8 @@ class _Tree(Model):
     """Of the disk from the last joint but one along y in m."""
 
     def _build(self) -> None:
-        joints, disk = (
-            [getattr(exu.JointType, name) for name in self._chain.split()],
-            self.scenario.disk,
-        )
+        joints = [getattr(exu.JointType, name) for name in self._chain.split()]
+        disk = self.scenario.disk
         n = len(joints)
         position, velocity = self.encode(self.start.coordinates, self.start.rates)
         self._node = self.assembly.add(
@@ -47,7 +46,7 @@ class _Tree(Model):
             ),
             "the joint coordinates",
         )
-        offsets, cogs = [[0.0] * 3] * (n - 1), [[0.0] * 3] * (n - 1)
+        zeros = [[0.0] * 3] * (n - 1)
         inertias = [np.zeros((3, 3))] * (n - 1) + [disk.tensor_about_cog]
         self._tree = self.assembly.add(
             items.ObjectKinematicTree(
@@ -56,9 +55,9 @@ class _Tree(Model):
                 jointTypes=joints,
                 linkParents=list(range(-1, n - 1)),
                 jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
-                jointOffsets=exu.Vector3DList([*offsets, [0.0, self._offset, 0.0]]),
+                jointOffsets=exu.Vector3DList([*zeros, [0.0, self._offset, 0.0]]),
                 linkInertiasCOM=exu.Matrix3DList(inertias),
-                linkCOMs=exu.Vector3DList([*cogs, [disk.eccentricity, 0.0, 0.0]]),
+                linkCOMs=exu.Vector3DList([*zeros, [disk.eccentricity, 0.0, 0.0]]),
                 linkMasses=[0.0] * (n - 1) + [disk.mass],
             ),
             "the disk at the end of its joints, with its weight",
@@ -101,10 +100,7 @@ class EulerTree(_Tree):
         super()._build()
         if self.scenario.contact is None:
             centre = self._disk_marker(0.0, "the disk's centre")
-            table = self.assembly.add(
-                items.ObjectGround(), "the table, which what holds the disk refers to"
-            )
-            self.joints.add(table, centre, self._disk_marker, self._turning)
+            self.joints.add(centre, self._disk_marker, self._turning)
 
     def _turning(self, coordinate: str) -> tuple[int, int]:
         return self._node, self._order.index(COORDINATES.index(coordinate))
@@ -134,17 +130,14 @@ class EulerTree(_Tree):
         """Generalised force on the same joints."""
         contact = self.scenario.penalty_contact
         r, always = self.scenario.disk.radius, contact.bilateral
-        stiffness, damping = contact.stiffness, contact.damping
         by_weight, weight = self.scenario.friction.load == "weight", self.scenario.weight
         load = 0.0
         friction = self.friction(lambda: load)
 
         def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
             nonlocal load
-            side, height = r * cos(q[4]), q[3] - r * sin(q[4])
-            normal = -stiffness * height - damping * (u[3] - side * u[4])
-            if not always:
-                normal = max(0.0, normal) if height < 0.0 else 0.0
+            side = r * cos(q[4])
+            _, normal = normal_force(contact, r * sin(q[4]) - q[3], u[3] - side * u[4])
             # A contact that pulls is no load; the weight is one wherever there is contact at all.
             if not (always or normal > 0.0):
                 return [0.0] * 6
