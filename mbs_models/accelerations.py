@@ -90,8 +90,7 @@ class AccelerationProblem:
         self._tilt = names.index("beta")
         self._angles = [self._tilt, names.index("gamma")]
         self._conditions = conditions
-        self._last: tuple[Array | None, _Solved]
-        self._last = (None, ([], [], np.zeros(0), np.zeros(0)))
+        self._last: tuple[Array, _Solved] | None = None
 
     @property
     def method(self) -> Method:
@@ -150,14 +149,12 @@ class AccelerationProblem:
 
     def _solved(self, state: Array) -> _Solved:
         """Coordinates, rates, the engine's accelerations and its multipliers in a state."""
-        last, found = self._last
-        if state is not last:
+        if self._last is None or state is not self._last[0]:
             z, u = self._whole(state)
             self.probe.move_to(z, u)
-            second, multipliers = self.probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
-            found = (z, u, second, multipliers)
-            self._last = (state, found)
-        return found
+            solved = self.probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
+            self._last = state, (z, u, *solved)
+        return self._last[1]
 
     def _derivative(self, _: float, state: Array) -> list[float]:
         z, u, second, _unused = self._solved(state)

@@ -52,6 +52,9 @@ class Model(ABC):
     Otherwise alpha and gamma are taken from a rotation, and known up to whole turns.
     """
 
+    quick_from: ClassVar[float] = 1e-10
+    """Error in a step from which on accelerations may be quick and noisier; see `Probe.solved`."""
+
     closes_contact: ClassVar[bool] = False
     """Whether the contact is closed without a constraint; its force comes from accelerations."""
 

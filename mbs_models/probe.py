@@ -105,7 +105,7 @@ class Probe:
         ----------
         quick : bool
             Take the residuals' rate from two values instead of six. That leaves an error and
-            a noise of some 1e-11 of what turning accelerates.
+            a noise of some 1e-11 of what turning accelerates; more where rotations are composed.
         """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()

@@ -37,9 +37,6 @@ from mbs_models.scene import Scene
 from mbs_models.solving import EngineError, stepping
 from mbs_models.spans import Call, run_over
 
-QUICK = 3e-12
-"""Error in a step from which on accelerations may be noisier."""
-
 FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
 
@@ -212,7 +209,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     begin = time.process_time()
 
     def run(local: float, part: float) -> Run:
-        motion.quick = local >= QUICK
+        motion.quick = local >= motion.model.quick_from
         found = integrate(
             problem.with_steps_up_to(part),
             times,

@@ -24,13 +24,11 @@ class _Tree(Model):
     """A chain of massless links with the disk at its end; the last joint turns it in its plane."""
 
     has_euler_angles = True
+    quick_from = 3e-12
     _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
     _chain: ClassVar[str]
     """Joints, by the engine's names of their types."""
-
-    _offset: float = 0.0
-    """Of the disk from the last joint but one along y in m."""
 
     def _build(self) -> None:
         joints = [getattr(exu.JointType, name) for name in self._chain.split()]
@@ -46,7 +44,8 @@ class _Tree(Model):
             ),
             "the joint coordinates",
         )
-        zeros = [[0.0] * 3] * (n - 1)
+        # Above the contact point, if the chain starts there.
+        zeros, offset = [[0.0] * 3] * (n - 1), disk.radius if self.closes_contact else 0.0
         inertias = [np.zeros((3, 3))] * (n - 1) + [disk.tensor_about_cog]
         self._tree = self.assembly.add(
             items.ObjectKinematicTree(
@@ -55,7 +54,7 @@ class _Tree(Model):
                 jointTypes=joints,
                 linkParents=list(range(-1, n - 1)),
                 jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
-                jointOffsets=exu.Vector3DList([*zeros, [0.0, self._offset, 0.0]]),
+                jointOffsets=exu.Vector3DList([*zeros, [0.0, offset, 0.0]]),
                 linkInertiasCOM=exu.Matrix3DList(inertias),
                 linkCOMs=exu.Vector3DList([*zeros, [disk.eccentricity, 0.0, 0.0]]),
                 linkMasses=[0.0] * (n - 1) + [disk.mass],
@@ -171,10 +170,6 @@ class ContactTree(_Tree):
     _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
     _chain = "RevoluteZ PrismaticX PrismaticY RevoluteX RevoluteZ"
-
-    @property
-    def _offset(self) -> float:  # type: ignore[override]
-        return self.scenario.disk.radius
 
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
