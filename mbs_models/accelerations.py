@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, instance
-from analysis.problem.constraints import demanded, independent_coordinates
+from analysis.problem.constraints import demanded, independent_coordinates, prescribed
 from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
@@ -82,7 +82,7 @@ class AccelerationProblem:
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
             free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")
-            kept = [f"{name}_rate" for name in self.model.held_rates]
+            kept = [f"{name}_rate" for name in prescribed(scenario.constraints).values()]
             names = tuple(name for name in free if name not in kept)
         self.names = names
         # Where they stand among the six coordinates and the six rates.
@@ -90,8 +90,7 @@ class AccelerationProblem:
         self._tilt = names.index("beta")
         self._angles = [self._tilt, names.index("gamma")]
         self._conditions = conditions
-        self._last: tuple[Array | None, _Solved]
-        self._last = (None, ([], [], np.zeros(0), np.zeros(0)))
+        self._last: tuple[Array, _Solved] | None = None
 
     @property
     def method(self) -> Method:
@@ -121,9 +120,9 @@ class AccelerationProblem:
         """Coordinates, rates and constraint forces, shape (n, 12 + k), from n states."""
         found = [self._solved(state) for state in states]
         values = np.array([(*z, *u) for z, u, _, _ in found])
-        return np.column_stack((values, self._forces(found)))
+        return np.column_stack((values, self.forces(found)))
 
-    def _forces(self, found: Sequence[_Solved]) -> Array:
+    def forces(self, found: Sequence[_Solved]) -> Array:
         """Constraint forces, shape (n, k)."""
         z, u, second, algebraic = (np.array(each) for each in zip(*found, strict=True))
         return self.model.multipliers(second, algebraic, z, u)
@@ -150,14 +149,12 @@ class AccelerationProblem:
 
     def _solved(self, state: Array) -> _Solved:
         """Coordinates, rates, the engine's accelerations and its multipliers in a state."""
-        last, found = self._last
-        if state is not last:
+        if self._last is None or state is not self._last[0]:
             z, u = self._whole(state)
             self.probe.move_to(z, u)
-            second, multipliers = self.probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
-            found = (z, u, second, multipliers)
-            self._last = (state, found)
-        return found
+            solved = self.probe.solved(quick=self.quick and abs(sin(z[4])) > _LOW)
+            self._last = state, (z, u, *solved)
+        return self._last[1]
 
     def _derivative(self, _: float, state: Array) -> list[float]:
         z, u, second, _unused = self._solved(state)
@@ -166,9 +163,9 @@ class AccelerationProblem:
 
     def _normal_force(self, state: Array) -> float:
         found = self._solved(state)
-        if self.model.contact_equation is not None:
-            return self.model.contact_force(found[3])
-        return float(self._forces([found])[0, 0])
+        if self.model.joints.contact_equation is not None:
+            return self.model.joints.contact_force(found[3])
+        return float(self.forces([found])[0, 0])
 
     def _of_state(self, condition: Condition) -> Callable[[Array], float]:
         def said(state: Array) -> float:
@@ -231,9 +228,7 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     with solving(motion.system):
         second_derivatives, algebraic = motion.probe.solved()
     z, u = model.start.coordinates, model.start.rates
-    forces = model.multipliers(
-        second_derivatives[None], algebraic[None], np.array([z]), np.array([u])
-    )
+    forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
     return model.decode_accelerations(second_derivatives, z, u), forces[0]
 
 

@@ -6,7 +6,6 @@ those of an in-house run; the numbers come from measured runs.
 
 from dataclasses import replace
 from math import ceil, inf, log2
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,20 +27,14 @@ _LIKE: Method = "RK23"
 """In-house method that takes steps in proportion to those of the engine's own integrators."""
 
 
-class _Own(NamedTuple):
-    """Processor time of their steps in s, and how long these are over the steps of `_LIKE`."""
+_EXPLICIT, _IMPLICIT = (5e-5, 0.5), (3e-4, 0.25)
+"""Processor time of their steps in s, and how long these are over the steps of `_LIKE`."""
 
-    seconds: float
-    part: float
-
-
-_EXPLICIT, _IMPLICIT = _Own(5e-5, 0.5), _Own(3e-4, 0.25)
-
-_EVALUATION_SECONDS = {"contact-tree": 3e-5, "euler-tree": 6e-5, "floating": 9e-5}
+_EVALUATION_SECONDS = {"contact-tree": 2.5e-5, "floating-lie": 6e-5}
 """Processor time in s of an evaluation of accelerations in a formulation,"""
 
-_LONGEST_EVALUATION = 2.1e-4
-"""or in any other."""
+_USUAL_EVALUATION = 4.5e-5
+"""and in any other."""
 
 STIFF = 6.0
 """Times the cost of implicit steps that explicit ones may be estimated to cost: they pass the
@@ -92,7 +85,7 @@ def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integra
     if scenario.contact is not None:
         finer = tolerance / FAST_CONTACT
         known = shared.simulation_effort(scenario, times, method="LSODA", tolerance=finer)
-        if known.cause.startswith("stiffness"):
+        if known.argument == "stiffness":
             return Integrator(name="LSODA")
     method = shared.usual_method(scenario, times, tolerance=tolerance, stiff=STIFF)
     return Integrator(name=method)
@@ -136,15 +129,17 @@ def simulation_effort(
         chosen = find_integrator(scene, integrator)
     if chosen.steps_accelerations:
         return _stepping_effort(scene, times, chosen, step or inf, tolerance)
-    own, doubt = _IMPLICIT if chosen.implicit else _EXPLICIT, ""
+    step_seconds, part = _IMPLICIT if chosen.implicit else _EXPLICIT
+    doubt = ""
     wanted = chosen.local_tolerance or tolerance
     known = shared.simulation_effort(scene.scenario, times, method=_LIKE, local_tolerance=wanted)
-    cause = known.cause.replace("local_tolerance", "tolerance")
-    needed = own.part * float(times[-1] - times[0]) / known.steps
+    argument, value = known.argument.replace("local_tolerance", "tolerance"), known.value
+    needed = part * float(times[-1] - times[0]) / known.steps
     if chosen.controls_step:
         steps = _count(spacings, min(max(needed, MINIMUM_STEP), step or inf))
     elif step is not None:
-        steps, cause = _count(spacings, step), f"step {step:g} s up to t = {times[-1]:g} s"
+        steps, argument = _count(spacings, step), "step"
+        value = f"{step:g} s up to t = {times[-1]:g} s"
     else:
         first = _count(spacings, chosen.first_step)
         shortest = min(chosen.first_step, float(np.min(spacings)))
@@ -153,7 +148,7 @@ def simulation_effort(
             # It takes over.
             found = _stepping_effort(scene, times, other, inf, tolerance)
             before = first * (2.0**LATE - 1.0)
-            seconds = found.seconds + before * own.seconds
+            seconds = found.seconds + before * step_seconds
             return replace(found, steps=found.steps + before, seconds=seconds)
         if halvings >= HALVINGS:
             halvings = HALVINGS - 1
@@ -161,8 +156,10 @@ def simulation_effort(
             doubt = f"it needs steps of {needed:.0e} s, the shortest tried is {tried:.0e} s"
         steps = first * (2.0 ** (halvings + 1) - 1.0)
         if first >= steps / 8.0:
-            cause = f"times up to t = {times[-1]:g} s"
-    return Effort(steps=steps, seconds=steps * own.seconds, cause=cause, doubt=doubt)
+            argument, value = "times", f"up to t = {times[-1]:g} s"
+    return Effort(
+        steps=steps, seconds=steps * step_seconds, argument=argument, value=value, doubt=doubt
+    )
 
 
 def _stepping_effort(
@@ -173,7 +170,7 @@ def _stepping_effort(
     wanted = {"tolerance": tolerance} if local is None else {"local_tolerance": local}
     found = shared.simulation_effort(scene.scenario, times, method=integrator.method, **wanted)
     steps = max(found.steps, float(times[-1] - times[0]) / longest)
-    cost = _EVALUATION_SECONDS.get(scene.built_as, _LONGEST_EVALUATION)
+    cost = _EVALUATION_SECONDS.get(scene.built_as, _USUAL_EVALUATION)
     evaluations = shared.METHODS[integrator.method].evaluations * steps + times.size
     return replace(found, steps=steps, seconds=evaluations * cost)
 
@@ -204,7 +201,8 @@ def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
     return Effort(
         steps=end / step,
         seconds=end / step * _REST_SECONDS,
-        cause=f"end = {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
+        argument="end",
+        value=f"= {end:g} s with steps of {step:.1e} s, at stiffness {stiffness:g} N/m and "
         f"friction gradient {gradient:g} s/m,",
     )
 

@@ -199,11 +199,7 @@ def dips(values: Array, reason: str) -> Iterator[Place]:
     first = armed + 1
     negative = np.flatnonzero(values[first:] < 0.0)
     end = first + int(negative[0]) if negative.size else values.size - 1
-    before, here, after = (
-        values[first - 1 : end - 1],
-        values[first:end],
-        values[first + 1 : end + 1],
-    )
+    before, here, after = (values[first + shift : end + shift] for shift in (-1, 0, 1))
     curvature = before - 2.0 * here + after
     lowest = (np.minimum(before, after) >= here) & (after >= 0.0) & (curvature > 0.0)
     bent = np.where(lowest, curvature, 1.0)

@@ -1,5 +1,6 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from math import atan2, cos, hypot, pi, sin
 from typing import Any, ClassVar
@@ -7,7 +8,6 @@ from typing import Any, ClassVar
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
-from exudyn.lieGroupBasics import CompositionRuleForRotationVectors
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 
 from analysis.motion import frames
@@ -78,52 +78,33 @@ class Floating(Model):
         )
         self._node = self.system.GetObject(self._body)["nodeNumber"]
         # The engine adds these four at once.
-        self.reasons |= {
+        self.assembly.reasons |= {
             ("node", int(self._node)): "position and rotation of the disk",
             ("object", int(self._body)): "the disk",
             ("marker", 0): "what the weight acts on",
             ("load", 0): "the weight",
         }
-        self._table = self._add_table()
         self._centre = self._disk_marker(0.0, "the disk's centre")
         self._add_forces()
         if self.loads is None:
-            self._hold()
-
-    def _close_contact(self, origin: int) -> None:
-        if not isinstance(self.scenario.disk, Sphere):
-            super()._close_contact(origin)
-            return
-        above = self._add(
-            items.MarkerBodyRigid(
-                bodyNumber=self._table, localPosition=[0.0, 0.0, self.scenario.disk.radius]
-            ),
-            "the plane in which the middle of a sphere moves",
-        )
-        joint = self._add(
-            items.ObjectJointGeneric(
-                markerNumbers=[above, self._centre], constrainedAxes=[0, 0, 1, 0, 0, 0]
-            ),
-            "contact with the table",
-        )
-        self._joints["contact"] = joint, [2]
+            self.joints.add(self._centre, self._disk_marker, self._turning)
 
     def _disk_marker(self, offset: float, why: str) -> int:
-        return self._add(
+        return self.assembly.add(
             items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0]), why
         )
 
     def act(self, force: Force, name: str) -> None:
         # Friction alone asks for angles that are regular unless the disk lies flat.
         rotation = UPWARD if self.loads is None else np.eye(3)
-        side = self._add(
+        side = self.assembly.add(
             items.MarkerBodyRigid(
-                bodyNumber=self._table,
+                bodyNumber=self.assembly.table,
                 localHT=exu.HT(rotation=rotation, translation=[0.0] * 3),
             ),
             f"the table's side of {name}",
         )
-        self._add(
+        self.assembly.add(
             items.ObjectConnectorRigidBodySpringDamper(
                 markerNumbers=[side, self._centre],
                 useIntrinsicFormulation=False,
@@ -181,7 +162,7 @@ class Floating(Model):
         """Add a carrier that turns at the prescribed spin and takes the disk's axis along."""
         assert coordinate == "alpha"
         start = self.start
-        node = self._add(
+        node = self.assembly.add(
             items.Node1D(
                 referenceCoordinates=[0.0],
                 initialCoordinates=[start.coordinates[3]],
@@ -189,20 +170,20 @@ class Floating(Model):
             ),
             "the spin angle, which a free body's coordinates do not hold",
         )
-        carrier = self._add(
+        carrier = self.assembly.add(
             # Its motion is prescribed, so that its inertia matters to nothing.
             items.ObjectRotationalMass1D(nodeNumber=node, inertia=self.scenario.disk.inertia_z),
             "carrier that turns at the constant spin",
         )
         # The joint wants its y axis along e_x of the R-frame, across the disk's axis.
-        across = self._add(
+        across = self.assembly.add(
             items.MarkerBodyRigid(
                 bodyNumber=carrier,
                 localHT=exu.HT(rotation=RotationMatrixZ(-pi / 2), translation=[0.0] * 3),
             ),
             "the carrier's side of its joint",
         )
-        self._add(
+        self.assembly.add(
             items.ObjectJointGeneric(
                 markerNumbers=[across, self._centre], constrainedAxes=[0, 0, 0, 1, 0, 0]
             ),
@@ -217,13 +198,22 @@ class Floating(Model):
         return np.array(data.GetODE2Coordinates(exu.ConfigurationType.Reference))
 
     def encode(self, coordinates: Floats, rates: Floats) -> tuple[list[float], list[float]]:
-        place, velocity, parameters, local = _free_motion(coordinates, rates)
-        attitude, turning = self._rotation(parameters, local)
-        position, velocity = [*place, *attitude], [*velocity, *turning]
+        x, y, z, alpha, beta, gamma = coordinates
+        xd, yd, zd, ad, bd, gd = rates
+        sa, ca, sb, cb, sg, cg = _sines_and_cosines(alpha, beta, gamma)
+        vx, vy = xd - ad * y, yd + ad * x
+        sh, ch = sin(0.5 * beta), cos(0.5 * beta)
+        total, apart = 0.5 * (alpha + gamma), 0.5 * (alpha - gamma)
+        attitude, turning = self._rotation(
+            [ch * cos(total), sh * cos(apart), sh * sin(apart), ch * sin(total)],
+            [ad * sb * sg + bd * cg, ad * sb * cg - bd * sg, ad * cb + gd],
+        )
+        position = [ca * x - sa * y, sa * x + ca * y, z, *attitude]
+        velocity = [ca * vx - sa * vy, sa * vx + ca * vy, zd, *turning]
         if "constant-spin" in self.scenario.constraints:
             # The carrier's.
-            position.append(coordinates[3])
-            velocity.append(rates[3])
+            position.append(alpha)
+            velocity.append(ad)
         return (np.array(position) - self.origin).tolist(), velocity
 
     def _rotation(self, parameters: Floats, local: Floats) -> tuple[Floats, Floats]:
@@ -238,16 +228,30 @@ class Floating(Model):
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
     ) -> Array:
-        angular = self._angular_acceleration(second_derivatives)
-        given = (coordinates, rates, second_derivatives[:3], angular)
-        rows = [np.array([each]) for each in given]
-        return frames.accelerations_from_inertial(*rows)[0]  # type: ignore[no-any-return]
+        x, y, _, alpha, beta, gamma = coordinates
+        xd, yd, _, ad, bd, gd = rates
+        sa, ca, sb, cb, sg, cg = _sines_and_cosines(alpha, beta, gamma)
+        ax, ay, zdd, *turning = second_derivatives.tolist()
+        wx, wy, wz = self._angular_acceleration(turning)
+        # Both frames turn: the components in them change by that, too.
+        bdd = cg * wx - sg * wy - ad * gd * sb
+        add = (sg * wx + cg * wy + bd * gd - ad * bd * cb) / sb
+        gdd = wz - add * cb + ad * bd * sb
+        xdd = ca * ax + sa * ay + 2.0 * ad * yd + add * y + ad * ad * x
+        ydd = ca * ay - sa * ax - 2.0 * ad * xd - add * x + ad * ad * y
+        return np.array((xdd, ydd, zdd, add, bdd, gdd))
 
-    def _angular_acceleration(self, second_derivatives: Array) -> Array:
-        self.system.systemData.SetODE2Coordinates_tt(second_derivatives.tolist())
-        angular = self.system.GetNodeOutput(self._node, _OUTPUT.AngularAcceleration)
-        result: Array = np.array(angular, dtype=float)
-        return result
+    def _angular_acceleration(self, turning: Floats) -> Sequence[float]:
+        """Components in axes of the body, from second derivatives of what tells the rotation."""
+        position = self.system.systemData.GetODE2Coordinates()
+        # Two sets of parameters, apart in sign, tell a rotation.
+        s, x, y, z = (position[3:7] + self.origin[3:7]).tolist()
+        sdd, xdd, ydd, zdd, *_unused = turning
+        return (
+            2.0 * (s * xdd - x * sdd - y * zdd + z * ydd),
+            2.0 * (s * ydd - y * sdd - z * xdd + x * zdd),
+            2.0 * (s * zdd - z * sdd - x * ydd + y * xdd),
+        )
 
 
 class FloatingLie(Floating):
@@ -274,15 +278,16 @@ class FloatingLie(Floating):
     def moved(self, position: Array, velocity: Array, time: float) -> Array:
         # On the Lie group the velocities are local angular velocities, not rates of coordinates.
         found, origin = super().moved(position, velocity, time), self.origin[3:6]
-        turned = CompositionRuleForRotationVectors(origin + position[3:6], time * velocity[3:6])
-        found[3:6] = turned - origin
+        x, y, z = (origin + position[3:6]).tolist()
+        half = 0.5 * hypot(x, y, z)
+        part = 0.5 * sin(half) / half if half else 0.5
+        parameters = np.array((cos(half), part * x, part * y, part * z))
+        turning = np.array(quaternion_rates(parameters.tolist(), velocity[3:6].tolist()))
+        found[3:6] = self.rotation_vector((parameters + time * turning).tolist()) - origin
         return found
 
-    def _angular_acceleration(self, second_derivatives: Array) -> Array:
-        # The engine offers no such output for this node; its coordinates are the local components.
-        rotation = self.record()[3:12].reshape(3, 3)
-        angular: Array = rotation @ second_derivatives[3:6]
-        return angular
+    def _angular_acceleration(self, turning: Floats) -> Sequence[float]:
+        return turning[:3]
 
 
 def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
@@ -296,22 +301,5 @@ def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
     ]
 
 
-def _free_motion(coordinates: Floats, rates: Floats) -> tuple[list[float], ...]:
-    """Position and velocity of G, Euler parameters, and angular velocity in the body's axes."""
-    x, y, z, alpha, beta, gamma = coordinates
-    xd, yd, zd, ad, bd, gd = rates
-    sa, ca, sb, cb, sg, cg = sin(alpha), cos(alpha), sin(beta), cos(beta), sin(gamma), cos(gamma)
-    vx, vy = xd - ad * y, yd + ad * x
-    sh, ch = sin(0.5 * beta), cos(0.5 * beta)
-    total, apart = 0.5 * (alpha + gamma), 0.5 * (alpha - gamma)
-    return (
-        [ca * x - sa * y, sa * x + ca * y, z],
-        [ca * vx - sa * vy, sa * vx + ca * vy, zd],
-        [
-            ch * cos(total),
-            sh * cos(apart),
-            sh * sin(apart),
-            ch * sin(total),
-        ],
-        [ad * sb * sg + bd * cg, ad * sb * cg - bd * sg, ad * cb + gd],
-    )
+def _sines_and_cosines(a: float, b: float, c: float) -> tuple[float, ...]:
+    return sin(a), cos(a), sin(b), cos(b), sin(c), cos(c)

@@ -18,17 +18,13 @@ from mbs_models.model import Formulation
 from mbs_models.scene import CLASSES, Scene
 from mbs_models.solving import quiet, solving
 
-IntegratorName = Literal[
-    "RK44",
-    "RK67",
-    "DOPRI5",
-    "TrapezoidalIndex2",
-    "GeneralizedAlpha",
-    "DOP853",
-    "Radau",
-    "LSODA",
-]
+OwnName = Literal["RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"]
+SteppedName = Literal["DOP853", "Radau", "LSODA"]
+IntegratorName = Literal[OwnName, SteppedName]
 INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
+
+ACCELERATED: tuple[IntegratorName, ...] = get_args(SteppedName)
+"""Those that step the engine's accelerations."""
 
 
 class Rule(NamedTuple):
@@ -57,9 +53,7 @@ RULES: dict[IntegratorName, Rule] = {
     # It is symmetric.
     "TrapezoidalIndex2": Rule((2, 4, 6, 8)),
     "GeneralizedAlpha": Rule((2, 3, 4, 5)),
-    "DOP853": Rule((), controls_step=True),
-    "Radau": Rule((), controls_step=True),
-    "LSODA": Rule((), controls_step=True),
+    **dict.fromkeys(ACCELERATED, Rule((), controls_step=True)),
 }
 
 STAGES: dict[IntegratorName, int] = {
@@ -70,9 +64,6 @@ STAGES: dict[IntegratorName, int] = {
 FINEST_LOCAL = 1e-13
 """Error in a step below which the noise of accelerations that differences go into stalls step
 control."""
-
-ACCELERATED: tuple[IntegratorName, ...] = ("DOP853", "Radau", "LSODA")
-"""Those that step the engine's accelerations."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

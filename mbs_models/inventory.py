@@ -12,7 +12,8 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
-from mbs_models.model import KINDS, Kind, Model
+from mbs_models.assembly import KINDS, Kind
+from mbs_models.model import Model
 from mbs_models.scene import Scene, build
 
 Ballast = Callable[[Model], None]
@@ -75,7 +76,7 @@ def inventory(scene: Scene) -> list[Item]:
 
 def _item(model: Model, kind: Kind, number: int) -> Item:
     stored: dict[str, Any] = getattr(model.system, f"Get{kind.capitalize()}")(number)
-    if (kind, number) not in model.reasons:
+    if (kind, number) not in model.assembly.reasons:
         raise LookupError(f"{kind} {number} has no recorded reason to be in the scene")
     equations = coordinates = idle = 0
     if kind == "object":
@@ -95,7 +96,7 @@ def _item(model: Model, kind: Kind, number: int) -> Item:
         user_functions=tuple(
             name for name, value in stored.items() if name.endswith("UserFunction") and value
         ),
-        why=model.reasons[kind, number],
+        why=model.assembly.reasons[kind, number],
     )
 
 
@@ -107,25 +108,16 @@ def idle_friction(model: Model) -> None:
 
 def sensor_per_quantity(model: Model) -> None:
     """Five sensors, stored at every sample: coordinates, rates, accelerations, state and force."""
-    system = model.system
-    data = system.systemData
+    data = model.system.systemData
     for read in (
         data.GetODE2Coordinates,
         data.GetODE2Coordinates_t,
         data.GetODE2Coordinates_tt,
-        model.record,
+        model.assembly.record,
         data.GetAECoordinates,
     ):
-        system.AddSensor(
-            items.SensorUserFunction(
-                sensorNumbers=[],
-                factors=[],
-                storeInternal=True,
-                writeToFile=False,
-                sensorUserFunction=lambda *_unused, read=read: read(),
-            )
-        )
-    system.Assemble()
+        model.assembly.sense(read, "ballast")
+    model.system.Assemble()
 
 
 def ten_markers(model: Model) -> None:

@@ -20,6 +20,7 @@ from analysis.motion import frames
 from analysis.problem.bodies import EllipticDisk, Sphere
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
+from analysis.problem.contact import PenaltyContact
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import law_force
 
@@ -158,7 +159,7 @@ class Loads:
         sy = v[1] + w[2] * px - w[0] * pz
         rise = v[2] + w[0] * py - w[1] * px
         depth = -pz - centre_height
-        spring, normal = self._normal_force(depth, rise)
+        spring, normal = normal_force(self._contact, depth, rise)
         fx = fy = 0.0
         # The weight is the load wherever there is contact at all.
         if normal > 0.0 or self._contact.bilateral:
@@ -178,16 +179,6 @@ class Loads:
         if self._push:
             self._air((matrix[2], matrix[5], matrix[8]), v, w, load)
         return load
-
-    def _normal_force(self, depth: float, rise: float) -> tuple[float, float]:
-        """Force in N of the spring, and of spring and damper."""
-        contact = self._contact
-        spring = contact.stiffness * depth
-        force = spring - contact.damping * rise
-        if contact.bilateral:
-            return spring, force
-        # What is no number stays none.
-        return (0.0, 0.0) if depth <= 0.0 else (spring, max(force, 0.0))
 
     def _friction(self, matrix: Matrix, sx: float, sy: float, load: float) -> tuple[float, float]:
         if not self._has_direction:
@@ -223,6 +214,25 @@ class Loads:
         load.force[:] = fx + push * n[0], fy + push * n[1], fz + push * n[2]
         load.torque[:] = p + brake * tx, q + brake * ty, s + brake * tz
         load.taken[5] = -push * along - brake * rate * rate
+
+
+def normal_force(contact: PenaltyContact, depth: float, rise: float) -> tuple[float, float]:
+    """Force in N of a contact's spring, and of spring and damper.
+
+    Parameters
+    ----------
+    contact : PenaltyContact
+    depth : float
+        Of the penetration in m.
+    rise : float
+        Speed in m/s by which it shrinks.
+    """
+    spring = contact.stiffness * depth
+    force = spring - contact.damping * rise
+    if contact.bilateral:
+        return spring, force
+    # What is no number stays none.
+    return (0.0, 0.0) if depth <= 0.0 else (spring, max(force, 0.0))
 
 
 def _contour(spread: Triple, w: Triple) -> tuple[float, float]:

@@ -55,7 +55,7 @@ class Probe:
         self._zeros = np.zeros(2 * (self._size + self._equations,))
         scenario = model.scenario
         feeds_back = scenario.friction.load == "contact" and scenario.rubs
-        self.load_equation = model.contact_equation if feeds_back else None
+        self.load_equation = model.joints.contact_equation if feeds_back else None
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
@@ -86,7 +86,7 @@ class Probe:
             # Of those on position level, the engine tells that of the centre of gravity alone.
             found = {
                 name: float(np.linalg.norm(residuals[rows]))
-                for name, rows in model.equations.items()
+                for name, rows in model.joints.equations.items()
                 if level == "velocity" or name == "fixed-cog"
             }
             for constraint, value in ({"contact": gap} | found).items():
@@ -105,14 +105,14 @@ class Probe:
         ----------
         quick : bool
             Take the residuals' rate from two values instead of six. That leaves an error and
-            a noise of some 1e-11 of what turning accelerates.
+            a noise of some 1e-11 of what turning accelerates; more where rotations are composed.
         """
         n, m = self._size, self._equations
         matrix = self._saddle_matrix()
         if not m:
             return _solution(matrix, self._forces()), np.zeros(0)
         right = np.zeros(n + m)
-        right[n:] = -self._residual_rate(quick=quick and self._model.has_euler_angles)
+        right[n:] = -self._residual_rate(quick=quick)
         if self.load_equation is None:
             right[:n] = self._forces()
             solution = _solution(matrix, right)
@@ -219,7 +219,7 @@ class Probe:
         """Change of the forces for each newton of contact force, shape (n,); none if it pulls."""
         data = self._system.systemData
         present = data.GetAECoordinates()
-        load = self._model.contact_force(present)
+        load = self._model.joints.contact_force(present)
         if load < 0.0:
             return np.zeros(self._size)
         little = _PART * max(load, _PART * self._model.scenario.weight)

@@ -26,6 +26,7 @@ from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import Progress
+from mbs_models.assembly import Reading
 from mbs_models.effort import rest_effort
 from mbs_models.endings import beyond, dips, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
@@ -215,7 +216,7 @@ class FloatingWithLosses(FloatingLie):
     def _build(self) -> None:
         super()._build()
         zeros = [0.0] * len(CAUSES)
-        self._energies = self._add(
+        self._energies = self.assembly.add(
             items.NodeGenericODE1(
                 referenceCoordinates=zeros,
                 initialCoordinates=zeros,
@@ -223,7 +224,7 @@ class FloatingWithLosses(FloatingLie):
             ),
             "energy taken by each cause",
         )
-        self._add(
+        self.assembly.add(
             items.ObjectGenericODE1(
                 nodeNumbers=[self._energies], rhsUserFunction=lambda *_unused: self.powers()
             ),
@@ -240,7 +241,7 @@ class FloatingWithLosses(FloatingLie):
         assert self.loads is not None
         return self.loads.at(height, matrix, v, w).taken
 
-    def _readings(self) -> list[tuple[int, Any]]:
+    def _readings(self) -> list[Reading]:
         return [*super()._readings(), (self._energies, exu.OutputVariableType.Coordinates)]
 
 
@@ -255,7 +256,7 @@ class EngineWay(WayToRest):
         self.model = FloatingWithLosses(self.scenario)
         self.system = self.model.system
         self._probe = Probe(self.model)
-        self.start = states_of(self.model.record()[None])[0]
+        self.start = states_of(self.model.assembly.record()[None])[0]
 
     def by_steps(self, step: float) -> SpatialMotion:
         """With fixed steps of the engine's Runge-Kutta method of order 4, of at most so many s.
@@ -323,7 +324,7 @@ class EngineWay(WayToRest):
             intervals=times.size - 1,
             substeps=int(np.ceil(spacing / step - 1e-9)),
             begin=float(times[0]),
-            stop=(lambda _: turned(states_of(model.record()[None])[0]))
+            stop=(lambda _: turned(states_of(model.assembly.record()[None])[0]))
             if self.conditions
             else None,
         )

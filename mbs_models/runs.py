@@ -10,8 +10,9 @@ import exudyn as exu
 import numpy as np
 
 from analysis.problem.checks import Array
+from analysis.problem.constraints import prescribed
 from analysis.problem.start import COORDINATES
-from mbs_models.integrators import Integrator, Newton
+from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.probe import Probe
 from mbs_models.solving import Ended, EngineError, cause_of, quiet, solving
@@ -46,7 +47,7 @@ class Samples:
     Parameters
     ----------
     records : ndarray, shape (n, k)
-        See `Model.record`.
+        See `Assembly.record`.
     algebraic : ndarray, shape (n, m)
         Algebraic coordinates.
     counts : dict
@@ -157,11 +158,11 @@ def _samples(model: Model, start: Start | None, spacing: float) -> Start:
 
     As far as they are finite.
     """
-    times, stored = model.samples()
+    times, stored = model.assembly.samples()
     places = spacing * np.arange(len(stored))
     good = np.all(np.isfinite(stored), axis=1) & (np.abs(times - places) < 0.5 * spacing)
     stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
-    unknowns = len(model.record())
+    unknowns = len(model.assembly.record())
     if start is not None:
         # The engine's own first sample holds neither.
         accelerations, algebraic = start
@@ -282,7 +283,12 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     stepping.adaptiveStep = False
     stepping.automaticStepSize = integrator.controls_step
     if integrator.newton is not None:
-        _apply(integrator.newton, stepping.newton, model)
+        newton, wanted = stepping.newton, integrator.newton
+        newton.useModifiedNewton = wanted.modified
+        newton.maxIterations = MOST_ITERATIONS
+        newton.relativeTolerance = wanted.relative
+        asked = (wanted.absolute or 0.0) * model.scenario.weight
+        newton.absoluteTolerance = max(asked, force_rounding(model))
     if integrator.spectral_radius is not None:
         stepping.generalizedAlpha.spectralRadius = integrator.spectral_radius
     if integrator.local_tolerance is not None:
@@ -295,15 +301,6 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
     # Without a multiplier, the contact force is taken from them.
     stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
     return settings
-
-
-def _apply(newton: Newton, settings: Any, model: Model) -> None:
-    """Write how steps are solved into the engine's settings of that."""
-    settings.useModifiedNewton = newton.modified
-    settings.maxIterations = MOST_ITERATIONS
-    settings.relativeTolerance = newton.relative
-    wanted = (newton.absolute or 0.0) * model.scenario.weight
-    settings.absoluteTolerance = max(wanted, force_rounding(model))
 
 
 def force_rounding(model: Model) -> float:
@@ -325,7 +322,8 @@ def force_rounding(model: Model) -> float:
     largest += model.own_equations
     if model.has_constraints(scenario):
         largest.append(rim_speed)
-        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in model.held_rates]
+        held = prescribed(scenario.constraints).values()
+        largest += [abs(model.start.rates[COORDINATES.index(name)]) for name in held]
     lost = friction.slope(scenario.weight) * rim_speed
     if contact is not None:
         lost += contact.stiffness * disk.radius

@@ -78,7 +78,8 @@ class Scene:
         name = self.formulation or "floating"
         if why := CLASSES[name].obstacle(self.scenario):
             able = ", ".join(formulations(self.scenario))
-            hint = f"use one of {able}" if able else f"none builds {self.scenario.disk!r}"
+            needy = f"{self.scenario.disk!r} needs a penalty contact, which takes any body"
+            hint = f"use one of {able}" if able else needy
             raise ValueError(f"formulation {name!r} {why}; {hint}")
 
     @classmethod

@@ -37,9 +37,6 @@ from mbs_models.scene import Scene
 from mbs_models.solving import EngineError, stepping
 from mbs_models.spans import Call, run_over
 
-QUICK = 3e-12
-"""Error in a step from which on accelerations may be noisier."""
-
 FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
 
@@ -84,9 +81,8 @@ def simulate(
         By default, the first of the former with a step, and with a tolerance on the ideal contact
         where no constraint is left; else DOP853, Radau where friction is stiff, or LSODA where a
         penalty contact is, on the engine's accelerations. Where that leads to nothing, the other
-        way is tried. An `Integrator` with a
-        `local_tolerance`, as DOPRI5 always has, takes its accuracy from there, and `step` only
-        limits its steps.
+        way is tried. An `Integrator` with a `local_tolerance`, as DOPRI5 always has, takes its
+        accuracy from there, and `step` only limits its steps.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
@@ -213,7 +209,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     begin = time.process_time()
 
     def run(local: float, part: float) -> Run:
-        motion.quick = local >= QUICK
+        motion.quick = local >= motion.model.quick_from
         found = integrate(
             problem.with_steps_up_to(part),
             times,

@@ -154,20 +154,19 @@ class _Spans:
         lowest = int(np.argmin(leaning(values)))
         call.watch.flattest = (float(moments[lowest]), float(leaning(values[lowest])))
         self._unwrap(values, moments)
-        try:
-            self.ended, moments, values = until_ending(
-                moments,
-                values,
-                self._places(values, samples, period),
-                self._motion,
-                period=period,
-                work=call.counts,
-                allow_pulling=not self._must_not_pull,
-            )
-        except EngineError:
-            # What a run that broke off has recorded last may make no sense.
-            if samples.failure is None:
-                raise
+        places = self._places(values, samples, period)
+        if samples.failure is not None:
+            # What it has recorded last may make no sense: nothing is known to be negative there.
+            places = (Place(row, width + bool(why), "") for row, width, why in places)
+        self.ended, moments, values = until_ending(
+            moments,
+            values,
+            places,
+            self._motion,
+            period=period,
+            work=call.counts,
+            allow_pulling=not self._must_not_pull,
+        )
         if self.ended is None and samples.failure is not None:
             raise _failed(samples.failure, moments, values)
         check_upright(moments, values[:, PLACE])
@@ -235,17 +234,17 @@ class _Spans:
     def _stop(self, begin: float) -> Stop | None:
         """What ends a run that pulls, meets a condition or is out of time, if any may."""
         model, conditions, watch = self._model, self._call.conditions, self._call.watch
-        pulls = self._must_not_pull and model.contact_equation is not None
+        pulls = self._must_not_pull and model.joints.contact_equation is not None
         turned = turning_negative(conditions, state_of(self._here))
         data, angles = model.system.systemData, self._here[TURNING]
         end = float(self._call.times[-1])
 
         def stop(moment: float) -> str | None:
             nonlocal angles
-            if pulls and model.contact_force(data.GetAECoordinates()) < 0.0:
+            if pulls and model.joints.contact_force(data.GetAECoordinates()) < 0.0:
                 return CONTACT_WOULD_PULL
             if conditions:
-                row = np.hstack(model.decode(model.record()[None]))[0]
+                row = np.hstack(model.decode(model.assembly.record()[None]))[0]
                 row[TURNING] += _whole_turns(angles - row[TURNING])
                 angles = row[TURNING]
                 if leaning(row) < LEAST_TILT:

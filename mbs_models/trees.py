@@ -10,7 +10,9 @@ import numpy as np
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
+from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
+from mbs_models.loads import normal_force
 from mbs_models.model import Floats, Force, Load, Model
 
 _ROUND = "has a round disk at its end"
@@ -22,22 +24,18 @@ class _Tree(Model):
     """A chain of massless links with the disk at its end; the last joint turns it in its plane."""
 
     has_euler_angles = True
+    quick_from = 3e-12
     _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
     _chain: ClassVar[str]
     """Joints, by the engine's names of their types."""
 
-    _offset: float = 0.0
-    """Of the disk from the last joint but one along y in m."""
-
     def _build(self) -> None:
-        joints, disk = (
-            [getattr(exu.JointType, name) for name in self._chain.split()],
-            self.scenario.disk,
-        )
+        joints = [getattr(exu.JointType, name) for name in self._chain.split()]
+        disk = self.scenario.disk
         n = len(joints)
         position, velocity = self.encode(self.start.coordinates, self.start.rates)
-        self._node = self._add(
+        self._node = self.assembly.add(
             items.NodeGenericODE2(
                 numberOfODE2Coordinates=n,
                 referenceCoordinates=[0.0] * n,
@@ -46,18 +44,19 @@ class _Tree(Model):
             ),
             "the joint coordinates",
         )
-        offsets, cogs = [[0.0] * 3] * (n - 1), [[0.0] * 3] * (n - 1)
+        # Above the contact point, if the chain starts there.
+        zeros, offset = [[0.0] * 3] * (n - 1), disk.radius if self.closes_contact else 0.0
         inertias = [np.zeros((3, 3))] * (n - 1) + [disk.tensor_about_cog]
-        self._tree = self._add(
+        self._tree = self.assembly.add(
             items.ObjectKinematicTree(
                 nodeNumber=self._node,
                 gravity=list(self.scenario.table.vector),
                 jointTypes=joints,
                 linkParents=list(range(-1, n - 1)),
                 jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
-                jointOffsets=exu.Vector3DList([*offsets, [0.0, self._offset, 0.0]]),
+                jointOffsets=exu.Vector3DList([*zeros, [0.0, offset, 0.0]]),
                 linkInertiasCOM=exu.Matrix3DList(inertias),
-                linkCOMs=exu.Vector3DList([*cogs, [disk.eccentricity, 0.0, 0.0]]),
+                linkCOMs=exu.Vector3DList([*zeros, [disk.eccentricity, 0.0, 0.0]]),
                 linkMasses=[0.0] * (n - 1) + [disk.mass],
             ),
             "the disk at the end of its joints, with its weight",
@@ -66,7 +65,7 @@ class _Tree(Model):
 
     def act(self, force: Force, name: str) -> None:
         self.system.SetObjectParameter(self._tree, "forceUserFunction", force)
-        self.reasons["object", self._tree] += f" and {name} by a user function"
+        self.assembly.reasons["object", self._tree] += f" and {name} by a user function"
 
 
 class EulerTree(_Tree):
@@ -99,12 +98,14 @@ class EulerTree(_Tree):
     def _build(self) -> None:
         super()._build()
         if self.scenario.contact is None:
-            self._centre = self._disk_marker(0.0, "the disk's centre")
-            self._table = self._add_table()
-            self._hold()
+            centre = self._disk_marker(0.0, "the disk's centre")
+            self.joints.add(centre, self._disk_marker, self._turning)
+
+    def _turning(self, coordinate: str) -> tuple[int, int]:
+        return self._node, self._order.index(COORDINATES.index(coordinate))
 
     def _disk_marker(self, offset: float, why: str) -> int:
-        return self._add(
+        return self.assembly.add(
             items.MarkerKinematicTreeRigid(
                 objectNumber=self._tree, linkNumber=5, localPosition=[offset, 0.0, 0.0]
             ),
@@ -128,17 +129,14 @@ class EulerTree(_Tree):
         """Generalised force on the same joints."""
         contact = self.scenario.penalty_contact
         r, always = self.scenario.disk.radius, contact.bilateral
-        stiffness, damping = contact.stiffness, contact.damping
         by_weight, weight = self.scenario.friction.load == "weight", self.scenario.weight
         load = 0.0
         friction = self.friction(lambda: load)
 
         def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
             nonlocal load
-            side, height = r * cos(q[4]), q[3] - r * sin(q[4])
-            normal = -stiffness * height - damping * (u[3] - side * u[4])
-            if not always:
-                normal = max(0.0, normal) if height < 0.0 else 0.0
+            side = r * cos(q[4])
+            _, normal = normal_force(contact, r * sin(q[4]) - q[3], u[3] - side * u[4])
             # A contact that pulls is no load; the weight is one wherever there is contact at all.
             if not (always or normal > 0.0):
                 return [0.0] * 6
@@ -172,10 +170,6 @@ class ContactTree(_Tree):
     _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
     _chain = "RevoluteZ PrismaticX PrismaticY RevoluteX RevoluteZ"
-
-    @property
-    def _offset(self) -> float:  # type: ignore[override]
-        return self.scenario.disk.radius
 
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:

@@ -149,31 +149,6 @@ def _turn(angle: Array, expected: Array) -> Array:
     return np.diff(angle)
 
 
-def accelerations_from_inertial(
-    coordinates: Array, rates: Array, acceleration: Array, angular: Array
-) -> Array:
-    """Second derivatives of the co-rotating coordinates, shape (n, 6), from inertial ones.
-
-    Parameters
-    ----------
-    coordinates, rates : ndarray, shape (n, 6)
-    acceleration, angular : ndarray, shape (n, 3)
-        Inertial acceleration of G in m/s² and angular acceleration in rad/s².
-    """
-    x, y, _, alpha, beta, _ = coordinates.T
-    xd, yd, _, ad, bd, gd = rates.T
-    ax, ay, az = turn_about_vertical(-alpha, acceleration).T
-    wx, wy, wz = turn_about_vertical(-alpha, angular).T
-    sb, cb = np.sin(beta), np.cos(beta)
-    # The R-frame turns: its components change by the vertical spin times the angular velocity.
-    gdd = -(wy - ad * bd + gd * bd * cb) / sb
-    bdd = wx - ad * gd * sb
-    add = wz - gdd * cb + gd * bd * sb
-    xdd = ax + 2 * ad * yd + add * y + ad * ad * x
-    ydd = ay - 2 * ad * xd - add * x + ad * ad * y
-    return np.column_stack((xdd, ydd, az, add, bdd, gdd))
-
-
 def quaternions(rotations: Array) -> Array:
     """Unit quaternions, scalar part first, shape (n, 4), of rotation matrices, shape (n, 3, 3).
 

@@ -87,25 +87,25 @@ class Effort:
         Number of steps, of all repetitions together.
     seconds : float
         Processor time in s on a machine of today.
-    cause : str
-        The argument that asks for so many, with its value.
+    argument, value : str
+        The argument that asks for so many, and its value.
     doubt : str
         Why the run will probably fail in the end; empty if it need not.
     """
 
     steps: float
     seconds: float
-    cause: str
+    argument: str
+    value: str
     doubt: str = ""
 
     def check(self) -> None:
         """Raise `ValueError` if the run takes more than `MOST_STEPS`."""
         if self.steps > MOST_STEPS:
-            argument, _, value = self.cause.partition(" ")
             raise ArgumentError(
-                argument,
-                f"{value} would take about {self.steps:.1e} steps; at most {MOST_STEPS:.0e} are "
-                "made",
+                self.argument,
+                f"{self.value} would take about {self.steps:.1e} steps; at most "
+                f"{MOST_STEPS:.0e} are made",
             )
 
     @property
@@ -121,4 +121,5 @@ class Effort:
         else:
             time = f"{self.seconds / 3600.0:.0f} hours"
         doubt = f"; {self.doubt}" if self.doubt else ""
-        return f"about {self.steps:.1e} steps, roughly {time}, for {self.cause}{doubt}"
+        cause = f"{self.argument} {self.value}"
+        return f"about {self.steps:.1e} steps, roughly {time}, for {cause}{doubt}"

@@ -127,29 +127,27 @@ def simulation_effort(
     spin = abs(start.rates[3])
     turning = sum(abs(rate) for rate in start.rates[3:])
     sharpness = wanted ** (-1.0 / (used.order))
-    # What asks for steps: how to call it, its value, and how many it asks for in a second.
+    beta = start.coordinates[4]
+    # How many steps in a second are asked for, by what, and its value.
     rates = [
-        ("times", 0.0, 1.0 / longest_step(scenario)),
-        (name + " {:g}", wanted, 0.4 * spin * sharpness),
-        (
-            "friction gradient {:g} s/m",
-            gradient,
-            scenario.slip_decay / used.stable,
-        ),
-        ("beta {:g} rad", start.coordinates[4], turning / abs(sin(start.coordinates[4]))),
+        (1.0 / longest_step(scenario), "times", ""),
+        (0.4 * spin * sharpness, name, f"{wanted:g} "),
+        (scenario.slip_decay / used.stable, "friction", f"gradient {gradient:g} s/m "),
+        (turning / abs(sin(beta)), "beta", f"{beta:g} rad "),
     ]
     seconds = _SECONDS
     if scenario.contact is not None:
         seconds = _FREE_BODY_SECONDS
         stiffness = scenario.contact.stiffness
         swinging = sqrt(stiffness * scenario.disk.contact_mobility) / min(used.stable, 3.0)
-        rates.append(("stiffness {:g} N/m", stiffness, swinging))
-    cause, value, fastest = max(rates, key=lambda each: each[2])
+        rates.append((swinging, "stiffness", f"{stiffness:g} N/m "))
+    fastest, argument, value = max(rates)
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
     return Effort(
         steps=steps,
         seconds=steps * used.evaluations * seconds,
-        cause=f"{cause.format(value)} up to t = {times[-1]:g} s",
+        argument=argument,
+        value=f"{value}up to t = {times[-1]:g} s",
     )
 
 
@@ -167,5 +165,6 @@ def rest_effort(scenario: Scenario, end: float) -> Effort:
     return Effort(
         steps=evaluations / 2.0,
         seconds=evaluations * _SECONDS,
-        cause=f"stiffness {contact.stiffness:g} N/m until end = {end:g} s",
+        argument="stiffness",
+        value=f"{contact.stiffness:g} N/m until end = {end:g} s",
     )

@@ -161,7 +161,7 @@ def test_the_default_is_the_most_accurate_formulation_and_all_start_where_the_sc
     start = Start(beta=1.1, gamma=0.7, spin=-23.0, beta_rate=3.0)
     for formulation in mbs_models.formulations(model(level)):
         built = build(scene_of(level, formulation, start=start))
-        coordinates, rates = built.decode(built.record()[None])
+        coordinates, rates = built.decode(built.assembly.record()[None])
         state = built.scenario.initial_state
         np.testing.assert_allclose(coordinates[0], state.coordinates, atol=1e-12)
         np.testing.assert_allclose(rates[0], state.rates, atol=1e-11)

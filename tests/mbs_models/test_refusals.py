@@ -70,7 +70,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(Scene, Scenario(disk=TIPPE_TOP), "euler-tree"),
      "'euler-tree' has a round disk at its end; use one of floating"),
     (partial(Scene, Scenario(disk=EGG)),
-     "holds round disks and spheres alone on the ideal contact; none builds Egg"),
+     "holds round disks and spheres alone on the ideal contact; Egg.* needs a penalty contact"),
     (partial(mbs_models.eigenvalues, scene_of(contact=YIELDING, start=SPINNING)),
      "contact must be left out"),
     (partial(mbs_models.eigenvalues, scene_of(table=Table(inclination=0.1), start=SPINNING)),

@@ -66,6 +66,14 @@ def test_every_formulation_follows_the_in_house_motion_on_a_slope(
         np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
 
 
+def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() -> None:
+    friction = SmoothCoulomb(coefficient=0.3, smoothing=0.03, load="contact")
+    start = Start(spin=19.7, beta=1.494, gamma=-1.635)
+    scenario, times = Scenario(friction=friction, start=start), np.linspace(0.0, 1.25, 6)
+    run = mbs_models.simulate(Scene(scenario, "floating"), times, tolerance=1e-9)
+    assert deviation(run, truth(scenario, times)) <= 1e-10
+
+
 @pytest.mark.parametrize("level", [2, 3, 4])
 def test_where_constraints_are_left_accelerations_are_stepped_to_a_tolerance(level: Level) -> None:
     run = mbs_models.simulate(scene_of(level), SHORT, tolerance=1e-6)

@@ -115,8 +115,8 @@ def test_a_signal_ends_a_run_at_once(scene: Scene) -> None:
 
 CALLS = [
     "simulate --load contact --end 60",
-    "simulate --model 2 --formulation floating --end 60",
-    "simulate --model 2 --formulation euler-tree --end 60",
+    "simulate --model 2 --formulation floating --end 600",
+    "simulate --model 2 --formulation euler-tree --end 600",
     "simulate --model 1 --mu 0 --tolerance 1e-11 --end 60",
     "rest",
 ]

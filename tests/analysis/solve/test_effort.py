@@ -146,7 +146,7 @@ def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
 
 
 def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> None:
-    short = Effort(steps=100.0, seconds=1.0, cause="tolerance 1")
+    short = Effort(steps=100.0, seconds=1.0, argument="tolerance", value="1")
     for found, said in (
         (short, ""),
         (replace(short, seconds=61.0), "about 1.0e+02 steps, roughly 61 s, for tolerance 1"),
