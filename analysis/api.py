@@ -9,6 +9,7 @@ from analysis.motion.trajectory import Trajectory
 from analysis.problem.bodies import BODIES, EllipticDisk, Sphere
 from analysis.problem.body import Body
 from analysis.problem.checks import TimeLimitError, ToleranceError
+from analysis.problem.choices import FORMULATIONS, METHODS, Formulation, Method
 from analysis.problem.constraints import (
     MODELS,
     MULTIPLIERS,
@@ -58,12 +59,11 @@ from analysis.simulation.energies import (
     power,
 )
 from analysis.simulation.ensemble import Outcome, simulate_many
-from analysis.simulation.formulations import FORMULATIONS, Formulation, formulations
+from analysis.simulation.formulations import formulations
 from analysis.simulation.outcomes import outcomes
 from analysis.simulation.simulate import simulate
 from analysis.simulation.to_rest import REST_METHODS, RestMethod, simulate_to_rest
 from analysis.simulation.trajectories import Trajectories
-from analysis.solve.stepping import METHODS, Method
 from analysis.solve.watch import Progress
 
 __all__ = [

@@ -1,15 +1,10 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
+from analysis.problem.choices import ACCELERATED, INTEGRATORS, IntegratorName
+from analysis.problem.choices import ENGINE_FORMULATIONS as FORMULATIONS
+from analysis.problem.choices import EngineFormulation as Formulation
 from mbs_models.accelerations import acceleration, eigenvalues, state_matrix, stock_eigenvalues
-from mbs_models.integrators import (
-    ACCELERATED,
-    INTEGRATORS,
-    Integrator,
-    IntegratorName,
-    Newton,
-    integrators,
-)
-from mbs_models.model import FORMULATIONS, Formulation
+from mbs_models.integrators import Integrator, Newton, integrators
 from mbs_models.rest import simulate_to_rest
 from mbs_models.scene import Scene, formulations
 from mbs_models.simulation import simulate

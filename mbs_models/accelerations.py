@@ -13,11 +13,12 @@ import numpy.typing as npt
 
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, instance
+from analysis.problem.choices import Method
 from analysis.problem.constraints import demanded, independent_coordinates, prescribed
 from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import contact_time, longest_step
-from analysis.solve.stepping import InitialValueProblem, Method
+from analysis.solve.stepping import InitialValueProblem
 from mbs_models.effort import stepping_integrator
 from mbs_models.endings import LOCAL
 from mbs_models.friction import slip_velocity

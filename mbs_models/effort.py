@@ -10,10 +10,10 @@ from math import ceil, inf, log2
 import numpy as np
 
 from analysis.problem.checks import Array, positive, within
+from analysis.problem.choices import IntegratorName, Method
 from analysis.problem.limits import DEFAULT_TOLERANCE, SHORTEST_STEP, Effort
 from analysis.solve import effort as shared
-from analysis.solve.stepping import Method
-from mbs_models.integrators import Integrator, IntegratorName, find_integrator
+from mbs_models.integrators import Integrator, find_integrator
 from mbs_models.runs import MINIMUM_STEP
 from mbs_models.scene import Scene
 

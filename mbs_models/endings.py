@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from analysis.motion.endings import CONTACT_WOULD_PULL
 from analysis.problem.checks import Array, ToleranceError
+from analysis.problem.choices import Method
 from analysis.solve.stepping import (
     InitialValueProblem,
-    Method,
     Run,
     SolverError,
     integrate,

@@ -7,12 +7,12 @@ import numpy as np
 
 from analysis.motion.endings import FLAT, TIME_LIMIT
 from analysis.problem.checks import Array, TimeLimitError, ToleranceError
+from analysis.problem.choices import EngineFormulation, IntegratorName
 from analysis.problem.start import FlatError
 from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import error_at_ending, needed
 from mbs_models.effort import HALVINGS, LATE
-from mbs_models.integrators import RULES, Integrator, IntegratorName
-from mbs_models.model import Formulation
+from mbs_models.integrators import RULES, Integrator
 from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
 from mbs_models.spans import Call, run_over
@@ -70,7 +70,7 @@ class Ladder:
 
     def __init__(
         self,
-        formulation: Formulation,
+        formulation: EngineFormulation,
         integrator: IntegratorName,
         decay: float,
         *,

@@ -13,11 +13,12 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixZ
 from analysis.motion import frames
 from analysis.problem.bodies import Sphere
 from analysis.problem.checks import Array
+from analysis.problem.choices import EngineFormulation
 from analysis.problem.constraints import prescribed
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
 from mbs_models.loads import loads_of
-from mbs_models.model import Floats, Force, Formulation, Load, Model
+from mbs_models.model import Floats, Force, Load, Model
 
 _OUTPUT = exu.OutputVariableType
 
@@ -34,7 +35,7 @@ class Floating(Model):
         What acts on the disk at its centre on a penalty contact.
     """
 
-    name: ClassVar[Formulation] = "floating"
+    name: ClassVar[EngineFormulation] = "floating"
     # The square of the norm of the Euler parameters is one.
     own_equations: ClassVar[tuple[float, ...]] = (1.0,)
 

@@ -5,7 +5,7 @@ Some are the engine's own. Others step the engine's accelerations (`mbs_models.a
 
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from typing import Literal, NamedTuple, cast, get_args
+from typing import NamedTuple, cast
 
 import exudyn as exu
 import exudyn.itemInterface as items
@@ -13,18 +13,15 @@ import numpy as np
 
 from analysis.problem.checks import Array, choice, number, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
-from analysis.solve.stepping import Method
-from mbs_models.model import Formulation
+from analysis.problem.choices import (
+    ACCELERATED,
+    INTEGRATORS,
+    EngineFormulation,
+    IntegratorName,
+    Method,
+)
 from mbs_models.scene import CLASSES, Scene
 from mbs_models.solving import quiet, solving
-
-OwnName = Literal["RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"]
-SteppedName = Literal["DOP853", "Radau", "LSODA"]
-IntegratorName = Literal[OwnName, SteppedName]
-INTEGRATORS: tuple[IntegratorName, ...] = get_args(IntegratorName)
-
-ACCELERATED: tuple[IntegratorName, ...] = get_args(SteppedName)
-"""Those that step the engine's accelerations."""
 
 
 class Rule(NamedTuple):
@@ -189,7 +186,7 @@ class Integrator:
 
 
 def integrators(
-    formulation: Formulation, *, constrained: bool | None = None
+    formulation: EngineFormulation, *, constrained: bool | None = None
 ) -> tuple[IntegratorName, ...]:
     """The engine's own integrators that can take a formulation; those in `ACCELERATED` take any.
 

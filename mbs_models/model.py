@@ -5,16 +5,14 @@ Each formulation is a class, which holds its traits.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar
 
 from analysis.problem.checks import Array
+from analysis.problem.choices import EngineFormulation
 from analysis.problem.scenario import Scenario
 from mbs_models.assembly import Assembly, Reading
 from mbs_models.joints import Joints
 from mbs_models.loads import forces_on
-
-Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
-FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
 
 Floats = Sequence[float]
 
@@ -44,7 +42,7 @@ class Model(ABC):
     joints : Joints
     """
 
-    name: ClassVar[Formulation]
+    name: ClassVar[EngineFormulation]
 
     has_euler_angles: ClassVar[bool] = False
     """Whether alpha, beta and gamma are coordinates of the engine, singular at a flat disk.

@@ -3,22 +3,23 @@
 from dataclasses import dataclass, replace
 
 from analysis.problem.checks import choice, instance
+from analysis.problem.choices import ENGINE_FORMULATIONS, EngineFormulation
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from mbs_models.floating import Floating, FloatingLie
-from mbs_models.model import FORMULATIONS, Formulation, Model
+from mbs_models.model import Model
 from mbs_models.trees import ContactTree, EulerTree
 
 _BY_ACCURACY: tuple[type[Model], ...] = (ContactTree, EulerTree, Floating, FloatingLie)
 _TO_REST: tuple[type[Model], ...] = (FloatingLie, Floating)
 
-CLASSES: dict[Formulation, type[Model]] = {each.name: each for each in _BY_ACCURACY}
+CLASSES: dict[EngineFormulation, type[Model]] = {each.name: each for each in _BY_ACCURACY}
 
 _PAPER = Scenario()
 
 
-def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
+def formulations(scenario: Scenario) -> tuple[EngineFormulation, ...]:
     """Formulations that can build a scenario, the most accurate one first.
 
     Parameters
@@ -67,12 +68,12 @@ class Scene:
     """
 
     scenario: Scenario = _PAPER
-    formulation: Formulation | None = None
+    formulation: EngineFormulation | None = None
 
     def __post_init__(self) -> None:
         instance("scenario", self.scenario, Scenario)
         if self.formulation is not None:
-            choice("formulation", self.formulation, FORMULATIONS)
+            choice("formulation", self.formulation, ENGINE_FORMULATIONS)
         elif formulations(self.scenario):
             return
         name = self.formulation or "floating"
@@ -96,7 +97,7 @@ class Scene:
         raise ArgumentError("scene", f"must be a Scene or a Scenario, got {given!r}")
 
     @property
-    def built_as(self) -> Formulation:
+    def built_as(self) -> EngineFormulation:
         """The formulation, the default one if none is given."""
         return self.formulation or formulations(self.scenario)[0]
 

@@ -23,6 +23,7 @@ from analysis.problem.checks import (
     positive,
     switch,
 )
+from analysis.problem.choices import IntegratorName
 from analysis.problem.friction import check_slipping
 from analysis.problem.limits import DEFAULT_TOLERANCE
 from analysis.problem.scenario import Scenario
@@ -32,7 +33,7 @@ from analysis.solve.watch import Progress, Watch
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
-from mbs_models.integrators import FINEST_LOCAL, Integrator, IntegratorName, find_integrator
+from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError, stepping
 from mbs_models.spans import Call, run_over

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from html import escape
 from importlib import import_module
-from typing import Any, ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -28,13 +28,12 @@ from analysis.problem.checks import (
     real_array,
     settings,
 )
+from analysis.problem.choices import SOURCES, Source
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 
-Source = Literal["engine", "in-house"]
-SOURCES: tuple[Source, ...] = get_args(Source)
 Setting = str | float | int | None
 
 FORMAT = 3

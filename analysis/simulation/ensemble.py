@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import ToleranceError, function, instance, whole
+from analysis.problem.choices import Method
 from analysis.problem.limits import check_storage
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
@@ -24,7 +25,6 @@ from analysis.simulation.compiled.library import CannotCompileError
 from analysis.simulation.request import Request
 from analysis.simulation.simulate import run_member
 from analysis.simulation.trajectories import Trajectories
-from analysis.solve.stepping import Method
 from analysis.solve.workers import Pool
 
 Outcome = Trajectory | Exception

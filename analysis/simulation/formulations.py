@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import sin
-from typing import Literal, get_args
 
 import numpy as np
 
@@ -15,14 +14,12 @@ from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_res
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
 from analysis.problem.checks import Array, choice
+from analysis.problem.choices import FORMULATIONS, Formulation
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import State
 from analysis.solve.effort import contact_time, longest_step
 from analysis.solve.stepping import InitialValueProblem
-
-Formulation = Literal["index-1", "reduced", "free-body"]
-FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,14 +16,15 @@ from analysis.motion.endings import (
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import Array, choice, increasing_times, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
+from analysis.problem.choices import FORMULATIONS, METHODS, Formulation, Method
 from analysis.problem.elementary import sin
 from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, Effort
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 from analysis.simulation.compiled.library import is_installed
-from analysis.simulation.formulations import FORMULATIONS, Formulation, default_formulation
+from analysis.simulation.formulations import default_formulation
 from analysis.solve.effort import simulation_effort, usual_method
-from analysis.solve.stepping import METHODS, Method, Run
+from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import tighter_and_tighter
 from analysis.solve.watch import Progress, Watch
 

@@ -8,12 +8,13 @@ import numpy.typing as npt
 from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import instance
+from analysis.problem.choices import Formulation, Method
 from analysis.problem.friction import check_slipping
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.ensemble import simulate_compiled
-from analysis.simulation.formulations import Formulation, default_formulation, pose
+from analysis.simulation.formulations import default_formulation, pose
 from analysis.simulation.request import Request, trajectory
-from analysis.solve.stepping import Method, Run, integrate
+from analysis.solve.stepping import Run, integrate
 from analysis.solve.to_tolerance import run_to
 from analysis.solve.watch import Progress
 

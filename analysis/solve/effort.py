@@ -9,10 +9,10 @@ from math import inf, pi
 from typing import Literal, NamedTuple
 
 from analysis.problem.checks import Array, choice, positive
+from analysis.problem.choices import Method
 from analysis.problem.elementary import sin, sqrt
 from analysis.problem.limits import DEFAULT_TOLERANCE, Effort
 from analysis.problem.scenario import Scenario
-from analysis.solve.stepping import Method
 
 
 class _Method(NamedTuple):

@@ -7,7 +7,7 @@ its solvers are stepped here.
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import asin, isfinite, isnan, nan
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,11 +16,9 @@ from scipy.optimize import brentq
 
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
 from analysis.problem.checks import Array
+from analysis.problem.choices import Method
 from analysis.problem.limits import LEAST_TILT
 from analysis.solve.watch import Lookout, Step, Watch
-
-Method = Literal["DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"]
-METHODS: tuple[Method, ...] = get_args(Method)
 
 STILL = 1e-9
 """Slip in m/s that has no sign."""

@@ -18,7 +18,7 @@ from analysis.motion.endings import (
     StopWhen,
     named_conditions,
 )
-from analysis.motion.sampled import Setting, Source
+from analysis.motion.sampled import Setting
 from analysis.motion.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.motion.trajectory import versions
 from analysis.problem.checks import (
@@ -29,12 +29,13 @@ from analysis.problem.checks import (
     instance,
     positive,
 )
+from analysis.problem.choices import Method, Source
 from analysis.problem.contact import RestCriterion
 from analysis.problem.friction import check_slipping
 from analysis.problem.limits import check_storage
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
-from analysis.solve.stepping import InitialValueProblem, Method, Run, integrate
+from analysis.solve.stepping import InitialValueProblem, Run, integrate
 from analysis.solve.to_tolerance import error_at_ending, tighter_and_tighter
 from analysis.solve.watch import Progress, Watch
 

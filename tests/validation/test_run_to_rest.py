@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import STEEL_DISK, PenaltyContact, Scenario, Start
-from analysis.motion.sampled import SOURCES, Source
+from analysis.problem.choices import SOURCES, Source
 from validation.run import run_to_rest
 
 SIDES = pytest.mark.parametrize("source", SOURCES)

@@ -12,6 +12,7 @@ from analysis.nonlinear import families
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.problem.choices import Source
 from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
 from analysis.problem.values import is_text, unit
@@ -24,7 +25,6 @@ from validation.nonlinear import figures, tables
 from validation.nonlinear.tables import Motion
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, Axis, PlainProblem, SomeSpins
-from validation.parser.runs import Source
 
 _DRAWN = {
     "symmetric": ("amplitude",),

@@ -7,12 +7,12 @@ import numpy as np
 
 from analysis import Scenario, scenario_text
 from analysis.problem.checks import whole
+from analysis.problem.choices import EngineFormulation
 from validation.commands.options import checked_end
 from validation.kit.figures import against_limits, draw_still, new_figure
 from validation.kit.tables import Table
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, NamedProblem
-from validation.parser.runs import Formulation
 
 
 def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
@@ -63,7 +63,7 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
     )
 
 
-def scene(*, problem: AnyProblem, formulation: Formulation | None = None) -> Result:
+def scene(*, problem: AnyProblem, formulation: EngineFormulation | None = None) -> Result:
     """List what is in a scene of the engine, and why.
 
     List the nodes, objects, markers and sensors of a scene with the reason for each, and count its

@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis import LEVELS, MODELS, Start
 from analysis.mechanics.paper import CriticalSpeed, critical_speed
+from analysis.problem.choices import EngineFormulation, Source
 from analysis.problem.names import ArgumentError
 from analysis.stability import spectra
 from analysis.stability.critical import CriticalSpeeds, critical_speeds, spin_interval
@@ -18,7 +19,6 @@ from validation.kit.progress import counted
 from validation.kit.tables import Table
 from validation.parser.files import Result, write
 from validation.parser.kinds import PlainProblem, Spectrum, Spins
-from validation.parser.runs import Formulation, Source
 
 _MODELS = {name: level for name, (level, _) in spectra.CLOSED.items()}
 """That a system stands for unless constraints are given."""
@@ -29,7 +29,7 @@ def eigenvalues(
     problem: PlainProblem,
     spectrum: Spectrum,
     source: Source = "in-house",
-    formulation: Formulation | None = None,
+    formulation: EngineFormulation | None = None,
     spin: Spins,
 ) -> Result:
     """Eigenvalues of inverted and noninverted spinning.

@@ -7,8 +7,8 @@ from typing import Any
 import analysis
 import mbs_models
 from analysis import Method, Scenario, Trajectory
-from analysis.motion.sampled import Source
 from analysis.problem.checks import Array
+from analysis.problem.choices import Source
 from mbs_models import Integrator, IntegratorName
 from validation.run import run
 

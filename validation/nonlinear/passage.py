@@ -18,8 +18,8 @@ import numpy.typing as npt
 from scipy.integrate import cumulative_trapezoid
 
 from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
-from analysis.motion.sampled import Source
 from analysis.problem.checks import Array
+from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import matrices_over_spin
 from validation.kit.tables import Table

@@ -25,7 +25,7 @@ _MODULES = (
 )
 """In the order of the help."""
 
-_LIGHT = ("pathlib", "typing", "validation.parser")
+_LIGHT = ("pathlib", "typing", "validation.parser", "analysis.problem.choices")
 """Modules from which signatures have their names."""
 
 _NEGATIVE = re.compile(r"-(\d|\.\d|pi)")

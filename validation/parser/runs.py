@@ -3,18 +3,15 @@
 from dataclasses import dataclass, fields
 from typing import Annotated, Any, Literal, get_args
 
+from analysis.problem.choices import (
+    ENGINE_FORMULATIONS,
+    FORMULATIONS,
+    INTEGRATORS,
+    METHODS,
+    SOURCES,
+)
 from analysis.problem.names import ArgumentError, nearest
 
-Source = Literal["engine", "in-house"]
-SOURCES: tuple[Source, ...] = get_args(Source)
-Formulation = Literal["floating", "floating-lie", "euler-tree", "contact-tree"]
-FORMULATIONS: tuple[Formulation, ...] = get_args(Formulation)
-IN_HOUSE_FORMULATIONS = ("index-1", "reduced", "free-body")
-INTEGRATORS = (
-    *("RK44", "RK67", "DOPRI5", "TrapezoidalIndex2", "GeneralizedAlpha"),
-    *("DOP853", "Radau", "LSODA"),
-)
-METHODS = ("DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor")
 Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 ACCURACIES = ("tolerance", "step", "local_tolerance")
@@ -61,7 +58,7 @@ class RunOptions:
     """
 
     source: Annotated[str, {"choices": SOURCES}] = "engine"
-    formulation: Annotated[str | None, {"choices": (*FORMULATIONS, *IN_HOUSE_FORMULATIONS)}] = None
+    formulation: Annotated[str | None, {"choices": (*ENGINE_FORMULATIONS, *FORMULATIONS)}] = None
     tolerance: float | None = None
     step: float | None = None
     local_tolerance: float | None = None
@@ -75,7 +72,7 @@ class RunOptions:
         self._choose("source", SOURCES)
         if self.formulation is not None:
             is_engine = self.source == "engine"
-            self._choose("formulation", FORMULATIONS if is_engine else IN_HOUSE_FORMULATIONS)
+            self._choose("formulation", ENGINE_FORMULATIONS if is_engine else FORMULATIONS)
         foreign = ("method",) if self.source == "engine" else ("step", "integrator")
         for name in foreign:
             self.refuse(name, f"source {self.source!r}, which does not know it")

@@ -19,7 +19,7 @@ from analysis import (
     Sphere,
     Start,
 )
-from analysis.motion.sampled import SOURCES, Source
+from analysis.problem.choices import SOURCES, Source
 from mbs_models import Scene, formulations
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict

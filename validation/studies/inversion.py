@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.motion.inversion import DEFINITION
 from analysis.motion.quantities import filled
-from analysis.motion.sampled import SOURCES, Source
+from analysis.problem.choices import SOURCES, Source
 from validation.kit.figures import MARKERS, comparison, draw_still, legend_above, new_figure
 from validation.kit.references import deviation
 from validation.page.content import Content, Rows, Verdict

@@ -9,8 +9,8 @@ import numpy as np
 from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
 from analysis.motion.endings import check_condition_name
 from analysis.motion.quantities import quantities
-from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array, choice, positive, whole, within
+from analysis.problem.choices import SOURCES
 from analysis.problem.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.problem.names import ArgumentError
 from analysis.simulation.formulations import default_formulation, pose

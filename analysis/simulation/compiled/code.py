@@ -10,12 +10,12 @@ import numpy as np
 
 from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
 from analysis.problem.checks import Array
+from analysis.problem.choices import Formulation
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled import systems
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
 from analysis.simulation.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
-from analysis.simulation.formulations import Formulation
 
 WIDEST_INDEX_1 = 4
 """Most members of a batch of an index-1 system.

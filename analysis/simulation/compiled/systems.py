@@ -16,12 +16,12 @@ from analysis.mechanics import newton_euler, recorded, reduced
 from analysis.mechanics.attitude import EulerTurning, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
+from analysis.problem.choices import Formulation
 from analysis.problem.elementary import Members
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
-from analysis.simulation.formulations import Formulation
 
 FAINT = 1e-8
 """Slip speed in m/s over which the kink of friction is rounded if slip has two directions.

@@ -29,9 +29,9 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from analysis.motion.sampled import SOURCES, Source
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
+from analysis.problem.choices import SOURCES, Source
 from analysis.solve.until_rest import until_agreement
 from tests.helpers import angles_apart, mostly_slow, not_none
 from validation.run import run_to_rest

@@ -23,7 +23,7 @@ from analysis import (
     ViscousFriction,
     load_run,
 )
-from analysis.motion.sampled import SOURCES
+from analysis.problem.choices import SOURCES
 from analysis.problem.scenario_file import scenario_text
 from tests.calls import Capture, printed, refusal, run
 from tests.helpers import not_none

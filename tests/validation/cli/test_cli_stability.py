@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from analysis.motion.sampled import SOURCES
+from analysis.problem.choices import SOURCES
 from tests.calls import Capture, printed
 
 

@@ -9,19 +9,14 @@ from pathlib import Path
 import pytest
 
 import analysis
-import mbs_models
 from analysis.motion.endings import CONDITIONS
 from analysis.motion.inversion import DEFINITION
-from analysis.motion.sampled import SOURCES
 from analysis.problem.quantities import QUANTITIES
-from analysis.solve.stepping import METHODS
 from analysis.stability.spectra import SYSTEMS
-from mbs_models import INTEGRATORS
 from tests.calls import Capture, printed, refusal, run
 from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
-from validation.parser import runs
 from validation.parser.commands import Command, commands
 from validation.parser.kinds import DISK, METHOD
 
@@ -63,11 +58,6 @@ EVERY = pytest.mark.parametrize("command", COMMANDS, ids=[each.name for each in 
 
 
 def test_choices_are_those_of_the_packages() -> None:
-    assert runs.SOURCES == SOURCES
-    assert runs.FORMULATIONS == mbs_models.FORMULATIONS
-    assert runs.IN_HOUSE_FORMULATIONS == analysis.FORMULATIONS
-    assert runs.INTEGRATORS == INTEGRATORS
-    assert runs.METHODS == METHODS
     for command, option, known in (
         ("eigenvalues", "system", SYSTEMS),
         ("critical", "motion", analysis.MOTIONS),

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 import analysis
 import mbs_models
 from analysis import MODELS, STEEL_DISK, Scenario, Start
+from analysis.problem.choices import SOURCES
 from analysis.problem.quantities import QUANTITIES
 from analysis.problem.scenario_file import scenario_text
 from tests.calls import Capture, run
 from tests.scenario_texts import with_key
 from validation.commands import simulate as simulating
-from validation.parser.runs import SOURCES
 
 NUMBERS = st.one_of(
     st.floats(),

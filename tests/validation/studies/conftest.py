@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from analysis import simulate
-from analysis.motion.sampled import SOURCES
+from analysis.problem.choices import SOURCES
 from validation.studies import inversion
 from validation.study import frame, plain
 

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.motion.sampled import SOURCES
+from analysis.problem.choices import SOURCES
 from tests.calls import ROOT
 from tests.helpers import failing, planted
 from tests.stated import chapter

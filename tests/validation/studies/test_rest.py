@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.motion.sampled import SOURCES
+from analysis.problem.choices import SOURCES
 from tests.helpers import failing, planted
 from validation import study as kit
 from validation.studies.rest import closed_forms, creep, runs, section, starts

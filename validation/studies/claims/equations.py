@@ -13,8 +13,8 @@ from scipy.optimize import bisect, brute
 
 from analysis import MODELS, STEEL_DISK, Scenario, SmoothCoulomb, Start
 from analysis.mechanics import paper
-from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array
+from analysis.problem.choices import SOURCES
 from mbs_models import Scene
 from validation.studies.claims.grades import Judged, grade, within
 from validation.studies.comparisons import solutions

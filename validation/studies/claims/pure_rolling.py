@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from analysis import ConstraintSet, Scenario, SmoothCoulomb, Start
-from analysis.motion.sampled import SOURCES
 from analysis.problem.checks import Array
+from analysis.problem.choices import SOURCES
 from validation.run import run
 from validation.studies.claims.grades import Judged, within
 from validation.study import Check, Row, Study, at_most, equal

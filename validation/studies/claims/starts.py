@@ -19,7 +19,7 @@ from analysis.mechanics import paper
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT
 from analysis.motion.inversion import OUTCOMES as DECIDED
 from analysis.motion.inversion import STAYING
-from analysis.motion.sampled import Source
+from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures
 from validation.run import run

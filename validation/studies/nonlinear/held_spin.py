@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
-from analysis.motion.sampled import Source
 from analysis.nonlinear.motions import PeriodicMotion, is_stable
 from analysis.problem.checks import Array
+from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
 from validation.run import run
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
-from analysis.motion.sampled import SOURCES
+from analysis.problem.choices import SOURCES
 from analysis.stability.stationary_rolling import (
     axial_spin,
     euler_disk_energy,

@@ -17,7 +17,7 @@ from analysis import (
     Start,
 )
 from analysis.motion.quantities import filled
-from analysis.motion.sampled import SOURCES, Source
+from analysis.problem.choices import SOURCES, Source
 from validation.run import run, run_to_rest
 from validation.study import Row, Study
 

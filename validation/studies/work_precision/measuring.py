@@ -15,10 +15,9 @@ import numpy as np
 import analysis
 import mbs_models
 from analysis import Trajectory
-from analysis.motion.sampled import Source
+from analysis.problem.choices import ACCELERATED, Source
 from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
-from mbs_models.integrators import ACCELERATED
 from validation.kit.ways import Way
 from validation.studies.work_precision.problems import (
     PROBLEMS,
