@@ -34,7 +34,7 @@ HELD: dict[str, ConstraintSet] = {
 
 _ACCURACY: dict[Source, dict[str, Any]] = {
     "in-house": {"local_tolerance": 1e-11},
-    "engine": {"tolerance": 1e-8, "formulation": "floating"},
+    "engine": {"tolerance": 1e-9, "formulation": "floating"},
 }
 
 _STEP = 1e-4
