@@ -38,6 +38,7 @@ from mbs_models import Scene
 from mbs_models.rest import largest_step
 from validation import by_hand
 from validation.kit.limits import holds
+from validation.kit.progress import counted
 from validation.kit.references import deviation
 from validation.kit.timing import clocked, in_turns
 from validation.run import run
@@ -264,4 +265,6 @@ PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
 
 def measured_parts(repeats: int) -> dict[str, list[Check]]:
     """What is measured by so many calls each, by what it is about."""
-    return {str(part.__doc__).splitlines()[0]: list(part(repeats)) for part in PARTS}
+    return {
+        str(part.__doc__).splitlines()[0]: list(part(repeats)) for part in counted(PARTS, "parts")
+    }
