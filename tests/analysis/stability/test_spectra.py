@@ -25,6 +25,8 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
         drift = np.array((1j, -1j)) * spins[index] if level == 1 else ()
         for each in (found[index], followed.values[index]):
             assert distance(each, np.append(values, drift)) < 1e-9
+        falling = [(-value.real, -value.imag) for value in found[index].tolist()]
+        assert falling == sorted(falling)
     # The pair of the place on the table is exact.
     if level == 1:
         np.testing.assert_array_equal(followed.values[:, 2:4].T, [1j * spins, -1j * spins])

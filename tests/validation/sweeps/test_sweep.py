@@ -8,6 +8,7 @@ from contextlib import closing
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -298,6 +299,19 @@ def test_executor_that_breaks_is_made_again(tmp_path: Path) -> None:
     with open_pool(f"{__name__}:one_worker", workers=1) as pool:
         found = swept(wanted, tmp_path / "a.db", pool).columns
     assert found["status"].tolist() == ["crashed", *[DONE] * 4]
+
+
+def one_thread() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1)
+
+
+def test_own_executor_forgets_what_it_has_not_begun_once_it_is_left() -> None:
+    forgotten = Event()
+    with open_pool(f"{__name__}:one_thread", workers=1) as pool:
+        begun, waiting = pool.executor.submit(forgotten.wait, 5.0), pool.executor.submit(print)
+        waiting.add_done_callback(lambda _: forgotten.set())
+    assert begun.result()
+    assert waiting.cancelled()
 
 
 def broken() -> ThreadPoolExecutor:
