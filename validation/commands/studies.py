@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Iterator
 from functools import partial
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.checks import whole
@@ -150,10 +151,16 @@ def benchmark(*, repeats: int = 7) -> Result:
     parts = measured_parts(repeats)
     heads = ("measured", "value", "at most", "reached")
     found: dict[str, list[Any]] = {
-        title: [(*each[:3], each.holds) for each in checks] for title, checks in parts.items()
+        # Of what is only told, nothing is asked.
+        title: [
+            (*each[:2], *((None, None) if each.limit == inf else (each.limit, each.holds)))
+            for each in checks
+        ]
+        for title, checks in parts.items()
     }
     rows = [row for some in found.values() for row in some]
-    every, missed = Table(title="", columns=heads, rows=rows), sum(not row[-1] for row in rows)
+    every = Table(title="", columns=heads, rows=rows)
+    missed = sum(row[-1] is False for row in rows)
     return Result(
         tables=[Table(title=title, columns=heads, rows=some) for title, some in found.items()],
         values=every.records(),
