@@ -137,7 +137,7 @@ def against_limits(found: Sequence[tuple[str, object, object, bool | None]]) -> 
             axes.plot(*zip(*shown, strict=True), linestyle="none", zorder=3, **look)
     axes.axvline(1.0, color=COLOURS[0], label="limit")
     least, most = _PARTS
-    axes.set(xscale="log", xlim=(0.5 * least, 2.0 * most), ylim=(0.6 - len(places), 0.6))
+    axes.set(xscale="log", xlim=(0.5 * least, 2.0 * most), ylim=(0.6 - max(1, len(places)), 0.6))
     axes.set(yticks=list(places.values()), yticklabels=list(places))
     axes.set_xlabel(f"part of what is allowed, from {least:g} or less to {most:g} or more")
     legend_above(axes)
