@@ -7,12 +7,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from analysis import MODELS, Scenario
+from analysis import MODELS, Scenario, scenario_text, simulate
 from analysis.motion.outcomes import DONE
 from analysis.simulation.compiled import library
 from tests.calls import Capture, python, refusal, run
 from tests.sweeps import sweep
-from tests.wayward_law import CRASHES_AT_ONCE
+from tests.wayward_law import CRASHES_AT_ONCE, Wayward
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_sweep
 
@@ -65,9 +65,20 @@ def test_a_law_that_ends_the_interpreter_at_once_is_a_row_or_a_line(folder: Path
     assert "sweep: looking at some cases ends its process with code 7; each" in done.stderr
     assert Results.load(Path("a.db")).columns["status"].tolist() == [*[DONE] * 2, *["crashed"] * 2]
     assert Path("a.png").exists()
-    done = python(*words, "spin=1,2", f"--mu={CRASHES_AT_ONCE}", folder=folder, code=2)
-    assert "a law or body of your own, ends its process with code 7\n" in done.stderr
-    assert done.stderr.count("\n") == 1
+    text = scenario_text(Scenario(friction=Wayward()))
+    Path("own.toml").write_text(
+        text.replace("coefficient = 0.3", f"coefficient = {CRASHES_AT_ONCE}")
+    )
+    simulate(Scenario(friction=Wayward()), [0.0, 0.01]).save("own.npz")
+    plain = words[: words.index("--law")]
+    for base in (
+        [*words, f"--mu={CRASHES_AT_ONCE}"],
+        [*plain, "--scenario", "own.toml"],
+        [*words, "--scenario", "own.npz", f"--mu={CRASHES_AT_ONCE}"],
+    ):
+        done = python(*base, "spin=1,2", folder=folder, code=2)
+        assert "a law or body of your own, ends its process with code 7\n" in done.stderr
+        assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize("call", [CALL, "map attitude --workers 1 --out maps"])
