@@ -56,8 +56,6 @@ def report(
     from validation.report import as_text, make
 
     made = make(output_folder("out", out), only=only or (), fresh=fresh)
-    if text is not None:
-        write_whole(text, as_text(made))
     failed = sum(not check.holds for check in made.checks)
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:
@@ -72,6 +70,7 @@ def report(
     return Result(
         values={"holds": made.holds, "verdicts": table.records(), "checks": checks},
         csv=partial(write, table),
+        files=[(text, lambda path: write_whole(path, as_text(made)))],
         draw=lambda: against_limits(limits),
         notes=[*_lines(made, verbose=verbose), f"{said}. Open {made.page}"],
         code=0 if made.holds else 1,
