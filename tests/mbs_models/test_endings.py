@@ -52,15 +52,6 @@ def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
         assert run.ending is None
 
 
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
-def test_a_contact_that_may_pull_ends_nothing(formulation: Formulation) -> None:
-    scene = Scene(Scenario(start=Start(beta=1.3, gamma=1.5, spin=150.0)), formulation)
-    run = mbs_models.simulate(scene, TIMES[:11], step=1e-3, allow_pulling=True)
-    assert np.min(run.normal_force) < -10.0
-    assert run.ending is None
-    np.testing.assert_array_equal(run.times, TIMES[:11])
-
-
 def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later() -> None:
     scene = scene_of(1, "euler-tree", start=Start(beta=1.407, gamma=-1.799, spin=114.6))
     accuracies: list[dict[str, Any]] = [{"step": 4e-3}, {"tolerance": 1e-6}]
