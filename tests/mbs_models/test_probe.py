@@ -11,6 +11,7 @@ import mbs_models
 from analysis import (
     LOADS,
     MODELS,
+    STEEL_DISK,
     Body,
     ConstraintSet,
     Dissipation,
@@ -24,8 +25,9 @@ from analysis import (
 )
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Scene, formulations
+from mbs_models.friction import slip_velocity
 from tests.bodies import BODIES, TIPPE_TOP, random_start
-from tests.helpers import more_sets, random_scenario
+from tests.helpers import more_sets, random_scenario, slip
 from tests.helpers import random_start as free_start
 
 STEEP = Table(inclination=0.2, downhill=0.5)
@@ -100,3 +102,9 @@ def test_of_bodies_on_a_yielding_table(body: Body, rounded: bool, seed: int, loa
 def test_of_a_sphere_on_the_ideal_contact(seed: int, load: Load) -> None:
     friction = SmoothCoulomb(load=load)
     compare(Scenario(disk=TIPPE_TOP, table=STEEP, friction=friction, start=random_start(seed)))
+
+
+def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:
+    place, rates = np.random.default_rng(3).uniform(0.2, 1.4, size=(2, 6))
+    found = slip_velocity(STEEL_DISK.radius, place, rates)
+    np.testing.assert_allclose(found, slip(STEEL_DISK, lambda t: place + t * rates), rtol=1e-8)
