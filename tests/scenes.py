@@ -1,7 +1,8 @@
-"""Scenes of the paper's models in one short call."""
+"""Scenes of the paper's models in one short call, and what their motions are in truth."""
 
 from typing import Any
 
+import analysis
 from analysis import Level, Scenario
 from mbs_models import Formulation, Scene
 from tests.helpers import model
@@ -15,3 +16,8 @@ def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields:
 def rest_scene(**fields: Any) -> Scene:
     """Scene for the way to rest."""
     return Scene(Scenario.rest(**fields))
+
+
+def truth(scenario: Scenario, times: Any, **how: Any) -> analysis.Trajectory:
+    """In-house motion, far below every tolerance."""
+    return analysis.simulate(scenario, times, **({"local_tolerance": 1e-13} | how))

@@ -13,9 +13,10 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot as plt
 
+from tests.calls import ROOT
 from tests.stated import values, words
 
-FOLDER = Path(__file__).parent.parent / "docs" / "notebooks"
+FOLDER = ROOT / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 LARGEST = 300_000
 """Bytes of a notebook with its outputs."""

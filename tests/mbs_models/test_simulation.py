@@ -28,16 +28,12 @@ from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
 from tests.helpers import model, mostly_slow, not_none
-from tests.scenes import rest_scene, scene_of
+from tests.scenes import rest_scene, scene_of, truth
 from validation.kit.references import deviation
 
 TIMES = np.linspace(0.0, 0.5, 26)
 SHORT = np.linspace(0.0, 0.2, 21)
 LOADED = SmoothCoulomb(load="contact")
-
-
-def truth(scenario: Scenario, times: Any = TIMES, **how: Any) -> analysis.Trajectory:
-    return analysis.simulate(scenario, times, **({"local_tolerance": 1e-13} | how))
 
 
 # --- To a tolerance ------------------------------------------------------------------------------
@@ -47,7 +43,7 @@ def truth(scenario: Scenario, times: Any = TIMES, **how: Any) -> analysis.Trajec
 @pytest.mark.parametrize("scene", [Scene(), scene_of(3), scene_of(2)])
 def test_tolerance_is_met_and_the_estimate_is_honest(scene: Scene, tolerance: float) -> None:
     run = mbs_models.simulate(scene, TIMES, tolerance=tolerance)
-    error = deviation(run, truth(scene.scenario))
+    error = deviation(run, truth(scene.scenario, TIMES))
     assert error <= not_none(run.error_estimate) <= tolerance
 
 
