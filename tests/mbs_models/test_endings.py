@@ -12,14 +12,7 @@ from analysis import LEVELS, STEEL_DISK, FrictionLaw, PenaltyContact, Scenario, 
 from analysis.motion.endings import REACHED, StopWhen
 from analysis.problem.friction import LubricatedCoulomb, PowerLawCoulomb
 from analysis.solve.stepping import SolverError
-from mbs_models import (
-    FORMULATIONS,
-    EngineError,
-    Formulation,
-    IntegratorName,
-    Scene,
-    formulations,
-)
+from mbs_models import FORMULATIONS, EngineError, Formulation, IntegratorName, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none

@@ -7,13 +7,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import (
-    Body,
-    Dissipation,
-    PenaltyContact,
-    Scenario,
-    Start,
-)
+from analysis import Body, Dissipation, PenaltyContact, Scenario, Start
 from tests.bodies import BODIES
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
@@ -64,6 +58,8 @@ def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -
     scene = rest_scene(dissipation=EVERYTHING)
     times = np.linspace(0.0, 0.2, 21)
     motion = analysis.simulate_to_rest(scene.scenario, 0.2, spacing=1e-2, local_tolerance=1e-11)
+    to_rest = mbs_models.simulate_to_rest(scene, 0.2, step=1e-4, spacing=1e-2)
+    np.testing.assert_allclose(to_rest.dissipated, motion.dissipated, atol=1e-8)
     found, other = mbs_models.simulate(scene, times, tolerance=1e-6), motion.to_trajectory()
     np.testing.assert_allclose(found.coordinates, other.coordinates, atol=1e-6)
     np.testing.assert_allclose(found.normal_force, other.normal_force, atol=1e-4)
