@@ -166,10 +166,6 @@ def _pass(copy: Path, words: list[str]) -> bool:
     return done.returncode in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED}
 
 
-def _files(room: Path) -> list[Path]:
-    return [room] if room.is_file() else sorted(room.rglob("*.py"))
-
-
 def main() -> int:
     """Try some mutations; exit code."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutate", description=__doc__)
@@ -181,7 +177,7 @@ def main() -> int:
     every = [
         Mutation(path.relative_to(ROOT), number)
         for room in options.rooms
-        for path in _files(ROOT / room)
+        for path in sorted((ROOT / room).rglob("*.py")) or [ROOT / room]
         for number in range(len(places(path.read_text("utf-8"))[1]))
     ]
     # Nothing secret hangs on them.
