@@ -10,12 +10,12 @@ import pytest
 import analysis
 import mbs_models
 
-FUNCTIONS = {
-    f"{package.__name__}.{name}": found
+PUBLIC = {
+    f"{package.__name__}.{name}": getattr(package, name)
     for package in (analysis, mbs_models)
     for name in package.__all__
-    if inspect.isfunction(found := getattr(package, name))
 }
+FUNCTIONS = {name: found for name, found in PUBLIC.items() if inspect.isfunction(found)}
 MODULES = [
     found.name
     for package in (analysis, mbs_models)
