@@ -129,7 +129,7 @@ class Loads:
             self._last = (state, self._new(*state))
         return self._last[1]
 
-    def over(
+    def along(
         self, place: Array, rotation: Array, velocity: Array, angular: Array
     ) -> Iterator[tuple[Loading, float]]:
         """What acts at each sample of a motion, and the speed over the surface in m/s.
@@ -295,7 +295,7 @@ def _dot(a: Any, b: Any) -> Any:
 def forces_on(scenario: Scenario, z: Array, u: Array) -> Array:
     """Normal force in N, shape (n,), of coordinates z and rates u, shape (n, 6) each."""
     (place, rotation), (velocity, angular) = frames.poses(z), frames.twists(z, u)
-    loadings = loads_of(scenario).over(place, rotation, velocity, angular)
+    loadings = loads_of(scenario).along(place, rotation, velocity, angular)
     return np.array([load.normal for load, _ in loadings])
 
 

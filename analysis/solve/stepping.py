@@ -247,8 +247,8 @@ def _step(solver: Any) -> Step:
     message = None if lost else solver.step()
     if lost or solver.status == "failed" or not isfinite(solver.y.sum()):
         name = type(solver).__name__
-        told = message or "the state is no longer finite"
-        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {told}")
+        reason = message or "the state is no longer finite"
+        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {reason}")
     return Step(solver)
 
 
