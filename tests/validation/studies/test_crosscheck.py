@@ -202,7 +202,7 @@ def compared() -> pd.DataFrame:
         if kind != crosscheck.OTHERS or "eigenvalues" not in each.quantity
     ]
     table = pd.DataFrame(rows)
-    return table.assign(counted=table["kind"].map(crosscheck.STATES), over=comparisons.END)
+    return table.assign(counted=table["kind"].map(crosscheck.STATES), lasting=comparisons.END)
 
 
 def present(rows: pd.DataFrame, apart: float | None = 1e-8) -> Content:
@@ -234,5 +234,5 @@ def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> No
     fewer = failing(present(planted(rows, 0, "counted", 249)).checks)
     assert fewer == {"crosscheck: accelerations, the paper's models, states with a solution"}
     motion = int(rows.index[rows["quantity"] == comparisons.MOTION][0])
-    shorter = failing(present(planted(rows, motion, "over", 0.1)).checks)
+    shorter = failing(present(planted(rows, motion, "lasting", 0.1)).checks)
     assert shorter == {f"crosscheck: {comparisons.MOTION}, the paper's models, least time in s"}
