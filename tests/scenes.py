@@ -2,10 +2,15 @@
 
 from typing import Any
 
+import numpy as np
+
 import analysis
-from analysis import Level, Scenario
+from analysis import Level, Scenario, SmoothCoulomb
 from mbs_models import Formulation, Scene
 from tests.helpers import model
+
+TIMES, SHORT = np.linspace(0.0, 0.5, 26), np.linspace(0.0, 0.2, 21)
+LOADED = SmoothCoulomb(load="contact")
 
 
 def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields: Any) -> Scene:

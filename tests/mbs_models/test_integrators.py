@@ -12,12 +12,9 @@ from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STAGES, largest_step, stability_polynomial
 from mbs_models.runs import force_rounding
 from mbs_models.scene import build
-from tests.scenes import scene_of, truth
+from tests.scenes import LOADED, SHORT, TIMES, scene_of, truth
 from validation.kit.references import deviation
 
-TIMES = np.linspace(0.0, 0.5, 26)
-SHORT = np.linspace(0.0, 0.2, 21)
-LOADED = SmoothCoulomb(load="contact")
 HELD: list[Formulation] = ["euler-tree", "floating", "floating-lie"]
 
 

@@ -28,13 +28,8 @@ from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
 from tests.helpers import model, mostly_slow, not_none
-from tests.scenes import rest_scene, scene_of, truth
+from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
 from validation.kit.references import deviation
-
-TIMES = np.linspace(0.0, 0.5, 26)
-SHORT = np.linspace(0.0, 0.2, 21)
-LOADED = SmoothCoulomb(load="contact")
-
 
 # --- To a tolerance ------------------------------------------------------------------------------
 

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import numpy as np
 import pytest
 
 import mbs_models
 from analysis import SmoothCoulomb, State
 from mbs_models import FORMULATIONS, Formulation
-from tests.scenes import rest_scene, scene_of
-
-TIMES = np.linspace(0.0, 0.5, 51)
+from tests.scenes import LOADED, TIMES, rest_scene, scene_of
 
 
 class Beyond(BaseException):
@@ -83,7 +80,7 @@ long_run = partial(mbs_models.simulate, times=[0.0, 60.0])
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer that interrupts")
 @pytest.mark.parametrize("call", [
     partial(long_run, scene_of(1, "contact-tree", friction=SMOOTH), step=1e-5),
-    partial(long_run, scene_of(1, friction=SmoothCoulomb(load="contact")), times=[0.0, 600.0]),
+    partial(long_run, scene_of(1, friction=LOADED), times=[0.0, 600.0]),
     partial(long_run, scene_of(2, "floating", friction=SMOOTH), step=1e-5),
     partial(long_run, scene_of(2, "euler-tree"), step=1e-5),
     partial(mbs_models.simulate_to_rest, rest_scene(), 600.0),
