@@ -15,16 +15,14 @@ import random
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import pytest
 
+from tests.calls import ROOT
 from validation.kit.progress import say
-
-ROOT = Path(__file__).parents[1]
 
 ROOMS = ("analysis", "mbs_models", *(f"validation/{each}" for each in (
     "cli.py", "commands", "kit", "maps", "page", "parser", "run.py", "study.py", "sweeps",
@@ -168,22 +166,18 @@ def _pass(copy: Path, words: list[str]) -> bool:
     return done.returncode in {pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED}
 
 
-def _files(room: Path) -> list[Path]:
-    return [room] if room.is_file() else sorted(room.rglob("*.py"))
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
+def main() -> int:
     """Try some mutations; exit code."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutate", description=__doc__)
     parser.add_argument("rooms", nargs="*", default=list(ROOMS), help="folders and files")
     parser.add_argument("--number", type=int, default=60, help="of mutations (60)")
     parser.add_argument("--seed", type=int, default=0, help="of their choice (0)")
     parser.add_argument("--near", action="store_true", help="run the mirroring tests alone")
-    options = parser.parse_args(arguments)
+    options = parser.parse_args()
     every = [
         Mutation(path.relative_to(ROOT), number)
         for room in options.rooms
-        for path in _files(ROOT / room)
+        for path in sorted((ROOT / room).rglob("*.py")) or [ROOT / room]
         for number in range(len(places(path.read_text("utf-8"))[1]))
     ]
     # Nothing secret hangs on them.

@@ -1,10 +1,16 @@
-"""Scenes of the paper's models in one short call."""
+"""Scenes of the paper's models in one short call, and what their motions are in truth."""
 
 from typing import Any
 
-from analysis import Level, Scenario
+import numpy as np
+
+import analysis
+from analysis import Level, Scenario, SmoothCoulomb
 from mbs_models import Formulation, Scene
 from tests.helpers import model
+
+TIMES, SHORT = np.linspace(0.0, 0.5, 26), np.linspace(0.0, 0.2, 21)
+LOADED = SmoothCoulomb(load="contact")
 
 
 def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields: Any) -> Scene:
@@ -15,3 +21,8 @@ def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields:
 def rest_scene(**fields: Any) -> Scene:
     """Scene for the way to rest."""
     return Scene(Scenario.rest(**fields))
+
+
+def truth(scenario: Scenario, times: Any, **how: Any) -> analysis.Trajectory:
+    """In-house motion, far below every tolerance."""
+    return analysis.simulate(scenario, times, **({"local_tolerance": 1e-13} | how))

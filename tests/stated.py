@@ -48,11 +48,8 @@ def words(text: str) -> str:
 
 
 def rows_below(text: str, heading: str) -> list[list[str]]:
-    """Cells of the Markdown table with that heading line; empty if there is none."""
-    lines = text.splitlines()
-    if heading not in lines:
-        return []
-    rows = []
+    """Cells of the Markdown table with that heading line."""
+    lines, rows = text.splitlines(), []
     for line in lines[lines.index(heading) + 2 :]:
         if not line.startswith("|"):
             break

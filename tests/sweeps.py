@@ -16,9 +16,9 @@ from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
 
 
-def direct(workers: int = 1, executor: Executor | None = None) -> Pool:
+def direct(executor: Executor | None = None) -> Pool:
     """A pool of this process."""
-    return Pool(executor or ThreadPoolExecutor(1), workers)
+    return Pool(executor or ThreadPoolExecutor(1), 1)
 
 
 def sweep(

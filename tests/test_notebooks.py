@@ -13,10 +13,13 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot as plt
 
+from tests.calls import ROOT
+from tests.helpers import mostly_slow
 from tests.stated import values, words
 
-FOLDER = Path(__file__).parent.parent / "docs" / "notebooks"
+FOLDER = ROOT / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+QUICK = [path for path in NOTEBOOKS if path.stem != "sweep"]
 LARGEST = 300_000
 """Bytes of a notebook with its outputs."""
 
@@ -48,13 +51,7 @@ def run(cell: dict[str, Any], names: dict[str, Any]) -> str:
     return printed.getvalue()
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(each, id=each.stem, marks=[pytest.mark.slow] if each.stem == "sweep" else [])
-        for each in NOTEBOOKS
-    ],
-)
+@pytest.mark.parametrize("path", mostly_slow(NOTEBOOKS, QUICK), ids=lambda path: path.stem)
 def test_notebook_shows_what_comes_out(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

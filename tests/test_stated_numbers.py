@@ -1,18 +1,16 @@
 """What the README states stands in all results, which are made from the report."""
 
-from pathlib import Path
-
 import pytest
 
 from analysis import MODELS, Scenario
 from analysis.mechanics.paper import critical_speed
 from analysis.stability.critical import critical_speeds
+from tests.calls import ROOT
 from tests.stated import chapter, missing, numbers, rows_below, stands, values
 from validation.studies.robustness import section as robustness
 from validation.studies.robustness.outcomes import CASES, explained
 from validation.study import load
 
-ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
 SAID = " ".join(README.split())

@@ -12,14 +12,7 @@ from analysis import LEVELS, STEEL_DISK, FrictionLaw, PenaltyContact, Scenario, 
 from analysis.motion.endings import REACHED, StopWhen
 from analysis.problem.friction import LubricatedCoulomb, PowerLawCoulomb
 from analysis.solve.stepping import SolverError
-from mbs_models import (
-    FORMULATIONS,
-    EngineError,
-    Formulation,
-    IntegratorName,
-    Scene,
-    formulations,
-)
+from mbs_models import FORMULATIONS, EngineError, Formulation, IntegratorName, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
@@ -50,15 +43,6 @@ def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
         scene = Scene(inverted, formulation)
         run = mbs_models.simulate(scene, TIMES[:11], step=2e-3, stop_when="inverted")
         assert run.ending is None
-
-
-@pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
-def test_a_contact_that_may_pull_ends_nothing(formulation: Formulation) -> None:
-    scene = Scene(Scenario(start=Start(beta=1.3, gamma=1.5, spin=150.0)), formulation)
-    run = mbs_models.simulate(scene, TIMES[:11], step=1e-3, allow_pulling=True)
-    assert np.min(run.normal_force) < -10.0
-    assert run.ending is None
-    np.testing.assert_array_equal(run.times, TIMES[:11])
 
 
 def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later() -> None:

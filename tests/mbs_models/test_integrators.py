@@ -6,28 +6,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-import analysis
 import mbs_models
 from analysis import Scenario, SmoothCoulomb, Start
 from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STAGES, largest_step, stability_polynomial
 from mbs_models.runs import force_rounding
 from mbs_models.scene import build
-from tests.scenes import scene_of
+from tests.scenes import LOADED, SHORT, TIMES, scene_of, truth
 from validation.kit.references import deviation
 
-TIMES = np.linspace(0.0, 0.5, 26)
-SHORT = np.linspace(0.0, 0.2, 21)
-LOADED = SmoothCoulomb(load="contact")
 HELD: list[Formulation] = ["euler-tree", "floating", "floating-lie"]
 
 
 def dopri5(tolerance: float) -> Integrator:
     return Integrator(name="DOPRI5", local_tolerance=tolerance)
-
-
-def truth(scenario: Scenario, times: Any = TIMES) -> analysis.Trajectory:
-    return analysis.simulate(scenario, times, local_tolerance=1e-13)
 
 
 @pytest.mark.parametrize("integrator", STAGES)
@@ -66,7 +58,7 @@ def test_observed_order_is_that_of_the_integrator(
     errors = [
         deviation(
             mbs_models.simulate(scene, TIMES, step=size, integrator=integrator),
-            truth(scene.scenario),
+            truth(scene.scenario, TIMES),
         )
         for size in (step, step / 2)
     ]
@@ -75,7 +67,7 @@ def test_observed_order_is_that_of_the_integrator(
 
 def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:
     runs = [mbs_models.simulate(Scene(), TIMES, integrator=dopri5(10.0**-k)) for k in (6, 9, 12)]
-    errors = [deviation(run, truth(Scenario())) for run in runs]
+    errors = [deviation(run, truth(Scenario(), TIMES)) for run in runs]
     assert errors[0] < 1e-4
     assert errors[1] < 1e-2 * errors[0]
     assert errors[2] < 1e-11

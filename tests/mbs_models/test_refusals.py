@@ -10,7 +10,6 @@ import pytest
 
 import mbs_models
 from analysis import (
-    MODELS,
     STEEL_DISK,
     Dissipation,
     PenaltyContact,
@@ -24,15 +23,12 @@ from mbs_models import EngineError, Integrator, Newton, Scene
 from mbs_models.integrators import FINEST_LOCAL
 from tests.bodies import EGG, TIPPE_TOP
 from tests.calls import python
-from tests.scenes import rest_scene, scene_of
-
-TIMES = np.linspace(0.0, 0.5, 26)
-LOADED = SmoothCoulomb(load="contact")
+from tests.helpers import model
+from tests.scenes import LOADED, TIMES, rest_scene, scene_of
 
 simulate = partial(mbs_models.simulate, scene_of(2), TIMES)
 explicit = partial(mbs_models.simulate, Scene(), TIMES)
 to_rest = mbs_models.simulate_to_rest
-local = partial(Integrator, name="DOP853")
 
 integrator: Any = Integrator
 newton: Any = Newton
@@ -47,7 +43,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(simulate, step=1e-3, tolerance=1e-3), "either step or tolerance"),
     (partial(simulate, integrator="DOPRI5"), "explicit and cannot take the constraints"),
     (partial(explicit, tolerance=1e-6, integrator="DOPRI5"), "tolerance must be left out for"),
-    (partial(local, local_tolerance=1e-14),
+    (partial(integrator, name="DOP853", local_tolerance=1e-14),
      f"local_tolerance must lie from {FINEST_LOCAL:g} to less than 1"),
     (partial(integrator, name="RK99"), "integrator must be one of RK44, .*LSODA"),
     (partial(integrator, name="RK44", newton=Newton()), "newton is no option of"),
@@ -87,13 +83,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("call", "message"), REFUSED)
-def test_bad_input_is_refused(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(ValueError, match=message) as caught:
-        call()
-    assert "\n" not in str(caught.value)
-
-
 def long_steps(scene: Scene, step: float, **how: Any) -> Callable[[], object]:
     return partial(mbs_models.simulate, scene, [0.0, step, 2.0 * step], step=step, **how)
 
@@ -126,37 +115,39 @@ FAILING: list[tuple[Callable[[], object], type[Exception], str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("call", "error", "message"), FAILING)
-def test_a_run_that_comes_to_nothing_says_why(
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [*((call, ValueError, message) for call, message in REFUSED), *FAILING],
+)
+def test_bad_input_is_refused_and_a_run_that_comes_to_nothing_says_why(
     call: Callable[[], object], error: type[Exception], message: str
 ) -> None:
-    with pytest.raises(error, match=message):
+    with pytest.raises(error, match=message) as caught:
         call()
+    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("level", "column", "rate", "name"),
+    ("level", "part", "column", "name"),
     [
-        (1, 2, False, "'contact' of Model 1.*position level by 1.000e-04 m,"),
-        (1, 2, True, "'contact' of Model 1.*velocity level by 1.000e-04 m/s,"),
-        (2, 0, False, "'fixed-cog' of Model 2.*position level by 1.000e-04 m,"),
-        (2, 1, True, "'fixed-cog' of Model 2.*velocity level by 1.000e-04 m/s,"),
-        (3, 5, True, "velocity level by 2.488e-07 m/s,"),
+        (1, "coordinates", 2, "'contact' of Model 1.*position level by 1.000e-04 m,"),
+        (1, "rates", 2, "'contact' of Model 1.*velocity level by 1.000e-04 m/s,"),
+        (2, "coordinates", 0, "'fixed-cog' of Model 2.*position level by 1.000e-04 m,"),
+        (2, "rates", 1, "'fixed-cog' of Model 2.*velocity level by 1.000e-04 m/s,"),
+        (3, "rates", 5, "velocity level by 2.488e-07 m/s,"),
     ],
 )
 def test_start_that_breaks_a_constraint_is_refused_by_its_name(
-    level: Any, column: int, rate: bool, name: str
+    level: Any, part: str, column: int, name: str
 ) -> None:
-    start = Start().state(MODELS[level], STEEL_DISK)
-    values = list(start.rates if rate else start.coordinates)
-    values[column] += 1e-4
-    broken: Any = {"rates" if rate else "coordinates": tuple(values)}
-    for formulation in mbs_models.formulations(scene_of(level).scenario):
-        scene = Scene(scene_of(level, start=replace(start, **broken)).scenario, formulation)
-        simulate = partial(mbs_models.simulate, times=[0.0, 0.1])
+    start = model(level).initial_state
+    values = getattr(start, part) + 1e-4 * np.eye(6)[column]
+    broken = model(level, start=replace(start, **{part: tuple(values.tolist())}))
+    simulate = partial(mbs_models.simulate, times=[0.0, 0.1])
+    for formulation in mbs_models.formulations(broken):
         for call in (mbs_models.acceleration, mbs_models.eigenvalues, simulate):
             with pytest.raises(ValueError, match=name):
-                call(scene)
+                call(Scene(broken, formulation))
 
 
 def test_a_further_constraint_needs_no_place_in_the_list_of_what_a_formulation_holds() -> None:

@@ -7,14 +7,8 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import (
-    Body,
-    Dissipation,
-    PenaltyContact,
-    Scenario,
-    Start,
-)
-from tests.bodies import BODIES, spinning_top
+from analysis import Body, Dissipation, PenaltyContact, Scenario, Start
+from tests.bodies import BODIES
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
 
@@ -95,14 +89,3 @@ def test_bodies_go_the_same_way_through_every_attitude(body: Body) -> None:
     assert one.deviation(other) < 1e-7
     np.testing.assert_allclose(other.contact_points, one.contact_points, atol=1e-8)
     np.testing.assert_allclose(other.contour_speeds, one.contour_speeds, atol=1e-5)
-
-
-@pytest.mark.slow
-def test_tippe_top_turns_over_at_the_same_time() -> None:
-    one, other = (
-        simulate(spinning_top(), 2.4, tolerance=1e-6)
-        for simulate in (analysis.simulate_to_rest, mbs_models.simulate_to_rest)
-    )
-    assert one.deviation(other) < 1e-7
-    turned = not_none(one.inversion.time)
-    assert not_none(other.inversion.time) == pytest.approx(turned, abs=1e-7)

@@ -1,29 +1,18 @@
 """What Python raises within an engine run: it ends the run and comes out as it was raised."""
 
 import signal
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import mbs_models
 from analysis import SmoothCoulomb, State
-from mbs_models import FORMULATIONS, Formulation, Scene
-from tests.scenes import rest_scene, scene_of
-
-ROOT = Path(__file__).parents[2]
-TIMES = np.linspace(0.0, 0.5, 51)
-
-
-class UnheardError(Exception):
-    pass
+from mbs_models import FORMULATIONS, Formulation
+from tests.scenes import LOADED, TIMES, rest_scene, scene_of
 
 
 class Beyond(BaseException):
@@ -47,12 +36,6 @@ PENDING: list[tuple[int, BaseException]] = []
 """After how many calls a law raises what."""
 
 
-@pytest.fixture(autouse=True)
-def _nothing_pending() -> Iterator[None]:
-    yield
-    PENDING.clear()
-
-
 @pytest.mark.parametrize(
     "error",
     [LookupError("no such friction"), ValueError("law"), KeyboardInterrupt(), Beyond()],
@@ -63,7 +46,7 @@ def _nothing_pending() -> Iterator[None]:
 def test_what_a_law_raises_ends_a_run_and_comes_out_as_it_is(
     formulation: Any, by_steps: bool, error: BaseException
 ) -> None:
-    PENDING.append((500, error))
+    PENDING[:] = [(500, error)]
     if formulation == "to rest":
         call: Callable[..., object] = partial(
             mbs_models.simulate_to_rest, rest_scene(friction=Failing()), 0.4
@@ -78,25 +61,31 @@ def test_what_a_law_raises_ends_a_run_and_comes_out_as_it_is(
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_what_a_condition_raises_comes_out_as_it_is(formulation: Formulation) -> None:
-    error = UnheardError("condition")
+    error = LookupError("condition")
 
     def failing(state: State) -> float:
         if state.rates[4] > 0.5:
             raise error
         return 1.0
 
-    with pytest.raises(UnheardError) as caught:
+    with pytest.raises(LookupError) as caught:
         mbs_models.simulate(scene_of(1, formulation), TIMES, tolerance=1e-5, stop_when=failing)
     assert caught.value is error
 
 
+SMOOTH = SmoothCoulomb(coefficient=0.0)
+long_run = partial(mbs_models.simulate, times=[0.0, 60.0])
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer that interrupts")
-@pytest.mark.parametrize("scene", [
-    scene_of(1, "contact-tree", friction=SmoothCoulomb(coefficient=0.0)),
-    scene_of(2, "floating", friction=SmoothCoulomb(coefficient=0.0)),
-    scene_of(2, "euler-tree"),
-], ids=["no user function", "no friction", "friction"])  # fmt: skip
-def test_a_signal_ends_a_run_at_once(scene: Scene) -> None:
+@pytest.mark.parametrize("call", [
+    partial(long_run, scene_of(1, "contact-tree", friction=SMOOTH), step=1e-5),
+    partial(long_run, scene_of(1, friction=LOADED), times=[0.0, 600.0]),
+    partial(long_run, scene_of(2, "floating", friction=SMOOTH), step=1e-5),
+    partial(long_run, scene_of(2, "euler-tree"), step=1e-5),
+    partial(mbs_models.simulate_to_rest, rest_scene(), 600.0),
+], ids=["no user function", "accelerations", "no friction", "friction", "to rest"])  # fmt: skip
+def test_a_signal_ends_a_run_at_once(call: Callable[[], object]) -> None:
     def interrupt(*_unused: object) -> None:
         raise KeyboardInterrupt
 
@@ -105,48 +94,9 @@ def test_a_signal_ends_a_run_at_once(scene: Scene) -> None:
         signal.setitimer(signal.ITIMER_REAL, 0.1)
         begin = time.monotonic()
         with pytest.raises(KeyboardInterrupt):
-            mbs_models.simulate(scene, [0.0, 60.0], step=1e-5)
+            call()
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
-    # Whole, it takes minutes.
+    # Whole, it takes a minute or more.
     assert time.monotonic() - begin < 10.0
-
-
-CALLS = [
-    "simulate --load contact --end 60",
-    "simulate --model 2 --formulation floating --end 600",
-    "simulate --model 2 --formulation euler-tree --end 600",
-    "simulate --model 1 --mu 0 --tolerance 1e-11 --end 60",
-    "rest",
-]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="needs env of GNU")
-@pytest.mark.parametrize("delay", [1.0, 2.0])
-@pytest.mark.parametrize("call", CALLS)
-def test_an_interrupted_command_ends_at_once_and_writes_nothing(
-    call: str, delay: float, tmp_path: Path
-) -> None:
-    out = tmp_path / "run.npz"
-    # What runs in the background of a script is born deaf to Ctrl-C.
-    words = ["env", "--default-signal=INT", sys.executable, "-m", "validation", *call.split()]
-    process = subprocess.Popen([*words, "--out", str(out)], cwd=ROOT, stderr=subprocess.PIPE)
-    wait_for_engine(process.pid)
-    time.sleep(delay)
-    assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    said = process.communicate(timeout=10.0)[1]
-    # A shell calls both 130.
-    assert process.returncode in {130, -signal.SIGINT}
-    assert said.endswith(b"interrupted\n")
-    assert not list(tmp_path.iterdir())
-
-
-def wait_for_engine(process: int) -> None:
-    """Until a process has loaded the engine."""
-    limit = time.monotonic() + 60.0
-    while "exudyn" not in Path(f"/proc/{process}/maps").read_text():
-        assert time.monotonic() < limit
-        time.sleep(0.02)

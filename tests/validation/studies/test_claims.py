@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import Scenario, SmoothCoulomb, simulate
+from analysis import Scenario
 from tests.helpers import failing, planted, random_trajectory
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
@@ -91,18 +91,6 @@ def rolled(**last: Any) -> pd.DataFrame:
     return pd.DataFrame([*rows[:-1], rows[-1] | last])
 
 
-def test_friction_tends_to_pure_rolling() -> None:
-    times = np.linspace(0.0, 0.5, 51)
-    limit = Scenario(constraints=pure_rolling.ROLLING)
-    without = simulate(limit, times, local_tolerance=1e-8).coordinate("gamma")
-    errors = []
-    for coefficient in (3e3, 3e4):
-        scenario = Scenario(friction=SmoothCoulomb(coefficient=coefficient))
-        slipping = simulate(scenario, times, method="LSODA", local_tolerance=1e-8)
-        errors.append(np.max(np.abs(slipping.coordinate("gamma") - without)))
-    assert errors[1] < 0.15 * errors[0] < 0.01
-
-
 # --- Starts -------------------------------------------------------------------------------------
 
 
@@ -119,14 +107,14 @@ def test_random_starts_are_the_same_every_time_and_differ_by_number() -> None:
     assert row["outcomes"] == ["flat"]
 
 
-def blocks(inverted: int = 100, **flat: Any) -> pd.DataFrame:
-    """Random starts, of which so many of a hundred invert, and none of those told by `flat`."""
+def attracted(inverted: int = 100, **flat: Any) -> pd.DataFrame:
+    """Shares of random starts: so many of a hundred invert, and none of those told by `flat`."""
     rows = [{"case": label, **each._asdict()} for label, each in starts.cases().items()]
     for row in rows:
         most = 0 if flat and flat.items() <= row.items() else inverted
         count = min(max(most - row["first"], 0), 10)
         row["outcomes"] = ["inverted"] * count + ["flat"] * (10 - count)
-    return pd.DataFrame(rows)
+    return starts.shares(pd.DataFrame(rows))
 
 
 def test_bisection_ends_around_the_least_spin(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,10 +142,6 @@ def lost(engine: float, inhouse: float) -> dict[str, Any]:
 
 def least(*spins: float, **changed: Any) -> pd.DataFrame:
     return load(LEAST_SPINS).assign(**{starts.ABOVE: spins, **changed})
-
-
-def attracted(inverted: int = 100, **flat: Any) -> pd.DataFrame:
-    return starts.shares(blocks(inverted, **flat))
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from math import inf, nan, pi
+from math import inf, nan
 from typing import Any
 from unittest.mock import Mock
 
@@ -33,8 +33,9 @@ from validation.studies import comparisons, crosscheck
 from validation.studies.comparisons import Comparison, compare_scenario, compare_scene
 from validation.studies.stability.eigenvalue_check import distance
 
-SLOPE = Table(inclination=2 * pi / 180, downhill=0.7)
-YIELDING = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK), table=SLOPE)
+YIELDING = Scenario(
+    contact=PenaltyContact.damped(1e5, STEEL_DISK), table=Table(inclination=0.03, downhill=0.7)
+)
 PULLING = Scene(Scenario(start=Start(spin=100.0, beta=1.0)))
 """Ends where the contact would pull."""
 
@@ -46,13 +47,8 @@ def forget() -> None:
 
 @pytest.mark.parametrize(
     ("scenario", "has_spectra"),
-    [
-        (model(1), True),
-        (model(4), True),
-        (Scenario(table=SLOPE, friction=SmoothCoulomb(load="contact")), False),
-        (YIELDING, False),
-    ],
-    ids=["model 1", "model 4", "slope, load contact", "slope, penalty"],
+    [(Scenario(), True), (YIELDING, False)],
+    ids=["model 1", "slope, penalty"],
 )
 def test_every_formulation_agrees(scenario: Scenario, *, has_spectra: bool) -> None:
     found = compare_scenario(scenario, states=5, end=0.05)
@@ -206,7 +202,7 @@ def compared() -> pd.DataFrame:
         if kind != crosscheck.OTHERS or "eigenvalues" not in each.quantity
     ]
     table = pd.DataFrame(rows)
-    return table.assign(counted=table["kind"].map(crosscheck.STATES), over=comparisons.END)
+    return table.assign(counted=table["kind"].map(crosscheck.STATES), lasting=comparisons.END)
 
 
 def present(rows: pd.DataFrame, apart: float | None = 1e-8) -> Content:
@@ -238,5 +234,5 @@ def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> No
     fewer = failing(present(planted(rows, 0, "counted", 249)).checks)
     assert fewer == {"crosscheck: accelerations, the paper's models, states with a solution"}
     motion = int(rows.index[rows["quantity"] == comparisons.MOTION][0])
-    shorter = failing(present(planted(rows, motion, "over", 0.1)).checks)
+    shorter = failing(present(planted(rows, motion, "lasting", 0.1)).checks)
     assert shorter == {f"crosscheck: {comparisons.MOTION}, the paper's models, least time in s"}

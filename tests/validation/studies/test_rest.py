@@ -16,22 +16,22 @@ from validation.study import Row, frame
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, pd.DataFrame]:
-    """The stored runs, and in place of the fresh ones rows made of them."""
-    stored = kit.load(runs.STUDY)
-    known = stored.set_index("case").to_dict("index")
-    fresh = [
+def fresh() -> pd.DataFrame:
+    """In place of the runs made for each report, rows of stored ones."""
+    known = kit.load(runs.STUDY).set_index("case").to_dict("index")
+    rows = [
         {**known[runs.ENGINE[each]], "case": runs.INHOUSE[each]}
         for each in (runs.SHOWN, runs.VISCOUS)
     ]
     ideal = {name: known[runs.INHOUSE[runs.SLIDING]][name] for name in runs.PHASES[:2]}
-    fresh.append({**ideal, "case": runs.IDEAL, "end": 19.5})
-    return {"rest": stored, "rest-fresh": frame(fresh)}
+    return frame([*rows, {**ideal, "case": runs.IDEAL, "end": 19.5}])
 
 
-def judged(rows: dict[str, pd.DataFrame], **table: pd.DataFrame) -> set[str]:
-    """Names of the checks that fail, with another table."""
-    every = pd.concat((rows | table).values()).set_index("case")
+def judged(part: Any, table: pd.DataFrame, fresh: pd.DataFrame) -> set[str]:
+    """Names of the checks that fail with a table of a part."""
+    if part is not runs:
+        return failing(part.present(table).checks)
+    every = pd.concat([table, fresh]).set_index("case")
     return failing(section.checks(every.to_dict("index")))
 
 
@@ -40,35 +40,38 @@ def wrong(table: pd.DataFrame, case: str, column: str, change: Callable[[Any], A
     return planted(table, table.index[table["case"] == case][0], column, change)
 
 
-ENGINE = runs.ENGINE[runs.SHOWN]
+CASES = {runs: runs.ENGINE[runs.SHOWN], creep: "ε = 0.3 m/s", starts: "random, seed 3"}
+"""In which a value is replaced."""
 
 
 @pytest.mark.parametrize(
-    ("column", "change", "check"),
+    ("part", "column", "change", "check"),
     [
-        ("tilt", lambda tilt: [*tilt[:700], tilt[700] + 2e-3, *tilt[701:]], "tilt in rad"),
-        ("flat", lambda _: nan, "phases in s"),
-        ("taken_by_sliding", lambda taken: 1.1 * taken, "energy taken"),
-        ("face", lambda _: "second", "face apart"),
-        ("rise", lambda _: 1e-6, "rise of the energy"),
-        ("force", lambda _: -1.0, "contact pulls"),
-        ("unexplained", lambda _: 1e-3, "unexplained part"),
+        (runs, "tilt", lambda x: [*x[:700], x[700] + 2e-3, *x[701:]], "tilt in rad"),
+        (runs, "flat", lambda _: nan, "phases in s"),
+        (runs, "taken_by_sliding", lambda taken: 1.1 * taken, "energy taken"),
+        (runs, "face", lambda _: "second", "face apart"),
+        (runs, "rise", lambda _: 1e-6, "rise of the energy"),
+        (runs, "force", lambda _: -1.0, "contact pulls"),
+        (runs, "unexplained", lambda _: 1e-3, "unexplained part"),
+        (creep, "error", lambda _: 0.01, "deviation from the law"),
+        (creep, "part", lambda _: 0.9, "parts of the rate"),
+        (starts, "force", lambda _: -1.0, "contact pulls"),
     ],
 )
-def test_a_run_of_the_engine_that_goes_another_way_fails(
-    rows: dict[str, pd.DataFrame], column: str, change: Callable[[Any], Any], check: str
+def test_what_departs_in_a_stored_table_fails_its_check(
+    part: Any, column: str, change: Callable[[Any], Any], check: str, fresh: pd.DataFrame
 ) -> None:
-    assert not judged(rows)
-    found = judged(rows, rest=wrong(rows["rest"], ENGINE, column, change))
-    assert any(check in name and "engine" in name for name in found)
+    right, case = kit.load(part.STUDY), CASES[part]
+    assert not judged(part, right, fresh)
+    found = judged(part, wrong(right, case, column, change), fresh)
+    assert any(check in name and (case in name or part is not runs) for name in found)
 
 
-def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(
-    rows: dict[str, pd.DataFrame],
-) -> None:
-    table = wrong(rows["rest"], "stiffness doubled", "rest", lambda time: time + 0.1)
+def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(fresh: pd.DataFrame) -> None:
+    table = wrong(kit.load(runs.STUDY), "stiffness doubled", "rest", lambda time: time + 0.1)
     table = wrong(table, "spin 1e-06 rad/s faster", "tilt", lambda x: [each + 1e-3 for each in x])
-    assert judged(rows, rest=table) == {
+    assert judged(runs, table, fresh) == {
         f"rest, stiffness doubled: phases in s apart from {runs.INHOUSE[runs.SHOWN]}",
         "rest, spin: effect out of proportion",
     }
@@ -89,22 +92,6 @@ def test_the_creeps_law_and_its_deviation_are_found() -> None:
     tilts = (10.0 + 0.02 * times) ** -0.5
     tilts[times >= creep.TIMES[1]] *= 1.01
     assert creep.fit(times, tilts) == pytest.approx((0.02, 0.01), rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("part", "case", "column", "change"),
-    [
-        (creep, "ε = 0.3 m/s", "error", lambda _: 0.01),
-        (creep, "ε = 0.3 m/s", "part", lambda _: 0.9),
-        (starts, "random, seed 3", "force", lambda _: -1.0),
-    ],
-)
-def test_what_departs_in_a_stored_table_fails(
-    part: Any, case: str, column: str, change: Callable[[Any], Any]
-) -> None:
-    right = kit.load(part.STUDY)
-    for table, holds in ((right, True), (wrong(right, case, column, change), False)):
-        assert bool(failing(part.present(table).checks)) != holds
 
 
 def test_a_side_that_misses_a_closed_form_fails() -> None:

@@ -93,30 +93,26 @@ def otherwise(run: Trajectory) -> Trajectory:
 
 
 @pytest.mark.parametrize(
-    ("problem", "spoil"),
-    [(EASY, moved), (INVERTED, otherwise)],
+    ("problem", "spoil", "wrong"),
+    [
+        (EASY, moved, "error"),
+        (INVERTED, otherwise, "error"),
+        (EASY, partial(moved, angle=5e-7, column=2), "drift"),
+        (EASY, faster, "energy"),
+    ],
 )
-def test_wrong_angles_or_endings_break_the_promise_of_runs_that_make_one(
-    problem: Problem, spoil: Callable[[Trajectory], Trajectory]
+def test_whatever_is_wrong_is_inaccurate_and_wrong_angles_or_endings_break_a_promise(
+    problem: Problem, spoil: Callable[[Trajectory], Trajectory], wrong: str
 ) -> None:
-    right = known(problem).first
-    assert not judge(problem, right)["broken"]
-    wrong = judge(problem, spoil(right))
-    assert (wrong["verdict"], wrong["broken"]) == ("inaccurate", True)
-    assert wrong["cause"] == "wrong angles or ending"
+    right, breaks = known(problem).first, wrong == "error"
+    found = judge(problem, spoil(right))
+    for name in ("error", "drift", "energy"):
+        assert (found[name] > outcomes.SLACK * TOLERANCE) == (name == wrong)
+    cause = "wrong angles or ending" if breaks else "angles accurate, energy or constraint not"
+    assert (found["verdict"], found["broken"], found["cause"]) == ("inaccurate", breaks, cause)
     assert not judge(problem, spoil(right), estimate=None)["broken"]
+    assert not judge(problem, right)["broken"]
     assert judge(problem, right, repeatable=False)["broken"]
-
-
-@pytest.mark.parametrize(
-    ("wrong", "right", "spoil"),
-    [("drift", "energy", partial(moved, angle=5e-7, column=2)), ("energy", "drift", faster)],
-)
-def test_drift_and_energy_count_as_well_as_the_angles(wrong: str, right: str, spoil: Any) -> None:
-    found = judge(EASY, spoil(known(EASY).first))
-    assert (found["verdict"], found["broken"]) == ("inaccurate", False)
-    assert found[wrong] > outcomes.SLACK * TOLERANCE > found[right]
-    assert found["cause"] == "angles accurate, energy or constraint not"
 
 
 def test_accurate_needs_a_reference_known_to_a_tenth_of_the_tolerance() -> None:

@@ -17,12 +17,6 @@ from validation.studies.work_precision.problems import errors, reference
 FLOOR = 1e-11
 
 
-@pytest.fixture(scope="module")
-def rows() -> dict[str, pd.DataFrame]:
-    """The stored wp."""
-    return {study.name: kit.load(study) for study in wp.STUDIES}
-
-
 @pytest.mark.parametrize(
     ("judged", "end"),
     [
@@ -47,14 +41,10 @@ def test_the_order_of_a_ladder_is_its_slope_where_errors_are_useful_and_measurab
     assert told[0]["observed"] == pytest.approx(4.0)
 
 
-def test_every_curve_is_stored_and_everything_stored_holds(rows: dict[str, pd.DataFrame]) -> None:
+def test_everything_stored_holds_but_for_what_is_broken_in_doubt_or_of_another_order() -> None:
+    rows = {study.name: kit.load(study) for study in wp.STUDIES}
     assert set(rows["work-precision"]["case"]) == set(measuring.curves())
     assert not failing(wp.present(rows).checks)
-
-
-def test_a_broken_tolerance_a_reference_in_doubt_and_another_order_fail(
-    rows: dict[str, pd.DataFrame],
-) -> None:
     references, runs = (rows[study.name] for study in wp.STUDIES)
     asked, doubted = runs["kind"] == "tolerance", references["case"] == "model-2"
     steeper = runs.copy()
