@@ -16,14 +16,13 @@ from analysis import (
     FrictionLaw,
     Load,
     Scenario,
-    SmoothCoulomb,
     Start,
     Table,
     ViscousFriction,
     multiplier_names,
 )
 from analysis.mechanics import paper
-from analysis.mechanics.attitude import paper_of, state_of
+from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, velocity_residuals
 from analysis.mechanics.dual import rate
 from analysis.mechanics.recorded import accelerations, solver
@@ -31,17 +30,11 @@ from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
 from tests.helpers import (
     all_sets,
-    arc,
     assert_close,
-    cog,
-    derivative,
     jacobian,
     lagrange,
     more_sets,
-    random_disk,
     random_scenario,
-    random_state,
-    turn_z,
 )
 
 loads = pytest.mark.parametrize("load", LOADS)
@@ -49,14 +42,6 @@ loads = pytest.mark.parametrize("load", LOADS)
 
 PRODUCTS = 0.25
 """Largest product of inertia of a random disk, whose moments are of order one."""
-
-
-@all_sets
-def test_residuals_of_the_velocities_are_those_printed(constraints: ConstraintSet) -> None:
-    scenario, z, u = random_scenario(constraints, 5)
-    u = u + np.linspace(0.3, 0.8, 6)
-    found = velocity_residuals(constraints, scenario.disk, state_of(scenario.disk, z, u))
-    assert_close(found, paper.constraint_directions(constraints, scenario.disk, z) @ u)
 
 
 def derived(scenario: Scenario, z: Array, u: Array) -> tuple[Array, ...]:
@@ -91,27 +76,26 @@ def missing(scenario: Scenario, terms: Callable[..., tuple[Array, ...]] = derive
     return float(np.linalg.norm(left) / np.linalg.norm([*(M * acceleration).flat, *forces]))
 
 
+def changes(scenario: Scenario, state: Array) -> Array:
+    """Time derivative of a state."""
+    return np.array(solver(scenario)(*state.tolist())[:12])
+
+
 @more_sets
 @loads
 @pytest.mark.parametrize("products", [0.0, PRODUCTS])
-def test_accelerations_and_forces_meet_lagranges_equations(
+def test_accelerations_and_forces_meet_lagranges_equations_and_what_is_held_stays(
     constraints: ConstraintSet, load: Load, products: float
 ) -> None:
     for seed, law in enumerate(LAWS.values()):
-        scenario, _, _ = random_scenario(constraints, seed, law(load=load), products)
+        scenario, z, u = random_scenario(constraints, seed, law(load=load), products)
         assert missing(scenario) < 1e-12
-
-
-def test_states_are_the_papers_coordinates_with_the_motion_of_the_centre_of_gravity() -> None:
-    random = np.random.default_rng(0)
-    disk, (z, u) = random_disk(random), random_state(random)
-    state = np.array(state_of(disk, z, u))
-    path = arc(z, u, np.zeros(6))
-    into_frame = turn_z(-z[3])
-    assert_close(state[:3], into_frame @ cog(disk, z))
-    assert_close(state[6:9], into_frame @ derivative(lambda t: cog(disk, path(t))))
-    np.testing.assert_array_equal(state[9:], u[3:])
-    assert_close(np.concatenate(paper_of(disk, state)), np.concatenate((z, u)))
+        residuals = partial(velocity_residuals, constraints, scenario.disk)
+        state = state_of(scenario.disk, z, u)
+        change = changes(scenario, np.array(state))
+        np.testing.assert_allclose(rate(residuals, state, change), 0.0, rtol=0.0, atol=1e-12)
+        if "held-tilt-rate" in constraints:
+            assert abs(change[10]) < 1e-12
 
 
 @all_sets
@@ -124,11 +108,6 @@ def test_a_nearly_flat_disk_loses_no_more_digits_than_its_angles(
     start = replace(scenario.start, beta=tilt)
     # The angular velocity tells the rates of alpha and gamma apart by the sine of beta alone.
     assert missing(replace(scenario, start=start, table=Table()), printed) < 1e-15 / tilt
-
-
-def changes(scenario: Scenario, state: Array) -> Array:
-    """Time derivative of a state."""
-    return np.array(solver(scenario)(*state.tolist())[:12])
 
 
 @all_sets
@@ -151,20 +130,6 @@ def test_friction_has_its_slope_at_no_slip(law: type[FrictionLaw]) -> None:
     state = np.array(state_of(scenario.disk, upright.coordinates, upright.rates))
     viscous = replace(scenario, friction=ViscousFriction(viscosity=law().gradient))
     assert_close(exact_jacobian(scenario)(state), exact_jacobian(viscous)(state))
-
-
-@more_sets
-@loads
-def test_what_is_held_stays_as_it_is(constraints: ConstraintSet, load: Load) -> None:
-    scenario, z, u = random_scenario(constraints, 0, SmoothCoulomb(load=load))
-    state = state_of(scenario.disk, z, u)
-    change = solver(scenario)(*state)[:12]
-    held = rate(
-        lambda moving: velocity_residuals(constraints, scenario.disk, moving), state, change
-    )
-    np.testing.assert_allclose(held, 0.0, rtol=0.0, atol=1e-12)
-    if "held-tilt-rate" in constraints:
-        assert abs(change[10]) < 1e-12
 
 
 def test_a_flat_disk_is_called_singular() -> None:
