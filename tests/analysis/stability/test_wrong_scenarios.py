@@ -73,7 +73,6 @@ REFUSED: dict[str, Callable[[], object]] = {
     "gradients must be positive": lambda: hopf_curves(FULL, [1.0, 0.0]),
     "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
     "friction must have a positive gradient": lambda: closed_form(SLIPPERY, 1.0),
-    "scenario must be a Scenario, got 'S'": lambda: critical_speeds("S"),  # type: ignore[arg-type]
     "system must be one of full, reduced, numeric": lambda: eigenvalues(FULL, [1.0], UNKNOWN),
 }
 
