@@ -79,17 +79,6 @@ def test_directions_are_gradients_of_positions_and_terms_their_changes(
 REDUCED = Scenario(constraints=MODELS[4])
 
 
-@pytest.mark.parametrize(("coefficient", "smoothing"), [(1e-3, 10.0), (50.0, 1e-3)])
-def test_critical_speed_depends_on_neither_friction_parameter(
-    coefficient: float, smoothing: float
-) -> None:
-    friction = SmoothCoulomb(coefficient=coefficient, smoothing=smoothing)
-    critical, scenario = paper.critical_speed(REDUCED), replace(REDUCED, friction=friction)
-    values = np.linalg.eigvals(paper.reduced_matrices(scenario, critical.spin)[0])
-    tolerance = 1e-12 * np.max(np.abs(values)) + 1e-11
-    assert np.min(np.abs(values - 1j * critical.frequency)) < tolerance
-
-
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_closed_form_converges_with_the_smoothing(motion: Motion) -> None:
     errors = []
