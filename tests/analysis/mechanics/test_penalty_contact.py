@@ -90,14 +90,6 @@ def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring() -> None:
 
 
 @every_formulation
-def test_disk_at_rest_stays_at_rest_under_its_weight(formulation: Formulation) -> None:
-    scene = scene_of(1, formulation, contact=CONTACT, start=UPRIGHT)
-    run = mbs_models.simulate(scene, TIMES, step=1e-3)
-    np.testing.assert_allclose(run.coordinates, run.coordinates[:1].repeat(21, 0), atol=1e-12)
-    np.testing.assert_allclose(run.normal_force, run.scenario.weight, rtol=1e-8)
-
-
-@every_formulation
 def test_stiff_contact_is_taken_by_the_implicit_integrator_in_large_steps(
     formulation: Formulation,
 ) -> None:
