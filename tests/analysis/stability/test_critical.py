@@ -174,23 +174,17 @@ def test_eigenvalues_that_are_small_at_high_spin_alone_are_none_at_rest() -> Non
         assert critical_speeds(weak, system=system, motion="noninverted").crossings == ()
 
 
-@pytest.mark.parametrize(
-    ("scenario", "highest", "reason"),
-    [
+def test_where_nothing_crosses_nothing_is_stable_and_the_result_says_why() -> None:
+    slippery = SmoothCoulomb(coefficient=0.0)
+    cases = [
         (model(4), 20.0, "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"),
         (with_gradient(model(4), 1e8), 100.0, "friction so steep that rounding hides"),
-        *(
-            (Scenario(constraints=each, friction=SmoothCoulomb(coefficient=0.0)), 35.0, "no fric")
-            for each in POSSIBLE_SETS
-        ),
-    ],
-)
-def test_where_nothing_crosses_nothing_is_stable_and_the_result_says_why(
-    scenario: Scenario, highest: float, reason: str
-) -> None:
-    found = critical_speeds(scenario, (0.0, highest))
-    assert (found.crossings, found.stable, found.where) == ((), (), "nowhere")
-    assert not_none(found.reason).startswith(reason)
+        *((Scenario(constraints=h, friction=slippery), 35.0, "no fric") for h in POSSIBLE_SETS),
+    ]
+    for scenario, highest, reason in cases:
+        found = critical_speeds(scenario, (0.0, highest))
+        assert (found.crossings, found.stable, found.where) == ((), (), "nowhere"), scenario.name
+        assert not_none(found.reason).startswith(reason)
 
 
 def test_an_eigenvalue_that_comes_slowly_to_one_that_stays_zero_crosses() -> None:

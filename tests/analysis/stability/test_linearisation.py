@@ -21,9 +21,7 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
-    Stribeck,
     Table,
-    ViscousFriction,
 )
 from analysis.mechanics.paper import first_order, paper_numbers, printed_matrices
 from analysis.problem.checks import Array
@@ -98,22 +96,6 @@ def test_every_set_has_the_eigenvalues_of_the_closed_matrices_under_its_constrai
         assert error(scenario, motion) < 1e-10
     # As good at a spin far from those it is made of.
     assert error(Scenario(constraints=constraints), motion, np.array([-40.0, 2e3])) < 1e-10
-
-
-@some_sets
-def test_linear_stability_depends_on_the_law_by_its_slope_at_no_slip_alone(
-    constraints: ConstraintSet,
-) -> None:
-    stribeck = Stribeck(load="contact")
-    slopes = (3.0, stribeck.gradient, 3.01)
-    laws = (SmoothCoulomb(), stribeck, *(ViscousFriction(viscosity=slope) for slope in slopes))
-    first, other, linear, expected, mild = (
-        eigenvalues(Scenario(constraints=constraints, friction=law), SPINS, "numeric")
-        for law in laws
-    )
-    assert gap(linear, first) < 1e-10
-    assert gap(other, expected) < 1e-10
-    assert (gap(mild, first) > 1e-6) == Scenario(constraints=constraints).rubs
 
 
 def test_reduced_matrices_have_the_eigenvalues_of_the_linearisation() -> None:

@@ -70,11 +70,9 @@ REFUSED: dict[str, Callable[[], object]] = {
     "must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
     "must be finite numbers, got nan": lambda: stability_chart(FULL, [1.0], [np.nan]),
     "lowest < highest spin, got 5 to 1": lambda: hopf_curves(FULL, [1.0], (5.0, 1.0)),
-    "interval must have 0 <= lowest < highest spin, got 10 to 10": lambda: critical_speeds(
-        FULL, (10.0, 10.0)
-    ),
+    "interval must have .* got 10 to 10": lambda: critical_speeds(FULL, (10.0, 10.0)),
     "interval must have .* got -5 to 10": lambda: critical_speeds(FULL, (-5.0, 10.0)),
-    "interval must be a finite number, got nan": lambda: critical_speeds(FULL, (0.0, np.nan)),
+    "interval must be a finite number": lambda: critical_speeds(FULL, (0.0, np.nan)),
     "gradients must be positive": lambda: hopf_curves(FULL, [1.0, 0.0]),
     "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
     "friction must have a positive gradient": lambda: closed_form(SLIPPERY, 1.0),
