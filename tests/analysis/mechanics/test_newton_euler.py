@@ -1,7 +1,7 @@
 """The equations of motion against Newton's, Euler's and Lagrange's laws, and the paper's."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 
 import numpy as np
@@ -12,13 +12,18 @@ from analysis import (
     LOADS,
     MULTIPLIERS,
     STEEL_DISK,
+    Body,
     ConstraintSet,
     Load,
     Scenario,
+    SmoothCoulomb,
     Start,
     Table,
     ViscousFriction,
+    energy_residual,
     multiplier_names,
+    simulate,
+    simulate_to_rest,
 )
 from analysis.mechanics import paper
 from analysis.mechanics.attitude import state_of
@@ -27,13 +32,24 @@ from analysis.mechanics.dual import rate
 from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
+from tests.bodies import BODIES, random_start, spinning_top
 from tests.helpers import (
+    OUTER_STEP,
     all_sets,
+    angular_velocity,
+    arc,
     assert_close,
+    centre,
+    cog,
+    derivative,
     jacobian,
     lagrange,
     more_sets,
+    not_none,
     random_scenario,
+    rotation,
+    second_derivative,
+    spin_momentum,
 )
 
 loads = pytest.mark.parametrize("load", LOADS)
@@ -144,3 +160,63 @@ def test_a_flat_disk_is_called_singular() -> None:
     centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
     with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
         accelerations(centred, np.zeros(6), np.ones(6))
+
+
+def lowest(body: Body, z: Array) -> Array:
+    """Inertial lowest point."""
+    turn = rotation(z)
+    point: Array = centre(z) + turn @ np.array(body.lowest_point(turn[2]))
+    return point
+
+
+def enlarged(body: Body) -> Body:
+    """The same of radius and mass one, so that it moves as slowly as differences want."""
+    length, mass = 1.0 / body.radius, 1.0 / body.mass
+    scales = {"radius": length, "other_radius": length, "eccentricity": length, "mass": mass}
+    values = {each.name: getattr(body, each.name) for each in fields(body)}
+    for name in values:
+        scale = mass * length**2 if name.startswith("inertia") else scales.get(name, 1.0)
+        values[name] *= scale
+    return replace(body, **values)
+
+
+@loads
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("body", [*map(enlarged, BODIES.values())], ids=list(BODIES))
+def test_forces_at_the_lowest_point_change_the_momenta(body: Body, seed: int, load: Load) -> None:
+    friction = SmoothCoulomb(load=load)
+    table = Table(inclination=0.2, downhill=0.5)
+    scenario = Scenario(disk=body, friction=friction, table=table, start=random_start(seed, 0.05))
+    state = scenario.initial_state
+    z, u = np.array(state.coordinates), np.array(state.rates)
+    acceleration, (normal,) = accelerations(scenario, z, u)
+    path = arc(z, u, acceleration)
+    point, middle = lowest(body, z), cog(body, z)
+    omega = angular_velocity(path)
+    slip = derivative(lambda t: centre(path(t))) + np.cross(omega, point - centre(z))
+    assert abs(slip[2]) < 1e-9
+    pressing = max(0.0, normal) if load == "contact" else scenario.weight
+    force = -pressing * friction.per_speed(float(np.hypot(*slip[:2]))) * slip
+    force[2] = normal
+    pulled = force / body.mass + table.vector
+    scale = float(np.max(np.abs(pulled))) + 1.0
+    found = second_derivative(lambda t: cog(body, path(t)))
+    np.testing.assert_allclose(found, pulled, atol=1e-9 * scale)
+    torque = np.cross(point - middle, force)
+    turning = derivative(lambda t: spin_momentum(body, path, t), OUTER_STEP)
+    size = float(np.max(np.abs(torque)) + np.max(np.abs(turning)))
+    np.testing.assert_allclose(turning, torque, atol=1e-9 * size)
+    rise = second_derivative(lambda t: lowest(body, path(t)))[2]
+    assert abs(rise) < 1e-9 * scale
+
+
+def test_tippe_top_turns_over_by_friction_alone() -> None:
+    motion = simulate_to_rest(spinning_top(), 1.5, stop_when="inverted")
+    assert not_none(motion.ending).reason == "inverted"
+    assert motion.times[-1] == pytest.approx(1.228924, abs=2e-6)
+    ideal = replace(spinning_top(), contact=None)
+    run = simulate(ideal, np.linspace(0.0, 1.5, 601), stop_when="inverted")
+    assert run.times[-1] == pytest.approx(1.22861, abs=1e-5)
+    assert np.max(np.abs(energy_residual(run))) < 1e-4 * motion.energies[0].sum()
+    smooth = simulate_to_rest(spinning_top(0.0), 1.5)
+    assert smooth.cog_direction.max() < -0.9
