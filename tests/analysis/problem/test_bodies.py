@@ -164,11 +164,9 @@ def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
 def test_ellipse_of_equal_axes_rests_as_the_disk_does(half: float) -> None:
     numbers = {each.name: getattr(STEEL_DISK, each.name) for each in fields(STEEL_DISK)}
     circle = replace(ELLIPSE, **numbers, other_radius=STEEL_DISK.radius)
-    height, lean = STEEL_DISK.resting_place(half)
-    assert circle.resting_place(half) == (
-        pytest.approx(height, rel=1e-12),
-        pytest.approx(lean, rel=1e-5),
-    )
+    (height, lean), expected = circle.resting_place(half), STEEL_DISK.resting_place(half)
+    assert height == pytest.approx(expected[0], rel=1e-12)
+    assert lean == pytest.approx(expected[1], rel=1e-5)
 
 
 NUMBERS = {name: getattr(EGG, name) for name in ("radius", "mass", "eccentricity")}
