@@ -12,6 +12,8 @@ from analysis import (
     LOADS,
     MODELS,
     STEEL_DISK,
+    AnisotropicCoulomb,
+    FrictionLaw,
     Load,
     PenaltyContact,
     Scenario,
@@ -34,9 +36,10 @@ every_formulation = pytest.mark.parametrize(
 
 @every_formulation
 @pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("law", [SmoothCoulomb, AnisotropicCoulomb])
 @pytest.mark.parametrize("bilateral", [False, True])
-def test_in_the_air_a_bilateral_contact_acts_alone_and_rubs_under_the_weight(
-    formulation: Formulation, load: Load, *, bilateral: bool
+def test_in_the_air_a_bilateral_contact_alone_acts_and_rubs_under_the_weight_alone(
+    formulation: Formulation, load: Load, law: type[FrictionLaw], *, bilateral: bool
 ) -> None:
     # What falls onto the table feels no damper before it touches.
     height, falling = 1e-5, 0.0 if bilateral else -1.0
@@ -45,7 +48,7 @@ def test_in_the_air_a_bilateral_contact_acts_alone_and_rubs_under_the_weight(
         1,
         formulation,
         contact=replace(CONTACT, bilateral=bilateral),
-        friction=SmoothCoulomb(load=load),
+        friction=law(load=load),
         start=replace(start, rates=(0.2, 0.0, falling, 0.0, 0.0, 0.0)),
     )
     found, force = mbs_models.acceleration(scene)
