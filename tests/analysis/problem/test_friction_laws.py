@@ -41,7 +41,6 @@ from tests.wayward_law import Answering, Own
 
 TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
-OTHERS = SHIPPED[1:]
 GENERAL = [law for law in SHIPPED if not law.is_simple]
 SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
 
@@ -50,7 +49,7 @@ def name(law: FrictionLaw) -> str:
     return type(law).__name__
 
 
-ON_CONTACT = [replace(law, load="contact") for law in (*OTHERS, Own())]
+ON_CONTACT = [replace(law, load="contact") for law in (*SHIPPED[1:], Own())]
 
 
 @pytest.mark.parametrize("law", SHIPPED, ids=name)

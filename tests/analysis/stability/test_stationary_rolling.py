@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK as DISK
-from analysis import (
-    GRAVITY,
-    ConstraintSet,
-    Disk,
-    Dissipation,
-    Scenario,
-    Table,
-    simulate,
-)
+from analysis import GRAVITY, ConstraintSet, Disk, Dissipation, Scenario, Table, simulate
 from analysis.stability.stationary_rolling import (
     axial_spin,
     euler_disk_energy,

@@ -8,13 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import (
-    MODELS,
-    PenaltyContact,
-    Scenario,
-    SmoothCoulomb,
-    Table,
-)
+from analysis import MODELS, PenaltyContact, Scenario, SmoothCoulomb, Table
 from analysis.mechanics.paper import closed_form, critical_speed
 from analysis.stability.chart import hopf_curves, stability_chart, static_gradient
 from analysis.stability.critical import critical_speeds
