@@ -102,6 +102,8 @@ def test_units_of_a_file_and_of_an_axis_are_warned_of(
 ) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
+    assert cli.main(["scenario", str(path)]) == 0
+    assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
     with pytest.warns(UnitWarning, match="^gamma is in rad, and above a turn"):
         assert load_scenario(path).start.gamma == 90.0  # type: ignore[union-attr]
     out = str(tmp_path / "out.db")
