@@ -37,12 +37,6 @@ from tests.helpers import TILTED
 from tests.scenario_texts import with_key
 from tests.wayward_law import Own
 
-QUICK = settings(
-    max_examples=100,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
-
 
 def reals(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high, allow_nan=False)
@@ -79,7 +73,7 @@ COMPLIANT = st.builds(
 
 
 @pytest.mark.filterwarnings("ignore::analysis.problem.values.UnitWarning")
-@QUICK
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(IDEAL | FREE | COMPLIANT)
 def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -> None:
     path = tmp_path / "my.toml"

@@ -41,12 +41,6 @@ from tests.helpers import mostly_slow, not_none, random_disk
 
 SPINS = np.array([0.0, 5.0, 30.0, 60.0])
 
-some_sets = pytest.mark.parametrize(
-    "constraints",
-    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[3], MODELS[4], POSSIBLE_SETS[-1])),
-    ids=set_name,
-)
-
 
 def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
     """State matrix of Eq. (55), shape (8, 8), with linearised constraints on acceleration level.
@@ -94,7 +88,11 @@ def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-@some_sets
+@pytest.mark.parametrize(
+    "constraints",
+    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[3], MODELS[4], POSSIBLE_SETS[-1])),
+    ids=set_name,
+)
 def test_every_set_has_the_eigenvalues_of_the_closed_matrices_under_its_constraints(
     constraints: ConstraintSet, motion: Motion
 ) -> None:
