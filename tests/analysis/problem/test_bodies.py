@@ -34,8 +34,11 @@ from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
 from tests.calls import printed
 from tests.helpers import jacobian, turn_z
 
-RING = Disk.ring(hole_radius=0.01)
-every_body = pytest.mark.parametrize("body", [*BODIES.values(), RING], ids=[*BODIES, "ring"])
+RINGS: dict[str, Body] = {
+    "ring": Disk.ring(hole_radius=0.01),
+    "hole ahead": Disk.of_parts((0.045, 0.01, 7700.0), [(0.02, 0.0, 0.012)]),
+}
+every_body = pytest.mark.parametrize("body", (BODIES | RINGS).values(), ids=BODIES | RINGS)
 
 PLATE, HOLES = (0.05, 0.01, 8000.0), [(-0.02, 0.01, 0.012), (0.02, 0.02, 0.004)]
 MASSES = [(0.0, 0.04, 0.03), (0.01, -0.03, 0.02)]
