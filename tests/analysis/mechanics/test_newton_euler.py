@@ -1,7 +1,7 @@
 """The equations of motion against Newton's, Euler's and Lagrange's laws, and the paper's."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 
 import numpy as np
@@ -12,36 +12,44 @@ from analysis import (
     LOADS,
     MULTIPLIERS,
     STEEL_DISK,
+    Body,
     ConstraintSet,
-    FrictionLaw,
     Load,
     Scenario,
     SmoothCoulomb,
     Start,
     Table,
     ViscousFriction,
+    energy_residual,
     multiplier_names,
+    simulate,
+    simulate_to_rest,
 )
 from analysis.mechanics import paper
-from analysis.mechanics.attitude import paper_of, state_of
+from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, velocity_residuals
 from analysis.mechanics.dual import rate
 from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
+from tests.bodies import BODIES, random_start, spinning_top
 from tests.helpers import (
+    OUTER_STEP,
     all_sets,
+    angular_velocity,
     arc,
     assert_close,
+    centre,
     cog,
     derivative,
     jacobian,
     lagrange,
     more_sets,
-    random_disk,
+    not_none,
     random_scenario,
-    random_state,
-    turn_z,
+    rotation,
+    second_derivative,
+    spin_momentum,
 )
 
 loads = pytest.mark.parametrize("load", LOADS)
@@ -49,14 +57,6 @@ loads = pytest.mark.parametrize("load", LOADS)
 
 PRODUCTS = 0.25
 """Largest product of inertia of a random disk, whose moments are of order one."""
-
-
-@all_sets
-def test_residuals_of_the_velocities_are_those_printed(constraints: ConstraintSet) -> None:
-    scenario, z, u = random_scenario(constraints, 5)
-    u = u + np.linspace(0.3, 0.8, 6)
-    found = velocity_residuals(constraints, scenario.disk, state_of(scenario.disk, z, u))
-    assert_close(found, paper.constraint_directions(constraints, scenario.disk, z) @ u)
 
 
 def derived(scenario: Scenario, z: Array, u: Array) -> tuple[Array, ...]:
@@ -91,27 +91,26 @@ def missing(scenario: Scenario, terms: Callable[..., tuple[Array, ...]] = derive
     return float(np.linalg.norm(left) / np.linalg.norm([*(M * acceleration).flat, *forces]))
 
 
+def changes(scenario: Scenario, state: Array) -> Array:
+    """Time derivative of a state."""
+    return np.array(solver(scenario)(*state.tolist())[:12])
+
+
 @more_sets
 @loads
 @pytest.mark.parametrize("products", [0.0, PRODUCTS])
-def test_accelerations_and_forces_meet_lagranges_equations(
+def test_accelerations_and_forces_meet_lagranges_equations_and_what_is_held_stays(
     constraints: ConstraintSet, load: Load, products: float
 ) -> None:
     for seed, law in enumerate(LAWS.values()):
-        scenario, _, _ = random_scenario(constraints, seed, law(load=load), products)
+        scenario, z, u = random_scenario(constraints, seed, law(load=load), products)
         assert missing(scenario) < 1e-12
-
-
-def test_states_are_the_papers_coordinates_with_the_motion_of_the_centre_of_gravity() -> None:
-    random = np.random.default_rng(0)
-    disk, (z, u) = random_disk(random), random_state(random)
-    state = np.array(state_of(disk, z, u))
-    path = arc(z, u, np.zeros(6))
-    into_frame = turn_z(-z[3])
-    assert_close(state[:3], into_frame @ cog(disk, z))
-    assert_close(state[6:9], into_frame @ derivative(lambda t: cog(disk, path(t))))
-    np.testing.assert_array_equal(state[9:], u[3:])
-    assert_close(np.concatenate(paper_of(disk, state)), np.concatenate((z, u)))
+        residuals = partial(velocity_residuals, constraints, scenario.disk)
+        state = state_of(scenario.disk, z, u)
+        change = changes(scenario, np.array(state))
+        np.testing.assert_allclose(rate(residuals, state, change), 0.0, rtol=0.0, atol=1e-12)
+        if "held-tilt-rate" in constraints:
+            assert abs(change[10]) < 1e-12
 
 
 @all_sets
@@ -126,11 +125,6 @@ def test_a_nearly_flat_disk_loses_no_more_digits_than_its_angles(
     assert missing(replace(scenario, start=start, table=Table()), printed) < 1e-15 / tilt
 
 
-def changes(scenario: Scenario, state: Array) -> Array:
-    """Time derivative of a state."""
-    return np.array(solver(scenario)(*state.tolist())[:12])
-
-
 @all_sets
 @loads
 def test_jacobian_is_the_slope_of_the_time_derivative(
@@ -143,31 +137,86 @@ def test_jacobian_is_the_slope_of_the_time_derivative(
         assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)
 
 
-@pytest.mark.parametrize("law", [law for law in LAWS.values() if law().is_simple])
-def test_friction_has_its_slope_at_no_slip(law: type[FrictionLaw]) -> None:
-    # Differences err by the kink of the law, however small their step.
-    scenario = Scenario(friction=law(), start=Start(gamma=np.pi / 2, spin=30.0))
-    upright = scenario.initial_state
-    state = np.array(state_of(scenario.disk, upright.coordinates, upright.rates))
-    viscous = replace(scenario, friction=ViscousFriction(viscosity=law().gradient))
-    assert_close(exact_jacobian(scenario)(state), exact_jacobian(viscous)(state))
-
-
-@more_sets
+@all_sets
 @loads
-def test_what_is_held_stays_as_it_is(constraints: ConstraintSet, load: Load) -> None:
-    scenario, z, u = random_scenario(constraints, 0, SmoothCoulomb(load=load))
-    state = state_of(scenario.disk, z, u)
-    change = solver(scenario)(*state)[:12]
-    held = rate(
-        lambda moving: velocity_residuals(constraints, scenario.disk, moving), state, change
-    )
-    np.testing.assert_allclose(held, 0.0, rtol=0.0, atol=1e-12)
-    if "held-tilt-rate" in constraints:
-        assert abs(change[10]) < 1e-12
+def test_every_law_of_one_slope_is_at_no_slip_as_the_viscous_one(
+    constraints: ConstraintSet, load: Load
+) -> None:
+    # Differences err by the kink of the law, however small their step.
+    upright = Scenario(constraints=constraints, start=Start(gamma=np.pi / 2, spin=30.0))
+    start = upright.initial_state
+    state = np.array(state_of(upright.disk, start.coordinates, start.rates))
+    for law in LAWS.values():
+        if law().is_simple:
+            slope = law().gradient
+            found, expected = (
+                exact_jacobian(replace(upright, friction=each))(state)
+                for each in (law(load=load), ViscousFriction(viscosity=slope))
+            )
+            assert_close(found, expected)
 
 
 def test_a_flat_disk_is_called_singular() -> None:
     centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
     with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
         accelerations(centred, np.zeros(6), np.ones(6))
+
+
+def lowest(body: Body, z: Array) -> Array:
+    """Inertial lowest point."""
+    turn = rotation(z)
+    point: Array = centre(z) + turn @ np.array(body.lowest_point(turn[2]))
+    return point
+
+
+def enlarged(body: Body) -> Body:
+    """The same of radius and mass one, so that it moves as slowly as differences want."""
+    length, mass = 1.0 / body.radius, 1.0 / body.mass
+    scales = {"radius": length, "other_radius": length, "eccentricity": length, "mass": mass}
+    values = {each.name: getattr(body, each.name) for each in fields(body)}
+    for name in values:
+        scale = mass * length**2 if name.startswith("inertia") else scales.get(name, 1.0)
+        values[name] *= scale
+    return replace(body, **values)
+
+
+@loads
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("body", [*map(enlarged, BODIES.values())], ids=list(BODIES))
+def test_forces_at_the_lowest_point_change_the_momenta(body: Body, seed: int, load: Load) -> None:
+    friction = SmoothCoulomb(load=load)
+    table = Table(inclination=0.2, downhill=0.5)
+    scenario = Scenario(disk=body, friction=friction, table=table, start=random_start(seed, 0.05))
+    state = scenario.initial_state
+    z, u = np.array(state.coordinates), np.array(state.rates)
+    acceleration, (normal,) = accelerations(scenario, z, u)
+    path = arc(z, u, acceleration)
+    point, middle = lowest(body, z), cog(body, z)
+    omega = angular_velocity(path)
+    slip = derivative(lambda t: centre(path(t))) + np.cross(omega, point - centre(z))
+    assert abs(slip[2]) < 1e-9
+    pressing = max(0.0, normal) if load == "contact" else scenario.weight
+    force = -pressing * friction.per_speed(float(np.hypot(*slip[:2]))) * slip
+    force[2] = normal
+    pulled = force / body.mass + table.vector
+    scale = float(np.max(np.abs(pulled))) + 1.0
+    found = second_derivative(lambda t: cog(body, path(t)))
+    np.testing.assert_allclose(found, pulled, atol=1e-9 * scale)
+    torque = np.cross(point - middle, force)
+    turning = derivative(lambda t: spin_momentum(body, path, t), OUTER_STEP)
+    size = float(np.max(np.abs(torque)) + np.max(np.abs(turning)))
+    np.testing.assert_allclose(turning, torque, atol=1e-9 * size)
+    rise = second_derivative(lambda t: lowest(body, path(t)))[2]
+    assert abs(rise) < 1e-9 * scale
+
+
+def test_tippe_top_turns_over_by_friction_alone() -> None:
+    motion = simulate_to_rest(spinning_top(), 1.5, stop_when="inverted")
+    assert not_none(motion.ending).reason == "inverted"
+    assert motion.times[-1] == pytest.approx(1.228924, abs=2e-6)
+    ideal = replace(spinning_top(), contact=None)
+    run = simulate(ideal, np.linspace(0.0, 1.5, 601), stop_when="inverted")
+    assert run.times[-1] == pytest.approx(1.22861, abs=1e-5)
+    assert np.max(np.abs(energy_residual(run))) < 1e-4 * motion.energies[0].sum()
+    smooth = simulate_to_rest(spinning_top(0.0), 1.5)
+    assert smooth.cog_direction.max() < -0.9

@@ -12,6 +12,8 @@ from analysis import (
     LOADS,
     MODELS,
     STEEL_DISK,
+    AnisotropicCoulomb,
+    FrictionLaw,
     Load,
     PenaltyContact,
     Scenario,
@@ -19,7 +21,6 @@ from analysis import (
     Start,
 )
 from analysis.mechanics.recorded import accelerations
-from analysis.problem.checks import Array
 from mbs_models import Formulation
 from tests.helpers import angles_apart
 from tests.scenes import scene_of
@@ -35,41 +36,30 @@ every_formulation = pytest.mark.parametrize(
 
 @every_formulation
 @pytest.mark.parametrize("load", LOADS)
-def test_only_a_bilateral_contact_acts_in_the_air(formulation: Formulation, load: Load) -> None:
-    # What falls onto the table feels no damper before it touches.
-    for height, speed, bilateral in ((1e-5, 0.0, False), (1e-5, 0.0, True), (1e-6, -1.0, False)):
-        start = replace(UPRIGHT, height=height).state(MODELS[1], STEEL_DISK)
-        scene = scene_of(
-            1,
-            formulation,
-            contact=replace(CONTACT, bilateral=bilateral),
-            friction=SmoothCoulomb(load=load),
-            start=replace(start, rates=(0.0, 0.0, speed, 0.0, 0.0, 0.0)),
-        )
-        found, force = mbs_models.acceleration(scene)
-        expected = -CONTACT.stiffness * height * bilateral
-        assert force[0] == pytest.approx(expected, rel=1e-9)
-        lifting = expected / STEEL_DISK.mass - GRAVITY
-        np.testing.assert_allclose(found, [0, 0, lifting, 0, 0, 0], rtol=1e-9, atol=1e-9)
-
-
+@pytest.mark.parametrize("law", [SmoothCoulomb, AnisotropicCoulomb])
 @pytest.mark.parametrize("bilateral", [False, True])
-@pytest.mark.parametrize("load", LOADS)
-def test_friction_in_the_air_is_that_of_a_bilateral_contact_under_the_weight_alone(
-    load: Load, *, bilateral: bool
+def test_in_the_air_a_bilateral_contact_alone_acts_and_rubs_under_the_weight_alone(
+    formulation: Formulation, load: Load, law: type[FrictionLaw], *, bilateral: bool
 ) -> None:
-    contact = replace(CONTACT, bilateral=bilateral)
-    start = Start(spin=30.0, x_rate=0.2, height=5e-3)
-    found: list[list[Array]] = []
-    for coefficient in (0.3, 0.0):
-        friction = SmoothCoulomb(coefficient=coefficient, load=load)
-        scenario = Scenario(contact=contact, friction=friction, start=start)
-        state = scenario.initial_state
-        in_house, _ = accelerations(scenario, state.coordinates, state.rates)
-        found.append([in_house, mbs_models.acceleration(scenario)[0]])
-    np.testing.assert_allclose(found[0][0], found[0][1], rtol=1e-8, atol=1e-7)
-    for rubbing, smooth in zip(*found, strict=True):
-        assert np.allclose(rubbing, smooth) == (not bilateral or load == "contact")
+    # What falls onto the table feels no damper before it touches.
+    height, falling = 1e-5, 0.0 if bilateral else -1.0
+    start = replace(UPRIGHT, height=height).state(MODELS[1], STEEL_DISK)
+    scene = scene_of(
+        1,
+        formulation,
+        contact=replace(CONTACT, bilateral=bilateral),
+        friction=law(load=load),
+        start=replace(start, rates=(0.2, 0.0, falling, 0.0, 0.0, 0.0)),
+    )
+    found, force = mbs_models.acceleration(scene)
+    state = scene.scenario.initial_state
+    in_house, forces = accelerations(scene.scenario, state.coordinates, state.rates)
+    np.testing.assert_allclose(found, in_house, rtol=1e-8, atol=1e-7)
+    for each in (force, forces):
+        assert each[0] == pytest.approx(-CONTACT.stiffness * height * bilateral, rel=1e-9)
+    lifting = force[0] / STEEL_DISK.mass - GRAVITY
+    is_smooth = np.allclose(found, [0, 0, lifting, 0, 0, 0], rtol=1e-9, atol=1e-9)
+    assert is_smooth == (not bilateral or load == "contact")
 
 
 def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring() -> None:
@@ -87,14 +77,6 @@ def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring() -> None:
     shape = np.cos(ringing * times) + decay / ringing * np.sin(ringing * times)
     expected = offset * np.exp(-decay * times) * shape
     np.testing.assert_allclose(run.coordinate("z") - z, expected, atol=1e-11)
-
-
-@every_formulation
-def test_disk_at_rest_stays_at_rest_under_its_weight(formulation: Formulation) -> None:
-    scene = scene_of(1, formulation, contact=CONTACT, start=UPRIGHT)
-    run = mbs_models.simulate(scene, TIMES, step=1e-3)
-    np.testing.assert_allclose(run.coordinates, run.coordinates[:1].repeat(21, 0), atol=1e-12)
-    np.testing.assert_allclose(run.normal_force, run.scenario.weight, rtol=1e-8)
 
 
 @every_formulation

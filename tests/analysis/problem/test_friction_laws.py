@@ -39,9 +39,7 @@ from tests.calls import ROOT, python
 from tests.helpers import model
 from tests.wayward_law import Answering, Own
 
-TIMES = np.linspace(0.0, 0.2, 21)
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
-OTHERS = SHIPPED[1:]
 GENERAL = [law for law in SHIPPED if not law.is_simple]
 SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
 
@@ -50,7 +48,7 @@ def name(law: FrictionLaw) -> str:
     return type(law).__name__
 
 
-ON_CONTACT = [replace(law, load="contact") for law in (*OTHERS, Own())]
+ON_CONTACT = [replace(law, load="contact") for law in (*SHIPPED[1:], Own())]
 
 
 @pytest.mark.parametrize("law", SHIPPED, ids=name)
@@ -95,7 +93,7 @@ def test_what_a_general_law_cannot_have_is_refused_with_the_reason(law: Friction
     with pytest.raises(ValueError, match="has no force for each newton of load and each m/s"):
         spectra.eigenvalues(model(4, friction=law), np.array([31.0]), "reduced")
     with pytest.raises(ValueError, match="takes friction that is isotropic"):
-        analysis.simulate(model(1, friction=law), TIMES, method="taylor")
+        analysis.simulate(model(1, friction=law), [0.0, 0.2], method="taylor")
 
 
 def test_contact_force_without_or_with_several_solutions_is_told() -> None:
@@ -146,30 +144,28 @@ class Pushing(Answering):
         return self.says(along, across, load)
 
 
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        (Answering(says=lambda _: nan), "slope of force at no slip must be a finite"),
-        (Answering(says=lambda _: -3.0), "slope of force at no slip must not be negative, got -3"),
-        (Answering(says=lambda _: 1e300), "slope of force at no slip must lie from 0 to 1e+12"),
-        (Answering(says=lambda speed: 1.0 / speed), "ZeroDivisionError: "),
-        (Answering(says=abs, finest_speed=0.0), "finest_speed must be positive, got 0"),
-        (Pushing(says=lambda x, y, n: (n * x, n * y)), "slope of force at no slip must"),
-        (
-            Pushing(says=lambda x, y, n: (-n * x, n * y)),
-            "Pushing.force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC",
-        ),
-        (
-            Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y)),
-            "Pushing.force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL",
-        ),
-    ],
-)
+NO_FRICTION: dict[str, FrictionLaw] = {
+    "slope of force at no slip must be a finite": Answering(says=lambda _: nan),
+    "slope of force at no slip must not be negative, got -3": Answering(says=lambda _: -3.0),
+    "slope of force at no slip must lie from 0 to 1e+12": Answering(says=lambda _: 1e300),
+    "slope of force at no slip must": Pushing(says=lambda x, y, n: (n * x, n * y)),
+    "ZeroDivisionError: ": Answering(says=lambda speed: 1.0 / speed),
+    "finest_speed must be positive, got 0": Answering(says=abs, finest_speed=0.0),
+    "Pushing.force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC": Pushing(
+        says=lambda x, y, n: (-n * x, n * y)
+    ),
+    "Pushing.force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL": Pushing(
+        says=lambda x, y, n: (-n * n * x, -n * n * y)
+    ),
+}
+
+
+@pytest.mark.parametrize("message", NO_FRICTION)
 def test_law_that_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs(
-    law: FrictionLaw, message: str
+    message: str,
 ) -> None:
-    said = f"friction law '.*:{name(law)}': {re.escape(message)}"
-    with pytest.raises(ValueError, match=said):
+    law = NO_FRICTION[message]
+    with pytest.raises(ValueError, match=f"friction law '.*:{name(law)}': {re.escape(message)}"):
         Scenario(friction=law)
 
 

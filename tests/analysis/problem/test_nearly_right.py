@@ -14,15 +14,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import (
-    LAWS,
-    MODELS,
-    Scenario,
-    Start,
-    load_scenario,
-    scenario_text,
-    simulate,
-)
+from analysis import LAWS, MODELS, Scenario, Start, load_scenario, scenario_text, simulate
 from analysis.problem.values import UnitWarning
 from mbs_models import Scene
 from tests.calls import printed, python

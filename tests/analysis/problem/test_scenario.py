@@ -31,11 +31,7 @@ from analysis import (
 )
 from analysis.mechanics import constraints as rows
 from analysis.problem.constraints import DEMANDS
-from tests.helpers import (
-    all_sets,
-    model,
-    random_scenario,
-)
+from tests.helpers import all_sets, model, random_scenario
 
 
 def shifted(start: State, field: str, index: int, amount: float) -> State:

@@ -11,6 +11,7 @@ from analysis import (
     LEVELS,
     MOTIONS,
     POSSIBLE_SETS,
+    STEEL_DISK,
     ConstraintSet,
     Disk,
     Level,
@@ -22,7 +23,6 @@ from analysis import (
 )
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
-from analysis.problem.constraints import set_name
 from analysis.stability.chart import corners, static_gradient, with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.spectra import System, matrices_over_spin
@@ -41,11 +41,15 @@ def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
 
 
 @pytest.mark.parametrize(("level", "system"), [(4, "reduced"), (3, "numeric")], ids=str)
-def test_reduced_crossing_is_that_of_the_closed_form(level: Level, system: System) -> None:
-    closed = critical_speed(model(level))
+@pytest.mark.parametrize("gradient", [1e-4, 3.0, 5e4])
+def test_reduced_crossing_is_that_of_the_closed_form_with_any_friction(
+    level: Level, system: System, gradient: float
+) -> None:
+    scenario = with_gradient(model(level), gradient)
+    closed = critical_speed(scenario)
     # Also where a spin that is looked at is the critical one.
     for low, high in ((0.0, 60.0), (closed.spin - 1.0, closed.spin + 1.0)):
-        found = critical_speeds(model(level), (low, high), system)
+        found = critical_speeds(scenario, (low, high), system)
         (crossing,) = found.crossings
         assert crossing.spin == pytest.approx(closed.spin, rel=1e-10)
         assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9)
@@ -104,33 +108,24 @@ def test_crossings_explain_every_change_of_the_number_of_unstable_eigenvalues(
 
 @pytest.mark.parametrize("gradient", [3e3, 1e4, 1e5])
 @pytest.mark.parametrize("level", LEVELS)
-def test_steep_friction_hides_no_crossing(level: Level, gradient: float) -> None:
-    """Their spins tend to a limit with the reciprocal of the squared gradient."""
+@pytest.mark.parametrize("disk", [STEEL_DISK, Disk.ring(hole_distance=1e-3)], ids=["", "centred"])
+def test_steep_friction_hides_no_crossing_and_makes_no_slow_pair_static(
+    disk: Disk, level: Level, gradient: float
+) -> None:
+    """Their spins tend to a limit with the reciprocal of the squared gradient.
+
+    A small eccentricity makes a frequency small; sqrt(e / (r + e)) of the spin in Model 4.
+    """
     gentle, steep = (
-        critical_speeds(with_gradient(model(level), each)) for each in (1e3, gradient)
+        critical_speeds(with_gradient(model(level, disk=disk), each)) for each in (1e3, gradient)
     )
-    assert len(gentle.crossings) == (2 if level == 1 else 1)
+    assert len(gentle.hopf) == len(gentle.crossings) == (2 if level == 1 else 1)
     for one, other in zip(gentle.crossings, steep.crossings, strict=True):
-        assert one.stable_side == other.stable_side
+        assert (one.kind, one.stable_side) == (other.kind, other.stable_side)
         assert one.spin == pytest.approx(other.spin, rel=1e-5)
-    np.testing.assert_allclose(steep.stable, gentle.stable, rtol=1e-5)
-
-
-def test_friction_too_steep_for_rounding_is_said_to_be_the_reason() -> None:
-    found = critical_speeds(with_gradient(model(4), 1e8))
-    assert (found.crossings, found.stable) == ((), ())
-    assert "steep" in not_none(found.reason)
-
-
-@pytest.mark.parametrize("level", [1, 4])
-def test_a_slow_pair_beside_steep_friction_is_no_static_crossing(level: Level) -> None:
-    """A small eccentricity makes its frequency small; sqrt(e / (r + e)) of the spin in Model 4."""
-    nearly_centred = model(level, disk=Disk.ring(hole_distance=1e-3))
-    gentle, steep = (critical_speeds(with_gradient(nearly_centred, each)) for each in (1e3, 1e5))
-    for one, other in zip(gentle.crossings, steep.crossings, strict=True):
-        assert (one.kind, other.kind) == ("hopf", "hopf")
         assert one.frequency == pytest.approx(other.frequency, rel=1e-4)
-    assert gentle.hopf[-1].frequency < 2.0
+    np.testing.assert_allclose(steep.stable, gentle.stable, rtol=1e-5)
+    assert (gentle.hopf[-1].frequency < 2.0) == (disk != STEEL_DISK)
 
 
 @pytest.mark.parametrize("part", [0.9999, 1.0001, 1.001])
@@ -177,23 +172,17 @@ def test_eigenvalues_that_are_small_at_high_spin_alone_are_none_at_rest() -> Non
         assert critical_speeds(weak, system=system, motion="noninverted").crossings == ()
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
-def test_without_friction_nothing_crosses_nor_is_stable_and_the_result_says_why(
-    constraints: ConstraintSet,
-) -> None:
-    frictionless = Scenario(constraints=constraints, friction=SmoothCoulomb(coefficient=0.0))
-    found = critical_speeds(frictionless, (25.0, 35.0))
-    assert (found.crossings, found.stable) == ((), ())
-    assert "no friction" in not_none(found.reason)
-
-
-def test_an_interval_without_crossing_says_so_and_one_that_is_none_is_refused() -> None:
-    found = critical_speeds(model(4), (0.0, 20.0))
-    assert (found.crossings, found.where) == ((), "nowhere")
-    assert found.reason == "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"
-    for interval in ((10.0, 10.0), (-5.0, 10.0), (0.0, float("nan"))):
-        with pytest.raises(ValueError, match="interval must "):
-            critical_speeds(model(4), interval)
+def test_where_nothing_crosses_nothing_is_stable_and_the_result_says_why() -> None:
+    slippery = SmoothCoulomb(coefficient=0.0)
+    cases = [
+        (model(4), 20.0, "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"),
+        (with_gradient(model(4), 1e8), 100.0, "friction so steep that rounding hides"),
+        *((Scenario(constraints=h, friction=slippery), 35.0, "no fric") for h in POSSIBLE_SETS),
+    ]
+    for scenario, highest, reason in cases:
+        found = critical_speeds(scenario, (0.0, highest))
+        assert (found.crossings, found.stable, found.where) == ((), (), "nowhere"), scenario.name
+        assert not_none(found.reason).startswith(reason)
 
 
 def test_an_eigenvalue_that_comes_slowly_to_one_that_stays_zero_crosses() -> None:

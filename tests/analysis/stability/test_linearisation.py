@@ -1,7 +1,7 @@
-"""Any set of constraints linearised numerically, against closed matrices and textbooks."""
+"""Any set of constraints linearised numerically, against closed matrices; unstable starts."""
 
 from dataclasses import replace
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 import pytest
@@ -18,33 +18,28 @@ from analysis import (
     ConstraintSet,
     Load,
     Motion,
+    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
-    Stribeck,
     Table,
-    ViscousFriction,
-    simulate,
 )
-from analysis.mechanics import paper
 from analysis.mechanics.paper import first_order, paper_numbers, printed_matrices
 from analysis.problem.checks import Array
 from analysis.problem.constraints import set_name
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import ComplexArray, Linearisation, spinning, upright
+from analysis.stability.linearisation import (
+    ComplexArray,
+    Linearisation,
+    spinning,
+    unstable_start,
+    upright,
+)
 from analysis.stability.spectra import eigenvalues
 from tests.bodies import COMPOSED, TIPPE_TOP
-from tests.helpers import mostly_slow, random_disk
+from tests.helpers import mostly_slow, not_none, random_disk
 
 SPINS = np.array([0.0, 5.0, 30.0, 60.0])
-
-some_sets = pytest.mark.parametrize(
-    "constraints",
-    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[3], MODELS[4], POSSIBLE_SETS[-1])),
-    ids=set_name,
-)
-
-ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 
 
 def closed_matrix(scenario: Scenario, spin: float, motion: Motion) -> Array:
@@ -93,7 +88,11 @@ def error(scenario: Scenario, motion: Motion, spins: Array = SPINS) -> float:
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
-@some_sets
+@pytest.mark.parametrize(
+    "constraints",
+    mostly_slow(POSSIBLE_SETS, (MODELS[1], MODELS[3], MODELS[4], POSSIBLE_SETS[-1])),
+    ids=set_name,
+)
 def test_every_set_has_the_eigenvalues_of_the_closed_matrices_under_its_constraints(
     constraints: ConstraintSet, motion: Motion
 ) -> None:
@@ -105,52 +104,12 @@ def test_every_set_has_the_eigenvalues_of_the_closed_matrices_under_its_constrai
     assert error(Scenario(constraints=constraints), motion, np.array([-40.0, 2e3])) < 1e-10
 
 
-def test_number_of_eigenvalues_is_what_the_freedom_leaves() -> None:
-    sizes = {}
-    for held in POSSIBLE_SETS:
-        places = len(paper.constraint_positions(held, STEEL_DISK, np.zeros(6)))
-        speeds = len(paper.constraint_directions(held, STEEL_DISK, np.zeros(6)))
-        # Alpha and a free spin aside.
-        sizes[held] = 12 - places - speeds - (1 if "constant-spin" in held else 2)
-        assert eigenvalues(Scenario(constraints=held), [7.0]).shape == (1, sizes[held])
-    assert [sizes[held] for held in (*MODELS.values(), ROLLING)] == [8, 4, 3, 3, 6]
-
-
-@some_sets
-def test_linear_stability_depends_on_the_law_by_its_slope_at_no_slip_alone(
-    constraints: ConstraintSet,
-) -> None:
-    stribeck = Stribeck(load="contact")
-    slopes = (3.0, stribeck.gradient, 3.01)
-    laws = (SmoothCoulomb(), stribeck, *(ViscousFriction(viscosity=slope) for slope in slopes))
-    first, other, linear, expected, mild = (
-        eigenvalues(Scenario(constraints=constraints, friction=law), SPINS, "numeric")
-        for law in laws
-    )
-    assert gap(linear, first) < 1e-10
-    assert gap(other, expected) < 1e-10
-    assert (gap(mild, first) > 1e-6) == Scenario(constraints=constraints).rubs
-
-
 def test_reduced_matrices_have_the_eigenvalues_of_the_linearisation() -> None:
     for motion in MOTIONS:
         printed = eigenvalues(Scenario(constraints=MODELS[4]), SPINS, "reduced", motion)
         for level in (3, 4):
             scenario = Scenario(constraints=MODELS[level])
             assert gap(eigenvalues(scenario, SPINS, "numeric", motion), printed) < 1e-11
-
-
-def test_round_disk_that_spins_without_slip_is_upright_above_the_textbooks_spin() -> None:
-    """Spin² > m g r / (A + m r²), which is 4 g / (5 r) for a thin homogeneous disk."""
-    across = CENTRED_DISK.mass * CENTRED_DISK.radius**2 / 4
-    disk = replace(CENTRED_DISK, inertia_x=across, inertia_y=across, inertia_z=2 * across)
-    scenario = Scenario(constraints=ROLLING, disk=disk)
-    threshold = sqrt(0.8 * scenario.table.gravity / disk.radius)
-    below, above = eigenvalues(scenario, [0.999 * threshold, 1.001 * threshold])
-    assert np.max(below.real) > 0.1
-    assert np.max(above.real) < 1e-4
-    (change,) = critical_speeds(scenario).pair_changes
-    assert change.spin == pytest.approx(threshold, rel=1e-9)
 
 
 def test_a_place_that_is_not_stationary_is_refused() -> None:
@@ -188,24 +147,75 @@ def test_tippe_top_is_linearised_as_in_the_engine(motion: Motion, load: Load) ->
     assert np.max(apart) < 1e-6 * np.max(np.abs(engine))
 
 
-def test_tippe_top_leaves_its_start_as_fast_as_its_eigenvalues_say() -> None:
-    law = SmoothCoulomb(coefficient=0.3, smoothing=0.01)
-    start = Start(gamma=-pi / 2 + 1e-6, spin=150.0)
-    spun = Scenario(disk=TIPPE_TOP, friction=law, start=start)
-    growth = eigenvalues(spun, [150.0], motion="noninverted").real.max()
-    run = simulate(spun, np.linspace(0.0, 2.0, 1001), local_tolerance=1e-12)
-    off = np.hypot(run.coordinate("gamma") + pi / 2, run.coordinate("beta") - pi / 2)
-    # Averaged over turns, of which the growing pair makes some three in a second.
-    early, late = off[400:600].mean(), off[800:1000].mean()
-    assert np.log(late / early) / 0.8 == pytest.approx(growth, rel=0.02)
-
-
-def test_body_that_cannot_spin_upright_is_refused() -> None:
-    with pytest.raises(ValueError, match="disk must be able to spin upright for that, got Disk"):
-        eigenvalues(Scenario(disk=COMPOSED), [30.0])
-
-
 def test_law_without_one_slope_is_linearised_where_no_system_is_asked_for() -> None:
     law = AnisotropicCoulomb(along=0.3, across=0.3)
     expected = eigenvalues(Scenario(), SPINS, "numeric")
     assert eigenvalues(Scenario(friction=law), SPINS) == pytest.approx(expected, abs=1e-9)
+
+
+SPINNING = Start.stationary(40.0)
+SLIPPING: ConstraintSet = ("contact", "no-slip-across")
+
+
+def test_message_names_the_motion_its_spin_and_its_growth() -> None:
+    assert unstable_start(Scenario(start=SPINNING)) == (
+        "start is exactly inverted spinning, which is unstable at 40 rad/s (deviations grow with "
+        "0.316 1/s): rounding decides when and to which side the disk leaves it"
+    )
+    for scenario, words in (
+        (Scenario(start=Start.stationary(0.0, "noninverted")), "noninverted spinning, which"),
+        # A round disk stands at any angle.
+        (
+            Scenario(disk=CENTRED_DISK, start=Start(gamma=0.3, gamma_rate=0.0, spin=10.0)),
+            "upright spinning, which is unstable at 10 rad/s",
+        ),
+    ):
+        assert f"start is exactly {words}" in not_none(unstable_start(scenario))
+
+
+@pytest.mark.parametrize("constraints", [MODELS[2], MODELS[4], SLIPPING], ids=set_name)
+def test_message_ends_where_the_last_pair_begins_to_decay(constraints: ConstraintSet) -> None:
+    scenario = Scenario(constraints=constraints)
+    (crossing,) = critical_speeds(scenario, system="numeric").crossings
+    below, above = (
+        unstable_start(replace(scenario, start=Start.stationary(crossing.spin + shift)))
+        for shift in (-0.1, 0.1)
+    )
+    assert (below is None, above is None) == (False, True)
+
+
+def test_same_motion_told_otherwise_elsewhere_or_on_a_penalty_contact_is_one() -> None:
+    expected = unstable_start(Scenario(start=SPINNING))
+    for start in (
+        replace(SPINNING, gamma=5 * pi / 2),
+        replace(SPINNING, alpha=2.0),
+        replace(SPINNING, x=0.01, y_rate=-0.4),
+        Scenario(start=SPINNING).initial_state,
+    ):
+        assert unstable_start(Scenario(start=start)) == expected
+    for height in (None, 0.005):
+        resting = Scenario.rest(start=replace(SPINNING, height=height))
+        assert unstable_start(resting) == expected
+    hard = Scenario(contact=PenaltyContact(stiffness=2e5), start=SPINNING)
+    steep = SmoothCoulomb(smoothing=1e-8, load="contact")
+    for scenario in (hard, Scenario(friction=steep, start=Start.stationary(5.0))):
+        assert unstable_start(scenario) is not None
+
+
+BESIDE = {"beta_rate": 1e-9, "gamma_rate": 1e-9, "x": 1e-6, "x_rate": 1e-6}
+BESIDE |= dict.fromkeys(("beta", "gamma"), pi / 2 + 1e-9)
+
+
+def test_all_others_are_none() -> None:
+    """Beside the motion, on a leaning table, of another body, stable or neutral, or of none."""
+    starts = [*(replace(SPINNING, **{name: value}) for name, value in BESIDE.items()), Start()]
+    others = [Scenario(start=start) for start in starts]
+    others += [Scenario(disk=body, start=SPINNING) for body in (COMPOSED, TIPPE_TOP)]
+    others.append(Scenario(constraints=MODELS[4], start=SPINNING))
+    others.append(Scenario(table=Table(inclination=0.1), start=SPINNING))
+    others.append(Scenario(start=Start(gamma=0.3, gamma_rate=0.0, spin=10.0)))
+    # All eigenvalues are zero or imaginary without friction, some of them defective zeros.
+    slippery, standing = SmoothCoulomb(coefficient=0.0), Start(gamma=0.3, gamma_rate=None, spin=40)
+    round_disk = Scenario(disk=CENTRED_DISK, friction=slippery, start=standing)
+    others += [replace(round_disk, constraints=held) for held in POSSIBLE_SETS]
+    assert [unstable_start(each) for each in others] == [None] * len(others)

@@ -8,13 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import (
-    MODELS,
-    PenaltyContact,
-    Scenario,
-    SmoothCoulomb,
-    Table,
-)
+from analysis import MODELS, PenaltyContact, Scenario, SmoothCoulomb, Table
 from analysis.mechanics.paper import closed_form, critical_speed
 from analysis.stability.chart import hopf_curves, stability_chart, static_gradient
 from analysis.stability.critical import critical_speeds
@@ -70,10 +64,12 @@ REFUSED: dict[str, Callable[[], object]] = {
     "must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
     "must be finite numbers, got nan": lambda: stability_chart(FULL, [1.0], [np.nan]),
     "lowest < highest spin, got 5 to 1": lambda: hopf_curves(FULL, [1.0], (5.0, 1.0)),
+    "interval must have .* got 10 to 10": lambda: critical_speeds(FULL, (10.0, 10.0)),
+    "interval must have .* got -5 to 10": lambda: critical_speeds(FULL, (-5.0, 10.0)),
+    "interval must be a finite number": lambda: critical_speeds(FULL, (0.0, np.nan)),
     "gradients must be positive": lambda: hopf_curves(FULL, [1.0, 0.0]),
     "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
     "friction must have a positive gradient": lambda: closed_form(SLIPPERY, 1.0),
-    "scenario must be a Scenario, got 'S'": lambda: critical_speeds("S"),  # type: ignore[arg-type]
     "system must be one of full, reduced, numeric": lambda: eigenvalues(FULL, [1.0], UNKNOWN),
 }
 
