@@ -7,7 +7,16 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import Body, Dissipation, PenaltyContact, Scenario, Start
+from analysis import (
+    STEEL_DISK,
+    Body,
+    Dissipation,
+    LubricatedCoulomb,
+    PenaltyContact,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+)
 from tests.bodies import BODIES
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
@@ -74,6 +83,43 @@ def test_the_disk_comes_to_rest_as_in_house() -> None:
     for phase in fields(settled.phases):
         found, expected = (getattr(each.phases, phase.name) for each in (settled, other))
         assert found == pytest.approx(expected, abs=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "end"),
+    [
+        # A sphere that only just touches at first, and a film that lets go as a disk lifts off.
+        (
+            Scenario(
+                disk=BODIES["sphere"],
+                friction=SmoothCoulomb(load="contact"),
+                contact=PenaltyContact.rounded(BODIES["sphere"], stiffness=8.3e4),
+                start=Start(beta=0.64, gamma=2.9, spin=-59.7, beta_rate=-2.1, height=0.0),
+            ),
+            0.02,
+        ),
+        (
+            Scenario.rest(
+                friction=LubricatedCoulomb(load="contact", film=0.69),
+                contact=PenaltyContact.rounded(STEEL_DISK, stiffness=4.2e5, half_thickness=2.1e-3),
+                start=Start(beta=1.25, gamma=-0.65, spin=27.4, gamma_rate=33.3, height=2e-3),
+            ),
+            0.3,
+        ),
+    ],
+    ids=["touching", "film"],
+)
+def test_a_contact_that_opens_and_closes_does_not_stall_either_side(
+    scenario: Scenario, end: float
+) -> None:
+    runs = [
+        run(scenario, end, tolerance=1e-4, spacing=5e-3, time_limit=60.0)
+        for run in (mbs_models.simulate_to_rest, analysis.simulate_to_rest)
+    ]
+    assert runs[0].deviation(runs[1]) < 1e-5
+    for run in runs:
+        assert run.ending is None
+        assert run.counts["steps"] < 10_000
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))

@@ -15,6 +15,7 @@ from analysis import (
     AnisotropicCoulomb,
     FrictionLaw,
     Load,
+    LubricatedCoulomb,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -60,6 +61,37 @@ def test_in_the_air_a_bilateral_contact_alone_acts_and_rubs_under_the_weight_alo
     lifting = force[0] / STEEL_DISK.mass - GRAVITY
     is_smooth = np.allclose(found, [0, 0, lifting, 0, 0, 0], rtol=1e-9, atol=1e-9)
     assert is_smooth == (not bilateral or load == "contact")
+
+
+@every_formulation
+@pytest.mark.parametrize(
+    ("law", "fades"),
+    [
+        (SmoothCoulomb(), True),
+        (LubricatedCoulomb(load="contact"), True),
+        (AnisotropicCoulomb(load="contact"), False),
+    ],
+    ids=str,
+)
+def test_friction_that_does_not_follow_the_force_of_the_contact_fades_with_its_last_hundredth(
+    formulation: Formulation, law: FrictionLaw, *, fades: bool
+) -> None:
+    pushed = []
+    for part in (1.0, 0.5):
+        scenario = Scenario(friction=law, contact=CONTACT, start=UPRIGHT)
+        force = 0.01 * part * scenario.weight
+        start = replace(UPRIGHT, height=0.0).state(MODELS[1], STEEL_DISK)
+        x, y, z, *angles = start.coordinates
+        sunk = replace(start, coordinates=(x, y, z - force / CONTACT.stiffness, *angles))
+        sunk = replace(sunk, rates=(0.2, 0.0, 0.0, 0.0, 0.0, 0.0))
+        scene = mbs_models.Scene(replace(scenario, start=sunk), formulation)
+        (x_second, *_), (normal,) = mbs_models.acceleration(scene)
+        in_house, _ = accelerations(scene.scenario, sunk.coordinates, sunk.rates)
+        assert x_second == pytest.approx(in_house[0], rel=1e-6)
+        assert normal == pytest.approx(force, rel=1e-6)
+        slipping = law.force(0.2, 0.0, scenario.weight if law.load == "weight" else force)[0]
+        pushed.append(x_second / slipping * (1.0 if fades else part) / part)
+    assert pushed[0] == pytest.approx(pushed[1], rel=1e-6)
 
 
 def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring() -> None:
