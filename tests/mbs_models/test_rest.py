@@ -16,6 +16,7 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
+    Table,
 )
 from tests.bodies import BODIES
 from tests.helpers import mostly_slow, not_none
@@ -101,8 +102,16 @@ def test_the_disk_comes_to_rest_as_in_house() -> None:
         (
             Scenario.rest(
                 friction=LubricatedCoulomb(load="contact", film=0.69),
+                table=Table(gravity=3.0),
                 contact=PenaltyContact.rounded(STEEL_DISK, stiffness=4.2e5, half_thickness=2.1e-3),
-                start=Start(beta=1.25, gamma=-0.65, spin=27.4, gamma_rate=33.3, height=2e-3),
+                start=Start(
+                    beta=1.249,
+                    gamma=-0.65,
+                    spin=27.4,
+                    beta_rate=1.66,
+                    gamma_rate=33.3,
+                    height=2e-3,
+                ),
             ),
             0.3,
         ),
