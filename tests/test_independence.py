@@ -71,6 +71,11 @@ def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, .
     assert python("-c", code).stdout.strip() == "[]"
 
 
+def test_names_complete_before_any_of_them_is_used() -> None:
+    found = python("-c", "import analysis; print(dir(analysis) == sorted(analysis.__all__))")
+    assert found.stdout.strip() == "True"
+
+
 def test_modules_import_each_other_in_no_circle() -> None:
     files = {
         ".".join(path.relative_to(ROOT).with_suffix("").parts): path

@@ -4,6 +4,7 @@ from math import radians
 from pathlib import Path
 from typing import Any
 
+import exudyn as exu
 import numpy as np
 import pytest
 
@@ -209,3 +210,15 @@ def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_ref
     assert np.ptp(run.coordinate("alpha")) > 4.0 * np.pi
     with pytest.raises(FlatError, match=r"alpha and gamma may turn unseen after t = 0\.05 s"):
         mbs_models.simulate(scene, times[::500], step=1e-5)
+
+
+def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alone() -> None:
+    model = mbs_models.build(Scenario())
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.5, 500
+    settings.solution.file.write = settings.show.statistics = False
+    model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+    coordinates, rates = model.decode(model.assembly.record()[None])
+    truth = analysis.simulate(model.scenario, [0.0, 0.5])
+    np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(rates[0], truth.rates[-1], rtol=0.0, atol=1e-5)
