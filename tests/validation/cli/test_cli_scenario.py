@@ -14,7 +14,6 @@ from analysis import (
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
-    SpatialMotion,
     Start,
     State,
     Table,
@@ -102,14 +101,6 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     assert (first.coordinates == again.coordinates).all()
     capsys.readouterr()
     assert printed(capsys, "scenario", problem) == scenario_text(first.scenario)
-
-
-def test_way_to_rest_can_be_repeated_too(capsys: Capture) -> None:
-    assert run("rest --source in-house --height 0.001 --end 0.01 --out rest.npz") == 0
-    capsys.readouterr()
-    found = load_run("rest.npz", SpatialMotion).scenario
-    assert printed(capsys, "scenario rest.npz") == scenario_text(found)
-    assert found.start == Start(height=0.001)
 
 
 @pytest.mark.parametrize(

@@ -85,26 +85,20 @@ def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) 
         assert name in Path("made.svg").read_text(encoding="utf-8")
 
 
-def test_motions_of_one_side_are_told_apart_by_how_they_were_run(capsys: Capture) -> None:
+def test_problems_and_ways_that_differ_are_told_first(capsys: Capture) -> None:
     one, other = (simulate(Scenario(), [0.0, 0.1], local_tolerance=tol) for tol in (1e-6, 1e-8))
-    shown = printed(capsys, "show", *stored(one=one, other=other))
-    found = re.search(r"method\.local_tolerance +(\S+) +(\S+)\n", shown)
-    assert [*map(float, not_none(found).groups())] == [1e-6, 1e-8]
-
-
-def test_motions_of_different_problems_are_told_apart_first(capsys: Capture) -> None:
-    one = simulate(Scenario(), [0.0, 0.1], local_tolerance=1e-6)
     friction = SmoothCoulomb(coefficient=0.2)
     start = Start(gamma=float(np.nextafter(Start().gamma, 0.0)))
-    other = replace(one, scenario=replace(one.scenario, friction=friction, start=start))
+    other = replace(other, scenario=replace(one.scenario, friction=friction, start=start))
     shown = printed(capsys, "show", *stored(one=one, other=other), "--plot both.png")
     first, _, _, *lines = shown.partition("\n\n")[0].splitlines()
     assert first == "What differs"
-    cells = {line.split()[0]: line.split()[1:] for line in lines}
-    assert cells.keys() == {"friction.coefficient", "start.gamma"}
-    assert cells["friction.coefficient"] == ["0.3", "0.2"]
-    # What six digits do not tell apart is shown with all of them.
-    assert list(map(float, cells["start.gamma"])) == [Start().gamma, start.gamma]
+    assert {name: [*map(float, cells)] for name, *cells in map(str.split, lines)} == {
+        "friction.coefficient": [0.3, 0.2],
+        # What six digits do not tell apart is shown with all of them.
+        "start.gamma": [Start().gamma, start.gamma],
+        "method.local_tolerance": [1e-6, 1e-8],
+    }
 
 
 def test_differences_or_the_samples_of_one_motion_are_written(capsys: Capture) -> None:

@@ -58,11 +58,13 @@ EVERY = pytest.mark.parametrize("command", COMMANDS, ids=[each.name for each in 
 
 
 def test_choices_are_those_of_the_packages() -> None:
+    studies = {name: report.find(name).STUDIES for name in (*DISK, *METHOD)}
+    stored = [name for name, some in studies.items() if any(each.is_stored for each in some)]
     for command, option, known in (
         ("eigenvalues", "system", SYSTEMS),
         ("critical", "motion", analysis.MOTIONS),
         ("map", "name", PROBLEMS),
-        ("study", "name", [name for name in (*DISK, *METHOD) if is_stored(name)]),
+        ("study", "name", stored),
     ):
         (parser,) = (each.parser() for each in COMMANDS if each.name == command)
         (choices,) = (each.choices for each in parser.actions if each.dest == option)
@@ -73,11 +75,6 @@ def test_help_says_what_counts_as_inverted_and_what_ends_a_run(capsys: Capture) 
     shown = " ".join(printed(capsys, "rest --help").split())
     assert DEFINITION in shown
     assert f"exact time: {', '.join(CONDITIONS)}, or where" in shown
-
-
-def is_stored(section: str) -> bool:
-    """Whether results of a study come with the package."""
-    return any(study.is_stored for study in report.find(section).STUDIES)
 
 
 def options_of(command: Command) -> list[Action]:
