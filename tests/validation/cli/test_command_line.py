@@ -1,8 +1,6 @@
 """The command line: what every command and every option of it has in common."""
 
 import json
-import subprocess
-import sys
 from argparse import Action, BooleanOptionalAction
 from pathlib import Path
 
@@ -13,7 +11,7 @@ from analysis.motion.endings import CONDITIONS
 from analysis.motion.inversion import DEFINITION
 from analysis.problem.quantities import QUANTITIES
 from analysis.stability.spectra import SYSTEMS
-from tests.calls import Capture, printed, refusal, run
+from tests.calls import Capture, printed, python, refusal, run
 from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
@@ -155,9 +153,7 @@ def test_help_and_wrong_paths_are_answered_before_numerical_imports() -> None:
         "print(codes, {'numpy', 'exudyn', 'matplotlib'} & set(sys.modules))"
     )
     calls = [*wrong, "--help", "simulate --help"]
-    done = subprocess.run(
-        [sys.executable, "-c", code, *calls], capture_output=True, text=True, check=True
-    )
+    done = python("-c", code, *calls)
     assert done.stdout.endswith("[2, 2, 2, 2, 0, 0] set()\n")
     assert done.stderr.count("\n") == len(wrong)
 
