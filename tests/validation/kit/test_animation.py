@@ -41,7 +41,7 @@ from validation import play
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import LOOK, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.kit.animation.player import Animation, player
+from validation.kit.animation.player import player
 from validation.studies.inversion import draw_instants
 
 
@@ -66,13 +66,14 @@ def embedded(page: str) -> dict[str, Any]:
     return data
 
 
-def played(made: Animation, times: Array) -> list[Any]:
-    """What the code of a player's page makes of it at some times, in Node."""
-    harness = Path(__file__).with_name("player_harness.js")
-    call = ["node", str(harness), "/dev/stdin", *map(repr, times.tolist())]
-    done = subprocess.run(call, input=made.text, capture_output=True, text=True, check=True)
-    found: list[Any] = json.loads(done.stdout)
-    return found
+needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+
+
+def in_node(harness: str, page: str, *words: str) -> Any:
+    """What the code of a page makes of some words."""
+    call = ["node", str(Path(__file__).with_name(harness)), "/dev/stdin", *words]
+    done = subprocess.run(call, input=page, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
@@ -211,14 +212,15 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
     assert (told["solid"], len(told["masses"])) == (isinstance(body, Sphere), body is COMPOSED)
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+@needs_node
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_player_shows_the_motion(kind: str) -> None:
     motion = MOTIONS[kind]()
-    made = motion.animate()
     rows = [0, 7, 33, -1]
+    times = map(repr, motion.times[rows].tolist())
+    played = in_node("player_harness.js", motion.animate().text, *times)
     position, rotation, _, turning = motion.poses
-    for row, shown in zip(rows, played(made, motion.times[rows]), strict=True):
+    for row, shown in zip(rows, played, strict=True):
         # The rounding that the player states.
         np.testing.assert_allclose(shown["centre"], position[row], atol=6e-6)
         axes = np.column_stack([shown[name] for name in ("ex", "ey", "ez")])

@@ -64,7 +64,7 @@ def test_several_axes_are_drawn_in_pairs(
     assert crosses.max() < 0.0 < points[:, 1].min()
     assert len(crosses) + len(points) == (24 if how else 4)
     # What is drawn on a range is counted in tens, a list by its values, also among drawn cases.
-    assert len(shares.lines[0].get_xdata()) == (10 if how else 2)
+    assert np.size(shares.lines[0].get_xdata()) == (10 if how else 2)
     np.testing.assert_array_equal(listed.lines[0].get_xdata(), [-1.5, -1.0])
 
 
