@@ -163,8 +163,3 @@ def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys
     assert json.loads(printed(capsys, call, "--json --csv a.csv --plot a.png"))
     assert (folder / "a.csv").read_text().count("\n") > 1
     assert (folder / "a.png").stat().st_size > 1000
-
-
-def test_a_result_is_printed_where_it_is_not_written(capsys: Capture) -> None:
-    assert printed(capsys, QUICK[2]).startswith("Eigenvalues of Model 4 in 1/s\n")
-    assert printed(capsys, QUICK[2], "--csv a.csv") == ""

@@ -139,6 +139,7 @@ def test_output_without_greek_letters_gets_the_table_with_replacements(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = printed(capsys, SPINS)
+    assert whole.startswith("Eigenvalues of Model 4 in 1/s\n")
     assert "λ" in whole
     narrow = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(narrow, encoding="ascii"))
