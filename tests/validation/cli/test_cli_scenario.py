@@ -55,7 +55,6 @@ TOLD: dict[str, Scenario] = {
         PAPER, start=Start(spin=35.0, gamma=-pi / 2 + 0.2, beta_rate=-1e-3, y_rate=-0.4)
     ),
     # Options override the file, and the rest stays.
-    "soft.toml --mu 0.1": replace(COMPLIANT, friction=replace(TANH, coefficient=0.1)),
     "soft.toml --law viscous": replace(COMPLIANT, friction=ViscousFriction(load="contact")),
     # The damping of a file stays, too: it follows from the stiffness only where nobody tells it.
     "soft.toml --stiffness 1e6": replace(COMPLIANT, contact=replace(SOFT, stiffness=1e6)),

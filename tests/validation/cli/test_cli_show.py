@@ -98,7 +98,7 @@ def test_problems_and_ways_that_differ_are_told_first(capsys: Capture) -> None:
     friction = SmoothCoulomb(coefficient=0.2)
     start = Start(gamma=float(np.nextafter(Start().gamma, 0.0)))
     other = replace(other, scenario=replace(one.scenario, friction=friction, start=start))
-    shown = printed(capsys, "show", *stored(one=one, other=other), "--plot both.png")
+    shown = printed(capsys, "show", *stored(one=one, other=other))
     first, _, _, *lines = shown.partition("\n\n")[0].splitlines()
     assert first == "What differs"
     assert {name: [*map(float, cells)] for name, *cells in map(str.split, lines)} == {

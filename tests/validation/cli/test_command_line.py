@@ -1,6 +1,8 @@
 """The command line: what every command and every option of it has in common."""
 
 import json
+import shutil
+import subprocess
 from argparse import Action, BooleanOptionalAction
 from pathlib import Path
 
@@ -163,3 +165,40 @@ def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys
     assert json.loads(printed(capsys, call, "--json --csv a.csv --plot a.png"))
     assert (folder / "a.csv").read_text().count("\n") > 1
     assert (folder / "a.png").stat().st_size > 1000
+
+
+# --- Completion ---------------------------------------------------------------------------------
+
+COMPLETE = """
+COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
+_tippedisk; echo "${{COMPREPLY[@]}}"
+"""
+
+OFFERED = {
+    "tippedisk sim": "simulate",
+    "tippedisk simulate --source e": "engine",
+    "tippedisk simulate --incl": "--inclination",
+    "tippedisk map spin-": "spin-friction spin-eccentricity",
+    "tippedisk rest --no-bil": "--no-bilateral",
+}
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+@pytest.mark.parametrize("words", OFFERED)
+def test_bash_offers_what_fits(words: str, capsys: Capture) -> None:
+    script = printed(capsys, "completion bash") + COMPLETE.format(words=words)
+    done = subprocess.run(["/bin/bash", "-c", script], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == (f"{OFFERED[words]}\n", "")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_script_of_a_shell_knows_every_command_and_is_understood(
+    shell: str, capsys: Capture
+) -> None:
+    script = printed(capsys, "completion", shell)
+    for command in COMMANDS:
+        assert f" {command.name} " in script or f":{command.name}:" in script
+        for action in command.parser().actions:
+            assert all(name.lstrip("-") in script for name in action.option_strings)
+    if (found := shutil.which(shell)) is not None:
+        subprocess.run([found, "-n", "-c", script], check=True)
