@@ -92,7 +92,6 @@ def test_what_is_not_decided_counts_in_no_share(tmp_path: Path) -> None:
 
 
 UNDRAWN: dict[tuple[str, ...], str] = {
-    ("spin=30:40:2", "mu=0.1"): "several axes can be drawn if each has two values",
     ("spin=40,30",): "axis start.spin can be drawn if its values rise",
     tuple(f"{name}=0.1:0.2:2" for name in NINE): "at most 8 axes can be drawn, got 9",
 }
