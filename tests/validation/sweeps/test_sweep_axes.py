@@ -79,6 +79,7 @@ def test_memory_does_not_grow_with_the_number_of_cases() -> None:
 
 
 REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: design("spim=0:1:2"), "got 'spim'; did you mean spin?"),
     (lambda: design("spin"), "axis must be field=first:last:count"),
     (lambda: design("spin=1:2:0"), "count of axis start.spin must be at least 1, got 0"),
     (lambda: design("spin=1,1.0"), "axis start.spin must hold each value once"),
