@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from analysis.api import *  # noqa: F403
 else:  # A type checker would take any name for one that is there.
 
+    def __dir__() -> list[str]:
+        # What completes names in a notebook asks for them before any is used.
+        return sorted(import_module("analysis.api").__all__)
+
     def __getattr__(name: str) -> Any:
         if name.startswith("__") and name != "__all__":
             raise AttributeError(name)

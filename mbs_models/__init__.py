@@ -5,8 +5,9 @@ from analysis.problem.choices import ENGINE_FORMULATIONS as FORMULATIONS
 from analysis.problem.choices import EngineFormulation as Formulation
 from mbs_models.accelerations import acceleration, eigenvalues, state_matrix, stock_eigenvalues
 from mbs_models.integrators import Integrator, Newton, integrators
+from mbs_models.model import Model
 from mbs_models.rest import simulate_to_rest
-from mbs_models.scene import Scene, formulations
+from mbs_models.scene import Scene, build, formulations
 from mbs_models.simulation import simulate
 from mbs_models.solving import EngineError
 
@@ -18,9 +19,11 @@ __all__ = [
     "Formulation",
     "Integrator",
     "IntegratorName",
+    "Model",
     "Newton",
     "Scene",
     "acceleration",
+    "build",
     "eigenvalues",
     "formulations",
     "integrators",

@@ -68,12 +68,12 @@ def ways(scene: Scene, times: Array, tolerance: float) -> list[Integrator]:
         In rad.
     """
     stepping = stepping_integrator(scene, times, tolerance)
-    own = find_integrator(scene, None)
+    fixed = find_integrator(scene, None)
     is_smooth = scene.scenario.contact is None and stepping.name == "DOP853"
-    is_own_first = is_smooth and (not scene.has_constraints or tolerance < FINEST_STEPPED)
+    is_fixed_first = is_smooth and (not scene.has_constraints or tolerance < FINEST_STEPPED)
     # Impacts may leave LSODA short of a fine tolerance.
     sure = [Integrator(name="DOP853")] if stepping.name == "LSODA" else []
-    return [own, stepping, own] if is_own_first else [stepping, *sure, own]
+    return [fixed, stepping, fixed] if is_fixed_first else [stepping, *sure, fixed]
 
 
 def stepping_integrator(scene: Scene, times: Array, tolerance: float) -> Integrator:

@@ -212,8 +212,8 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
                 raise
             failure, ladder = error, empty()
             continue
-        failure, over = None, result.ended == TIME_LIMIT
-        if not over and kind != (result.ended, result.times.size):
+        failure, is_late = None, result.ended == TIME_LIMIT
+        if not is_late and kind != (result.ended, result.times.size):
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
             ladder = empty(flat=result.ended == FLAT)
@@ -221,7 +221,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
         if ladder.estimate <= needed(tolerance, result.ended == FLAT):
             result = replace(result, times=ladder.best_times, states=ladder.best)
             return replace(result, estimate=ladder.estimate), step
-        if over:
+        if is_late:
             raise TimeLimitError(
                 f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "
                 f"{step:.3g} s, before runs agreed to {tolerance:g} rad; the best "

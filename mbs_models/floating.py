@@ -37,7 +37,7 @@ class Floating(Model):
 
     name: ClassVar[EngineFormulation] = "floating"
     # The square of the norm of the Euler parameters is one.
-    own_equations: ClassVar[tuple[float, ...]] = (1.0,)
+    node_equations: ClassVar[tuple[float, ...]] = (1.0,)
 
     _outputs = (
         _OUTPUT.Position,
@@ -259,7 +259,7 @@ class FloatingLie(Floating):
     """The same with a rotation vector, which the engine integrates on the Lie group."""
 
     name = "floating-lie"
-    own_equations = ()
+    node_equations = ()
     # A symmetric integrator is none on the Lie group, and has odd powers there, too.
     exponents = (2, 3, 4, 5)
 

@@ -10,7 +10,7 @@ ellipsoid is (B - B e (B e)ᵀ / H²) / H, and its level part is told by the cof
 K_xx = C_yy / H³, K_xy = -C_xy / H³ and K_yy = C_xx / H³.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import cos, hypot, pi, sin, sqrt
 from typing import Any, NamedTuple
 
@@ -20,7 +20,7 @@ from analysis.motion import frames
 from analysis.problem.bodies import EllipticDisk, Sphere
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
-from analysis.problem.contact import PenaltyContact
+from analysis.problem.contact import FULL_GRIP, PenaltyContact
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import law_force
 
@@ -76,6 +76,7 @@ class Loads:
         self._contact = scenario.penalty_contact
         self._by_weight = scenario.friction.load == "weight"
         self._weight, self._law = scenario.weight, law_force(scenario.friction)
+        self._grip = grip_of(scenario)
         self._has_direction = not scenario.friction.IS_ISOTROPIC
         self._squares, self._cofactors = _ellipsoid(disk, self._contact.half_thickness)
         self._rolls = self._loss.rolling_dry > 0.0 or self._loss.rolling_viscous > 0.0
@@ -129,7 +130,7 @@ class Loads:
             self._last = (state, self._new(*state))
         return self._last[1]
 
-    def over(
+    def along(
         self, place: Array, rotation: Array, velocity: Array, angular: Array
     ) -> Iterator[tuple[Loading, float]]:
         """What acts at each sample of a motion, and the speed over the surface in m/s.
@@ -161,10 +162,10 @@ class Loads:
         depth = -pz - centre_height
         spring, normal = normal_force(self._contact, depth, rise)
         fx = fy = 0.0
-        # The weight is the load wherever there is contact at all.
-        if normal > 0.0 or self._contact.bilateral:
+        if part := self._grip(normal):
             pressing = self._weight if self._by_weight else max(0.0, normal)
             fx, fy = self._friction(matrix, sx, sy, pressing)
+            fx, fy = part * fx, part * fy
         force = [fx, fy, normal]
         torque = [py * normal - pz * fy, pz * fx - px * normal, px * fy - py * fx]
         taken = [(spring - normal) * rise, -(fx * sx + fy * sy), 0.0, 0.0, 0.0, 0.0]
@@ -235,6 +236,14 @@ def normal_force(contact: PenaltyContact, depth: float, rise: float) -> tuple[fl
     return (0.0, 0.0) if depth <= 0.0 else (spring, max(force, 0.0))
 
 
+def grip_of(scenario: Scenario) -> Callable[[float], float]:
+    """From a normal force in N to the part of friction that acts under it; see `FULL_GRIP`."""
+    law, whole = scenario.friction, FULL_GRIP * scenario.weight
+    if scenario.penalty_contact.bilateral or (law.load == "contact" and law.IS_PROPORTIONAL):
+        return lambda _: 1.0
+    return lambda normal: min(1.0, normal / whole)
+
+
 def _contour(spread: Triple, w: Triple) -> tuple[float, float]:
     """Velocity in m/s of the contact point over the surface, K (w x e)."""
     xx, xy, yy = spread
@@ -295,7 +304,7 @@ def _dot(a: Any, b: Any) -> Any:
 def forces_on(scenario: Scenario, z: Array, u: Array) -> Array:
     """Normal force in N, shape (n,), of coordinates z and rates u, shape (n, 6) each."""
     (place, rotation), (velocity, angular) = frames.poses(z), frames.twists(z, u)
-    loadings = loads_of(scenario).over(place, rotation, velocity, angular)
+    loadings = loads_of(scenario).along(place, rotation, velocity, angular)
     return np.array([load.normal for load, _ in loadings])
 
 

@@ -59,7 +59,7 @@ class Model(ABC):
     exponents: ClassVar[tuple[int, ...] | None] = None
     """Exponents of the step in the error expansion, if not those of the integrator."""
 
-    own_equations: ClassVar[tuple[float, ...]] = ()
+    node_equations: ClassVar[tuple[float, ...]] = ()
     """Sizes of the terms of algebraic equations besides those of the constraints."""
 
     _outputs: ClassVar[tuple[Any, ...]]
@@ -76,7 +76,7 @@ class Model(ABC):
     def has_constraints(cls, scenario: Scenario) -> bool:
         """Whether algebraic equations are left, which explicit integrators cannot take."""
         is_held = scenario.contact is None and not cls.closes_contact
-        return is_held or bool(cls.own_equations)
+        return is_held or bool(cls.node_equations)
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.start = scenario, scenario.initial_state

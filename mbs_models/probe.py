@@ -76,10 +76,10 @@ class Probe:
             return
         _, _, centre, _, beta, gamma = model.start.coordinates
         _, _, rise, spin, fall, roll = model.start.rates
-        over, per_tilt, per_turn = model.scenario.disk.clearance(beta, gamma)
+        clearance, per_tilt, per_turn = model.scenario.disk.clearance(beta, gamma)
         lift = rise - per_tilt * fall - per_turn * roll
         for level, unit, allowed, gap in (
-            ("position", "m", _MET, centre - over),
+            ("position", "m", _MET, centre - clearance),
             ("velocity", "m/s", _MET * max(1.0, abs(spin)), lift),
         ):
             residuals = self._residuals(velocity=level == "velocity")

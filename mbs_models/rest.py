@@ -332,8 +332,8 @@ class EngineWay(WayToRest):
         times = times[: len(states)]
         places = [
             place
-            for reason, says in self.conditions.items()
-            for place in dips(np.array([says(each) for each in states]), reason)
+            for reason, condition in self.conditions.items()
+            for place in dips(np.array([condition(each) for each in states]), reason)
         ]
         if samples.stopped is not None:
             places += beyond(samples.stopped, len(states) - 1, spacing)
@@ -374,7 +374,7 @@ class EngineWay(WayToRest):
         values = np.array(
             [
                 (*load.point, load.slip, contour, load.normal, load.elastic)
-                for load, contour in loads.over(*poses)
+                for load, contour in loads.along(*poses)
             ]
         )
         cog = place + disk.eccentricity * rotation[:, :, 0]

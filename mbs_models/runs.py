@@ -319,7 +319,7 @@ def force_rounding(model: Model) -> float:
     fastest = sqrt(sum(rate * rate for rate in rates) + scenario.fall)
     rim_speed = disk.radius * fastest
     largest = [disk.mass * (gravity + rim_speed * fastest)]
-    largest += model.own_equations
+    largest += model.node_equations
     if model.has_constraints(scenario):
         largest.append(rim_speed)
         held = prescribed(scenario.constraints).values()

@@ -114,11 +114,30 @@ class Scene:
         return replace(self, scenario=replace(self.scenario, start=state))
 
 
-def build(scene: Scene) -> Model:
-    """Build and assemble `scene` in the engine.
+def build(scene: Scene | Scenario) -> Model:
+    """Build and assemble a scene in the engine, to go on there by oneself.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene or Scenario
+
+    Returns
+    -------
+    Model
+        Its `system` is an `exudyn.MainSystem` at the start of the scenario.
+
+    Raises
+    ------
+    ValueError
+        If it is neither, or no formulation can build the scenario.
+
+    Examples
+    --------
+    >>> from analysis import Scenario
+    >>> from mbs_models import build
+    >>> model = build(Scenario())
+    >>> model.assembly.reasons["node", 0]
+    'the joint coordinates'
     """
+    scene = Scene.of(scene)
     return CLASSES[scene.built_as](scene.scenario)

@@ -261,8 +261,8 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     coordinates, rates, multipliers = np.split(run.states, (6, 12), axis=1)
     ending = None
     if run.ended is not None:
-        says = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: float(multipliers[-1, 0])}
-        value = says.get(run.ended, 0.0)
+        values = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: float(multipliers[-1, 0])}
+        value = values.get(run.ended, 0.0)
         ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
     return Trajectory(
         times=run.times,

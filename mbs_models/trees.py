@@ -12,7 +12,7 @@ from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
-from mbs_models.loads import normal_force
+from mbs_models.loads import grip_of, normal_force
 from mbs_models.model import Floats, Force, Load, Model
 
 _ROUND = "has a round disk at its end"
@@ -128,7 +128,7 @@ class EulerTree(_Tree):
     def _contact_force(self) -> Force:
         """Generalised force on the same joints."""
         contact = self.scenario.penalty_contact
-        r, always = self.scenario.disk.radius, contact.bilateral
+        r, grip = self.scenario.disk.radius, grip_of(self.scenario)
         by_weight, weight = self.scenario.friction.load == "weight", self.scenario.weight
         load = 0.0
         friction = self.friction(lambda: load)
@@ -137,11 +137,9 @@ class EulerTree(_Tree):
             nonlocal load
             side = r * cos(q[4])
             _, normal = normal_force(contact, r * sin(q[4]) - q[3], u[3] - side * u[4])
-            # A contact that pulls is no load; the weight is one wherever there is contact at all.
-            if not (always or normal > 0.0):
-                return [0.0] * 6
-            load = weight if by_weight else max(0.0, normal)
-            forces = friction(system, time, item, q, u)
+            # A contact that pulls is no load.
+            load, part = weight if by_weight else max(0.0, normal), grip(normal)
+            forces = [part * each for each in friction(system, time, item, q, u)]
             forces[3] = normal
             forces[4] -= side * normal
             return forces

@@ -60,9 +60,9 @@ class MadeSection(NamedTuple):
     @classmethod
     def of(cls, row: Row) -> "MadeSection":
         """From the row that `draw` makes."""
-        told = {"checks": Check, "verdicts": Verdict}
+        kinds = {"checks": Check, "verdicts": Verdict}
         return cls(
-            **row | {name: [kind(*each) for each in row[name]] for name, kind in told.items()}
+            **row | {name: [kind(*each) for each in row[name]] for name, kind in kinds.items()}
         )
 
 
@@ -204,16 +204,16 @@ def _sections(
 def _drawing(module: ModuleType, found: Found, results: Path) -> Study:
     """A section as a study of its own, whose row is what is on the page."""
     names = {study.name for study in module.STUDIES}
-    own = {key: found[key] for key in sorted(found) if key[0] in names}
+    tables = {key: found[key] for key in sorted(found) if key[0] in names}
     stored = [results / f"{name}.{kind}" for name in sorted(names) for kind in ("csv", "json")]
-    told = [behind(module.__name__), repr(own)]
+    sources = [behind(module.__name__), repr(tables)]
     beside = [_text(module), *sorted(_text(module).parent.glob("*.svg")), *stored]
-    told += [path.read_text("utf-8") for path in beside if path.is_file()]
+    sources += [path.read_text("utf-8") for path in beside if path.is_file()]
     return Study(
         name=f"section-{short(module)}",
-        cases=lambda: {"section": (module.__name__, own, results)},
+        cases=lambda: {"section": (module.__name__, tables, results)},
         measure=draw,
-        rests_on=sha256("\0".join(told).encode()).hexdigest(),
+        rests_on=sha256("\0".join(sources).encode()).hexdigest(),
     )
 
 

@@ -180,8 +180,8 @@ def measured(
         left = [task for task in tasks if task.key not in found]
         for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
             if not isinstance(rows, Exception):
-                told = (*task.key, hang_on[task.study.name], json.dumps(rows))
-                file.execute("REPLACE INTO kept VALUES (?, ?, ?, ?)", told)
+                row = (*task.key, hang_on[task.study.name], json.dumps(rows))
+                file.execute("REPLACE INTO kept VALUES (?, ?, ?, ?)", row)
             found[task.key] = rows
     return found
 
@@ -270,7 +270,7 @@ def plain(rows: list[Row]) -> list[Row]:
     """Rows with numbers and lists in place of NumPy's, cut to `DIGITS`; `TypeError` for others."""
     text = json.dumps(rows, default=_of_numpy)
     found: list[Row] = json.loads(
-        text, parse_float=lambda told: float(f"{float(told):.{DIGITS}g}")
+        text, parse_float=lambda number: float(f"{float(number):.{DIGITS}g}")
     )
     return found
 
@@ -409,8 +409,8 @@ def _compared(
     )
     alone = len(here.keys() ^ there.keys())
     both = [(row, there[key]) for key, row in here.items() if key in there]
-    told = f"{alone} on one side only"
-    yield Check(f"{name}: rows", told, "none", "fresh", alone == 0 < len(both))
+    missing = f"{alone} on one side only"
+    yield Check(f"{name}: rows", missing, "none", "fresh", alone == 0 < len(both))
     if any("failure" in known for _, known in both):
         other = sum(bool(row.get("failure")) != bool(known["failure"]) for row, known in both)
         yield at_most(f"{name}: fail on one side only", other, 0)

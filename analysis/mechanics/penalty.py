@@ -21,6 +21,7 @@ from analysis.mechanics.newton_euler import (
 )
 from analysis.mechanics.recorder import Recorder, Symbol, call, pair
 from analysis.problem.checks import Array
+from analysis.problem.contact import FULL_GRIP
 from analysis.problem.elementary import hypot, sqrt
 from analysis.problem.scenario import Scenario
 
@@ -279,7 +280,8 @@ def friction_of(*, is_simple: bool) -> Friction:
 def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
     """What of a contact may open: spring, spring and damper, and friction with its load."""
     contact, weight, law = scenario.penalty_contact, scenario.weight, scenario.friction
-    by_weight = law.load == "weight"
+    by_weight, whole = law.load == "weight", FULL_GRIP * weight
+    fades = not contact.bilateral and (by_weight or not law.IS_PROPORTIONAL)
 
     def spring(gap: Any) -> Any:
         return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
@@ -289,13 +291,15 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         lifted = not contact.bilateral and (gap > 0.0 or force < 0.0)
         return 0.0 if lifted else force
 
+    def grip(force: Any) -> Any:
+        return min(1.0, force / whole) if fades else 1.0
+
     def load(force: Any) -> Any:
-        if by_weight and (force > 0.0 or contact.bilateral):
-            return weight
-        return max(0.0, force)
+        return weight * grip(force) if by_weight else max(0.0, force)
 
     def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
-        touches = normal > 0.0 or contact.bilateral
-        return law.force(along, across, load(normal)) if touches else (0.0, 0.0)
+        x, y = law.force(along, across, weight if by_weight else max(0.0, normal))
+        part = grip(normal)
+        return part * x, part * y
 
     return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}

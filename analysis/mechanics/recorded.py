@@ -68,9 +68,9 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
         if (first < 0.0) != (last < 0.0):
             found.append(brentq(missing, low, high, xtol=1e-15 * size, rtol=1e-14))
     if len(found) != 1:
-        told = ", ".join(f"{each:.6g} N" for each in found) or "none"
+        listed = ", ".join(f"{each:.6g} N" for each in found) or "none"
         raise ArithmeticError(
-            f"friction under the contact force has {len(found)} solutions for it: {told}"
+            f"friction under the contact force has {len(found)} solutions for it: {listed}"
         )
     (load,) = found
     if load == 0.0 or not any(isinstance(each, Dual) for each in given):

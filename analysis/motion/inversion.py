@@ -83,8 +83,8 @@ class Inversions:
 
     def __getitem__(self, member: int) -> Inversion:
         names = ("time", "lost", "time_error", "lost_error")
-        told = zip(names, (float(each[member]) for each in self.numbers), strict=True)
-        known = {name: value for name, value in told if value == value}  # noqa: PLR0124
+        numbers = zip(names, (float(each[member]) for each in self.numbers), strict=True)
+        known = {name: value for name, value in numbers if value == value}  # noqa: PLR0124
         return Inversion(outcome=self.outcomes[member], **known)
 
 

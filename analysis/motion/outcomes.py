@@ -142,8 +142,8 @@ def failure(error: BaseException) -> Row:
     else:
         status = "refused" if isinstance(error, ValueError) else "failed"
     # What ends a program, such as SystemExit, says little by itself.
-    told = str(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
-    return failed(status, told or type(error).__name__)
+    reason = str(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
+    return failed(status, reason or type(error).__name__)
 
 
 def failed(status: str, reason: str) -> Row:

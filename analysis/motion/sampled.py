@@ -88,8 +88,8 @@ class SampledMotion(Quantities):
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         for name in ("method", "counts", "versions"):
-            told = settings(name, getattr(self, name))
-            object.__setattr__(self, name, told)
+            checked = settings(name, getattr(self, name))
+            object.__setattr__(self, name, checked)
         if self.error_estimate is not None:
             estimate = not_negative("error_estimate", self.error_estimate)
             object.__setattr__(self, "error_estimate", estimate)

@@ -32,7 +32,7 @@ MODELS: dict[Level, ConstraintSet] = Named(
 )
 """The paper's models, Table 2."""
 
-DEMANDS = {name: says for held in HELD.values() for name, says in held.demands.items()}
+DEMANDS = {name: demand for held in HELD.values() for name, demand in held.demands.items()}
 """What each constraint force keeps, by its name; see `Held`."""
 
 MULTIPLIERS = tuple(DEMANDS)

@@ -63,6 +63,11 @@ LARGEST_PART = 0.01
 USUAL_RIM = 2e-4
 """Half thickness in m of a rounded rim."""
 
+FULL_GRIP = 0.01
+"""Part of the weight from which on a normal force has friction act whole that is not in proportion
+to it; less of the force has as much less of it act. A disk that lifts off with such a friction and
+falls back without it would change between both without end."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PenaltyContact(Described):
@@ -70,6 +75,8 @@ class PenaltyContact(Described):
 
     The penetration is that of the disk's lowest point. A unilateral contact never pulls, and
     without penetration neither the contact nor friction acts; a bilateral one holds the disk down.
+    On a unilateral one, friction that is not in proportion to the contact's force fades below
+    `FULL_GRIP`.
 
     Parameters
     ----------

@@ -145,9 +145,9 @@ class Disk(Body):
     def clearance(self, beta: Any, gamma: Any, half_thickness: Any = 0.0) -> Triple:  # noqa: ARG002
         """Height of G over the lowest point in m, and its slopes; see `Body`."""
         r, sb, cb = self.radius, sin(beta), cos(beta)
-        over = hypot(r * sb, half_thickness * cb)
+        height = hypot(r * sb, half_thickness * cb)
         # In the order in which it is r cos(beta) to the last digit on a sharp rim.
-        return over, r * cb * (1.0 - (half_thickness / r) ** 2) * (r * sb / over), 0.0
+        return height, r * cb * (1.0 - (half_thickness / r) ** 2) * (r * sb / height), 0.0
 
     def resting_place(self, half_thickness: float) -> tuple[float, float]:
         """Height of S in m and lean where it lies stable; see `Body`.

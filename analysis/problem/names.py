@@ -42,8 +42,10 @@ class ArgumentError(ValueError):
     def __str__(self) -> str:
         argument, fault, subject = self.args
         # An array writes itself on several lines, a scenario on a long one.
-        told, got, value = " ".join(f"{subject or argument} {fault}".split()).partition(", got ")
-        return f"{told}{got}{value if len(value) <= _LONGEST else f'{value[:_LONGEST]} …'}"
+        message, got, value = " ".join(f"{subject or argument} {fault}".split()).partition(
+            ", got "
+        )
+        return f"{message}{got}{value if len(value) <= _LONGEST else f'{value[:_LONGEST]} …'}"
 
 
 class OutputLostError(OSError):

@@ -78,8 +78,8 @@ def maker(table: str, values: Any) -> Callable[..., Any]:
     for name in values:
         if name not in known:
             is_shape = table == "disk" and "body" not in values
-            forms = _DISK_FORMS if is_shape else _listed(known)
-            fault = f"is unknown here; [{table}] takes {forms}{nearest(name, known)}"
+            allowed = _DISK_FORMS if is_shape else _listed(known)
+            fault = f"is unknown here; [{table}] takes {allowed}{nearest(name, known)}"
             raise ArgumentError(f"{table}.{name}", fault, name)
     if missing := [name for name in needed if name not in values]:
         raise ArgumentError(table, f"lacks {_listed(missing)}", f"[{table}]")

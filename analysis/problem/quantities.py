@@ -174,8 +174,8 @@ class Quantity(NamedTuple):
     @property
     def comment(self) -> str:
         """Unit, meaning and, unless these are many words, what is allowed, in a line of ASCII."""
-        told = self.allowed and len(self.choices) <= _FEW
-        about = f"{self.meaning} ({self.allowed})" if told else self.meaning
+        is_listed = self.allowed and len(self.choices) <= _FEW
+        about = f"{self.meaning} ({self.allowed})" if is_listed else self.meaning
         line = f"{self.unit}; {about}" if self.unit else about
         return line.replace("²", "^2").replace("³", "^3")
 

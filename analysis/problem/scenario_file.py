@@ -84,8 +84,8 @@ def scenario_text(scenario: Scenario) -> str:
     >>> "spin = 35.0" in scenario_text(Scenario(start=Start(spin=35.0)))
     True
     """
-    told, usual = instance("scenario", scenario, Scenario).values(), _usual(scenario)
-    tables = (_table(name, told.get(name), usual.get(name, {})) for name in _ABOUT)
+    values, usual = instance("scenario", scenario, Scenario).values(), _usual(scenario)
+    tables = (_table(name, values.get(name), usual.get(name, {})) for name in _ABOUT)
     return "\n".join((_HEAD, _constraint_lines(scenario), *tables))
 
 
@@ -118,19 +118,19 @@ def _usual(scenario: Scenario) -> dict[str, dict[str, Any]]:
     }
 
 
-def _table(table: str, told: dict[str, Any] | None, usual: dict[str, Any]) -> str:
+def _table(table: str, given: dict[str, Any] | None, usual: dict[str, Any]) -> str:
     """A table with the keys that tell it, and all others as comments; one if it is left out."""
     known = {name: each.default for name, each in of_table(table).items()}
     values = known | {name: each for name, each in usual.items() if name in known | _OF_LIST}
-    lines = [_ABOUT[table], f"{'# ' if told is None else ''}[{table}]\n"]
+    lines = [_ABOUT[table], f"{'# ' if given is None else ''}[{table}]\n"]
     # TOML has no word for what is left out.
-    told = {name: each for name, each in (told or {}).items() if each is not None}
-    for name, value in (values | told).items():
+    given = {name: each for name, each in (given or {}).items() if each is not None}
+    for name, value in (values | given).items():
         quantity = QUANTITIES.get(f"{table}.{name}")
         spelled = spelled_angle(value) if quantity is not None and quantity.is_angle else None
         literal = _literal(name, value if spelled is None else spelled)
         about = _OF_LIST.get(name, _OWN.get(table, "")) if quantity is None else quantity.comment
-        lines.append(f"{'' if name in told else '# '}{name} = {literal}  # {about}\n")
+        lines.append(f"{'' if name in given else '# '}{name} = {literal}  # {about}\n")
     return "".join(lines)
 
 

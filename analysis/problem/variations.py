@@ -283,8 +283,8 @@ class Ensemble:
         groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
         for member in range(len(self)):
             groups[tuple(each[member].item() for each in words.values())].append(member)
-        for told, rows in groups.items():
-            yield dict(zip(words, told, strict=True)), np.array(rows)
+        for key, rows in groups.items():
+            yield dict(zip(words, key, strict=True)), np.array(rows)
 
 
 def one_by_one(

@@ -11,6 +11,7 @@ from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, instance, real_array
 from analysis.problem.constraints import PRESCRIBED, multiplier_names, prescribed
+from analysis.problem.contact import FULL_GRIP
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 
@@ -141,8 +142,9 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
     parts = np.column_stack((slip, loads)).tolist()
     force = np.array([law.force(along, across, load) for along, across, load in parts])
     force *= is_free
-    if scenario.contact is not None and not scenario.contact.bilateral:
-        force[normal <= 0.0] = 0.0
+    is_proportional = law.load == "contact" and law.IS_PROPORTIONAL
+    if scenario.contact is not None and not (scenario.contact.bilateral or is_proportional):
+        force *= np.clip(normal[:, None] / (FULL_GRIP * scenario.weight), 0.0, 1.0)
     return slip, force
 
 

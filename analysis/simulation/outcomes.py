@@ -51,9 +51,9 @@ def outcomes(
         table = OutcomeTable.empty(motions.ensemble.fields, len(motions))
         for rows, samples in motions.blocks():
             table.put(rows, _ideal(samples))
-        told = {"status": DONE, "ending": motions.endings, "end": motions.ends}
-        told |= {"error_estimate": motions.error_estimates, "seconds": motions.seconds}
-        table.put(slice(None), told)
+        columns = {"status": DONE, "ending": motions.endings, "end": motions.ends}
+        columns |= {"error_estimate": motions.error_estimates, "seconds": motions.seconds}
+        table.put(slice(None), columns)
         # What is not finite is an error of that member.
         forces = table.columns["force_least"] + table.columns["force_largest"]
         apart = ~np.isfinite(forces) | (motions.endings == TIME_LIMIT)

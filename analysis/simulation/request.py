@@ -161,13 +161,13 @@ def trajectory(
     ending = None
     if run.ended is not None:
         last = State(coordinates=tuple(coordinates[-1].tolist()), rates=tuple(rates[-1].tolist()))
-        says: dict[str, Condition] = {
+        values: dict[str, Condition] = {
             FLAT: lambda state: sin(state.coordinates[4]) - LEAST_TILT,
             CONTACT_WOULD_PULL: lambda _: float(multipliers[-1, 0]),
             TIME_LIMIT: lambda _: 0.0 if watch is None else watch.seconds,
             **request.conditions,
         }
-        value = says[run.ended](last)
+        value = values[run.ended](last)
         ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
     return Trajectory(
         times=run.times,

@@ -91,9 +91,11 @@ class Trajectories(InCoordinates):
     @cached_property
     def _eccentricity(self) -> Array:
         found = np.full(len(self), np.nan)
-        for rows, told in self.ensemble.map_groups(lambda scenario: scenario.disk.eccentricity):
-            if not isinstance(told, Exception):
-                found[rows] = told
+        for rows, eccentricity in self.ensemble.map_groups(
+            lambda scenario: scenario.disk.eccentricity
+        ):
+            if not isinstance(eccentricity, Exception):
+                found[rows] = eccentricity
         return found[:, None]
 
     def _lowest(self, up: Any) -> Any:

@@ -23,6 +23,9 @@ from analysis.solve.watch import Lookout, Step, Watch
 STILL = 1e-9
 """Slip in m/s that has no sign."""
 
+STALLED = 300
+"""Equal steps, shorter than the longest there are, after which LSODA is begun anew: where the
+right-hand side has jumped, it may take it for stiff ever after, and go on by picoseconds."""
 
 _IMPLICIT = ("Radau", "BDF")
 """Methods that are given a Jacobian. LSODA makes its own, which for most is faster."""
@@ -217,7 +220,12 @@ def _steps(
     """
     slip = problem.slip or (lambda _: 0.0)
     solver, before = started(times[0], problem.start, times[-1]), slip(problem.start)
+    stride, equal = 0.0, 0
     while solver.status == "running":
+        if equal == STALLED and isinstance(solver, solvers.LSODA):
+            if not stride:
+                raise _stopped(solver, "its steps have come down to rounding")
+            solver, equal = started(solver.t, solver.y, times[-1]), 0
         state = solver.y.copy()
         step = _step(solver)
         after = slip(step.last)
@@ -232,6 +240,8 @@ def _steps(
         else:
             yield step
             before = after
+            same = abs(solver.step_size - stride) <= 0.01 * stride < 0.009 * problem.longest_step
+            stride, equal = solver.step_size, equal + 1 if same else 0
 
 
 def _turn(slip: Callable[[Array], float], before: float, step: Step, after: float) -> float:
@@ -246,10 +256,12 @@ def _step(solver: Any) -> Step:
     lost = isnan(getattr(solver, "h_abs", 0.0))
     message = None if lost else solver.step()
     if lost or solver.status == "failed" or not isfinite(solver.y.sum()):
-        name = type(solver).__name__
-        told = message or "the state is no longer finite"
-        raise SolverError(f"{name} stopped after t = {solver.t:g} s: {told}")
+        raise _stopped(solver, message or "the state is no longer finite")
     return Step(solver)
+
+
+def _stopped(solver: Any, why: str) -> SolverError:
+    return SolverError(f"{type(solver).__name__} stopped after t = {solver.t:g} s: {why}")
 
 
 def _evaluations(problem: InitialValueProblem, solver: Any) -> int:

@@ -208,11 +208,11 @@ class WayToRest(ABC):
             )
         ending = None
         if ended is not None:
-            says = self.conditions | {
+            values = self.conditions | {
                 AT_REST: lambda last: float(self.still(last[None])[0][0]),
                 TIME_LIMIT: lambda _: self.watch.seconds,
             }
-            value = says[ended](states[done])
+            value = values[ended](states[done])
             ending = Ending(reason=ended, time=float(times[done]), value=value)
         return SpatialMotion(
             times=times[: done + 1],
@@ -272,9 +272,9 @@ def until_agreement(
         # There is no run beyond the tightest to ask.
         sensitive = grown > SENSITIVE and local > 10.0 * TIGHTEST
         # The difference before leaves a tenth, as the tolerance of a step does.
-        told = max(difference, 0.1 * differences[-1]) if sensitive else difference
-        if told <= tolerance:
-            return replace(fine, error_estimate=told)
+        estimate = max(difference, 0.1 * differences[-1]) if sensitive else difference
+        if estimate <= tolerance:
+            return replace(fine, error_estimate=estimate)
         differences.append(difference)
         coarse = fine
     listed = ", ".join(f"{difference:.1e}" for difference in differences[1:])

@@ -35,8 +35,8 @@ def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHE
             print(f"complete -c tippedisk {line}")
         return 0
     names, cases = " ".join(each.name for each in commands()), "\n".join(_bash())
-    told = _BASH.format(commands=names, cases=cases)
-    print(_ZSH + told if shell == "zsh" else told, end="")
+    script = _BASH.format(commands=names, cases=cases)
+    print(_ZSH + script if shell == "zsh" else script, end="")
     return 0
 
 
@@ -64,10 +64,10 @@ def _fish() -> Iterator[str]:
             names = "".join(f" -l {each[2:]}" for each in action.option_strings if each[1] == "-")
             values = f" -xa {_quoted(_values(action))}" if action.choices else " -r"
             what = values if action.nargs != 0 and (names or action.choices) else ""
-            told = _quoted((action.help or "").replace("%%", "%"))
+            meaning = _quoted((action.help or "").replace("%%", "%"))
             where = f"__fish_seen_subcommand_from {command.name}"
             if names or what:
-                yield f"-n '{where}'{names}{what} -d {told}"
+                yield f"-n '{where}'{names}{what} -d {meaning}"
 
 
 def _quoted(text: str) -> str:

@@ -81,7 +81,7 @@ def cycles(
         raise ArgumentError("amplitude", "belongs to --over; a family goes through all amplitudes")
     scenario = _reduced(problem)
     if over is not None:
-        return _over(over, scenario, spins, amplitude)
+        return _cycles_over(over, scenario, spins, amplitude)
     if spins is not None:
         return _at(scenario, spins)
     what = "rotating motion" if rotating else "cycle"
@@ -93,21 +93,21 @@ def cycles(
     return _whole(family)
 
 
-def _motions(rows: Sequence[Motion], family: Family | None = None, **told: Any) -> Result:
+def _motions(rows: Sequence[Motion], family: Family | None = None, **shown: Any) -> Result:
     """What is told of periodic motions, or of a family of them and why it ends early.
 
     Parameters
     ----------
     rows : list of Motion
     family : Family, optional
-    **told
+    **shown
         Parameters of `Result`; `values` are those besides the motions.
     """
     reason = None if family is None else family.reason
     ends = dict.fromkeys(("hopf", "growth", "connection"))
-    values = {"motions": rows, "events": [], "reason": reason, **ends} | told.pop("values", {})
+    values = {"motions": rows, "events": [], "reason": reason, **ends} | shown.pop("values", {})
     notes = [f"The family ends early: {reason}."] if reason else []
-    return Result(**told, values=values, notes=notes)
+    return Result(**shown, values=values, notes=notes)
 
 
 def _whole(family: Family) -> Result:
@@ -141,7 +141,7 @@ def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
     return _motions(rows, tables=[table], draw=lambda: figures.portrait(named))
 
 
-def _over(
+def _cycles_over(
     over: str, scenario: Scenario, spins: list[float] | None, amplitude: float | None
 ) -> Result:
     if (spins is None) == (amplitude is None) or (spins is not None and len(spins) > 1):
@@ -159,7 +159,7 @@ def _over(
         rows,
         found,
         tables=[tables.motion_table(rows, first=first)],
-        draw=lambda: figures.diagram(rows, names, over=first, log=axis.log),
+        draw=lambda: figures.diagram(rows, names, parameter=first, log=axis.log),
     )
 
 
@@ -305,10 +305,10 @@ def passage(
     scenario = problem.scenario(rest=rest)
     found = follow(scenario, end, source)
     named = [(scenario.name, found)]
-    own = ("hopf", "frequency", "crossing", "lost", "predicted", "lowest_spin", "rate")
+    shown = ("hopf", "frequency", "crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(
         tables=[passage_table(named)],
-        values={name: found[name] for name in own},
+        values={name: found[name] for name in shown},
         draw=lambda: figures.passage_diagram(named),
     )
 

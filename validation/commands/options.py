@@ -79,11 +79,11 @@ class Problem:
 
     def check_survived(self, *, rest: bool = False) -> None:
         """Raise `ValueError` if own code ends the process that makes the scenario with it."""
-        told = list(self.named.values())
+        values = list(self.named.values())
         if self.file is not None and not self._is_run:
-            told.extend(flat(read_toml(self.file)[0]).values())
-        runs_own_code = self._is_run or any(map(is_user_name, told))
-        if runs_own_code and (fault := fatal(partial(self.scenario, rest=rest))):
+            values.extend(flat(read_toml(self.file)[0]).values())
+        runs_user_code = self._is_run or any(map(is_user_name, values))
+        if runs_user_code and (fault := fatal(partial(self.scenario, rest=rest))):
             raise ValueError(f"making the scenario, with a law or body of your own, {fault}")
 
     def check_fixed(self, varied: Collection[str]) -> None:
@@ -108,15 +108,15 @@ def _given(named: Mapping[str, Any]) -> dict[str, Any]:
         table, _, option = key.rpartition(".")
         name, *parameters = str(given.get(key, "")).split(",")
         for parameter in parameters:
-            own, equals, text = parameter.partition("=")
-            field = f"{table}.{own.strip()}"
+            argument, equals, text = parameter.partition("=")
+            field = f"{table}.{argument.strip()}"
             if not equals:
                 raise ArgumentError(
                     option, f"must hold parameter=value behind its name, got {parameter!r}"
                 )
             if field in given:
-                raise ArgumentError(option, f"tells {own.strip()}, which is told twice")
-            given[field] = read_value(field, text, own.strip())
+                raise ArgumentError(option, f"tells {argument.strip()}, which is told twice")
+            given[field] = read_value(field, text, argument.strip())
         if name:
             given[key] = name
     return given
@@ -127,8 +127,8 @@ def _to_rest(given: dict[str, Any]) -> Scenario:
     of_disk = {key: given.pop(key) for key in list(given) if key.startswith("disk.")}
     disk = changed(Scenario(), of_disk).disk
     named = {name: f"contact.{name}" for name in ("stiffness", "half_thickness")}
-    told = {name: given.pop(key) for name, key in named.items() if key in given}
-    return Scenario.rest(disk=disk, contact=PenaltyContact.rounded(disk, **told))
+    given_contact = {name: given.pop(key) for name, key in named.items() if key in given}
+    return Scenario.rest(disk=disk, contact=PenaltyContact.rounded(disk, **given_contact))
 
 
 def stored_runs(

@@ -111,7 +111,7 @@ def _start(scenario: Scenario) -> Any:
     for line, name in zip(axes.lines[-len(marks) :], marks, strict=True):
         line.set(label=name, linestyle="none")
     beta, gamma = state.coordinates[4:]
-    told = f"β = {beta:.4g} rad, γ = {gamma:.4g} rad, α turns with {state.rates[3]:.4g} rad/s"
-    axes.set_title(f"{scenario.name} at its start\n{told}", fontsize=10)
+    attitude = f"β = {beta:.4g} rad, γ = {gamma:.4g} rad, α turns with {state.rates[3]:.4g} rad/s"
+    axes.set_title(f"{scenario.name} at its start\n{attitude}", fontsize=10)
     figure.legend(loc="outside lower center", ncols=3, fontsize=8, handletextpad=0.0)
     return figure

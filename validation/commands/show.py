@@ -10,13 +10,13 @@ from validation.commands.options import stored_runs
 from validation.kit.differences import difference_table, fields_table
 from validation.kit.figures import comparison
 from validation.parser.files import CsvOut, PictureOut, Result, name_of, write
-from validation.parser.kinds import AnimationOut, Own, PageOut, Run, Runs
+from validation.parser.kinds import AnimationOut, PageOut, Run, Runs, UserClasses
 
 
 def show(
     files: Runs,
     *,
-    own: Own,
+    classes: UserClasses,
     json: bool = False,
     csv: CsvOut = None,
     plot: PictureOut = None,
@@ -34,7 +34,7 @@ def show(
     files
         Written by simulate or rest.
     """
-    runs = list(zip(map(name_of, files), stored_runs(files, **own), strict=True))
+    runs = list(zip(map(name_of, files), stored_runs(files, **classes), strict=True))
     apart, alone = fields_table(runs), len(runs) == 1
     notes = [f"{name}: {run!r}" for name, run in runs] if csv is None else []
     if not json and csv is None and plot is None and not _opened(runs):
@@ -73,7 +73,7 @@ def animate(
     speed: float | None = None,
     fps: float | None = None,
     width: int | None = None,
-    own: Own,
+    classes: UserClasses,
 ) -> int:
     """Turn a stored motion into a page that plays it, or a GIF.
 
@@ -99,7 +99,7 @@ def animate(
     """
     out = out or file.with_suffix(".html")
     of_gif = {"fps": fps, "width": width}
-    (run,) = stored_runs([file], **own)
+    (run,) = stored_runs([file], **classes)
     title = f"The tippedisk: {name_of(file)}"
     shown = run.animate(begin=begin, end=end, speed=speed, title=title)
     given = {name: value for name, value in of_gif.items() if value is not None}

@@ -118,19 +118,19 @@ def _pictures() -> Any:
 
 def _design(words: Sequence[str], file: Path | None, drawing: Mapping[str, Any]) -> Design:
     """What varies, from the words of the call and from a file."""
-    told: dict[str, Any] = {}
+    stated: dict[str, Any] = {}
     axes = [axis_from_text(text) for text in words]
     if file is not None:
-        told, _ = read_toml(file)
+        stated, _ = read_toml(file)
         try:
-            for name in told:
+            for name in stated:
                 choice("key", name, ("axes", "layout", "number", "seed"))
             # What is no table is refused as an axis of that name.
-            found = flat(told.pop("axes", {}))
+            found = flat(stated.pop("axes", {}))
             axes = [*(axis_from(field, value) for field, value in found.items()), *axes]
         except ValueError as error:
             raise ValueError(f"{file}: {error}") from None
-    return Design(axes=tuple(axes), **{**told, **drawing})
+    return Design(axes=tuple(axes), **{**stated, **drawing})
 
 
 def _check_size(wanted: Sweep, out: Path, most: int) -> None:

@@ -70,16 +70,16 @@ def fields_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
     runs : sequence of (str, StoredRun)
         Labels and motions.
     """
-    told = [flat(run.scenario.values()) for _, run in runs]
+    flattened = [flat(run.scenario.values()) for _, run in runs]
     sources = {run.source for _, run in runs}
     if len(sources) == 1:
-        told = [
+        flattened = [
             fields | {f"method.{name}": value for name, value in run.method.items()}
-            for fields, (_, run) in zip(told, runs, strict=True)
+            for fields, (_, run) in zip(flattened, runs, strict=True)
         ]
     rows: list[list[Cell]] = []
-    for name in dict.fromkeys(name for fields in told for name in fields):
-        values = [fields.get(name) for fields in told]
+    for name in dict.fromkeys(name for fields in flattened for name in fields):
+        values = [fields.get(name) for fields in flattened]
         if len(set(values)) > 1:
             texts = [show(value) for value in values]
             is_clear = len(set(texts)) == len(set(values))

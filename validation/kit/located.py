@@ -87,8 +87,11 @@ def _first_ending(
 def _values(run: Trajectory, conditions: Mapping[str, Condition]) -> dict[str, Array]:
     """What turns negative at an ending, by the reason it gives, each shape (n,)."""
     states = [run.state(row) for row in range(run.times.size)]
-    told = {name: np.array([says(each) for each in states]) for name, says in conditions.items()}
-    return {CONTACT_WOULD_PULL: run.normal_force, **told}
+    values = {
+        name: np.array([condition(each) for each in states])
+        for name, condition in conditions.items()
+    }
+    return {CONTACT_WOULD_PULL: run.normal_force, **values}
 
 
 def _suspects(values: Array) -> Iterator[tuple[int, int]]:

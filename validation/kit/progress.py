@@ -59,8 +59,8 @@ class _Lines(tqdm):  # type: ignore[misc] # it brings no types
         """Write a line; an empty one would only clear a bar."""
         if msg == "":
             return True
-        told = self.format_dict
-        n, total, passed = told["n"], told["total"], told["elapsed"]
+        state = self.format_dict
+        n, total, passed = state["n"], state["total"], state["elapsed"]
         count = f"{n:g} of {total:g} {self.unit}" if total else f"{n:g} {self.unit}"
         line = self._reached.format(n=n, total=total) if self._reached else count.rstrip()
         parts = [f"{self.desc}: {line}" if self.desc else line, self.postfix]

@@ -33,7 +33,7 @@ class Table:
 
     @classmethod
     def of(
-        cls, items: Iterable[T], columns: Mapping[str, Callable[[T], Cell]], **told: Any
+        cls, items: Iterable[T], columns: Mapping[str, Callable[[T], Cell]], **texts: Any
     ) -> "Table":
         """Table with a row for each item.
 
@@ -42,11 +42,11 @@ class Table:
         items : iterable
         columns : mapping
             From headings to functions that make the cells of an item.
-        **told
+        **texts
             All parameters but `columns` and `rows`.
         """
         rows = [[cell(each) for cell in columns.values()] for each in items]
-        return cls(columns=tuple(columns), rows=rows, **told)
+        return cls(columns=tuple(columns), rows=rows, **texts)
 
     def records(self) -> list[dict[str, Cell]]:
         """Rows by their headings."""

@@ -129,7 +129,7 @@ def _mark(panel: Panel, axes: Axes) -> None:
     ]
     rim = [withStroke(linewidth=2.5, foreground="white")]
     sweep = panel.sweep
-    if not (sweep.runs_own_code and fatal(critical_points, sweep)):
+    if not (sweep.runs_user_code and fatal(critical_points, sweep)):
         points.append(critical_points(sweep))
     for (name, look), places in zip(MARKS.items(), points, strict=False):
         if len(places):

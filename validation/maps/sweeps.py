@@ -123,8 +123,8 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
     """Share of cases with an outcome over each axis, and over each pair of axes below."""
     design, count = sweep.design, len(sweep.design.axes)
     counted = "upper face" if sweep.plan.to_rest else "inverted"
-    judged = ~table["outcome"].isin(("refused", "failed", "not decided"))
-    table["hit"] = (table["outcome"] == counted).where(judged).astype(float)
+    decided = ~table["outcome"].isin(("refused", "failed", "not decided"))
+    table["hit"] = (table["outcome"] == counted).where(decided).astype(float)
     figure, axes = kit.new_figure(
         count, columns=count, width=1.6 * count + 1.2, height=1.4 * count + 0.8
     )
@@ -155,8 +155,8 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
             text = fill(label(up.field), _LETTERS) if row else f"share {counted}"
             each.set_ylabel(text, fontsize=8)
     figure.colorbar(image, ax=axes, label=f"share of cases: {counted}", shrink=0.6)
-    title = f"Sweep of {sweep.scenario.name}: {judged.sum()} cases"
-    without = f", × {(~judged).sum()} without a motion or not decided" * (not judged.all())
+    title = f"Sweep of {sweep.scenario.name}: {decided.sum()} cases"
+    without = f", × {(~decided).sum()} without a motion or not decided" * (not decided.all())
     figure.suptitle(title + without, fontsize=10)
     return figure
 

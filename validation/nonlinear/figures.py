@@ -26,7 +26,7 @@ def _values(motions: Sequence[Motion], name: str) -> Array:
     return np.array([each[name] for each in motions], dtype=float)
 
 
-def lines(axes: Any, motions: Sequence[Motion], values: Array, over: str = "spin") -> None:
+def lines(axes: Any, motions: Sequence[Motion], values: Array, parameter: str = "spin") -> None:
     """Draw values of motions over their spins, solid where stable and dashed where not.
 
     Parameters
@@ -34,10 +34,10 @@ def lines(axes: Any, motions: Sequence[Motion], values: Array, over: str = "spin
     axes : Axes
     motions : sequence of Motion
     values : ndarray, shape (n,)
-    over : str
+    parameter : str
         Name of what they are drawn over.
     """
-    places = _values(motions, over)
+    places = _values(motions, parameter)
     stable = np.array([each["stable"] is None or bool(each["stable"]) for each in motions])
     for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
         # A piece takes the kind of its farther end, so that the curve has no gaps.
@@ -64,7 +64,7 @@ def diagram(
     motions: Sequence[Motion],
     names: Sequence[str],
     *,
-    over: tuple[str, str] = ("spin", figures.SPIN),
+    parameter: tuple[str, str] = ("spin", figures.SPIN),
     log: bool = False,
     marks: Mapping[str, float] | None = None,
 ) -> Any:
@@ -75,7 +75,7 @@ def diagram(
     motions : sequence of Motion
     names : sequence of str
         Of `HEADS`.
-    over : tuple of 2 str
+    parameter : tuple of 2 str
         Name and heading of what they are drawn over.
     log : bool
         Whether that has a logarithmic axis.
@@ -87,7 +87,7 @@ def diagram(
     for each, name in zip(panels, names, strict=True):
         values = _values(motions, name)
         shown = values / np.log(10.0) if name == "log_strong" else values
-        lines(each, motions, shown, over[0])
+        lines(each, motions, shown, parameter[0])
         for label, place in (marks or {}).items():
             each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
         each.set(ylabel=HEADS[name])
@@ -95,7 +95,7 @@ def diagram(
             each.axhline(1.0, color=GREY, linewidth=0.8, zorder=0)
             if np.max(values) > 10.0:
                 each.set(yscale="log", ylabel=f"{HEADS[name]}, logarithmic")
-    panels[-1].set(xlabel=over[1], xscale="log" if log else "linear")
+    panels[-1].set(xlabel=parameter[1], xscale="log" if log else "linear")
     figures.legend_above(panels[0], columns=3)
     return figure
 

@@ -147,17 +147,17 @@ class Group:
     def __init__(self, whole: Callable[..., Any], *names: str, **defaults: Any) -> None:
         known = signature(whole).parameters
         # A command may take an output itself; of what a class inherits, it may say more.
-        _, self._told = described(Result.deliver)
+        _, self._meanings = described(Result.deliver)
         for each in reversed(getattr(whole, "__mro__", (whole,))):
-            self._told |= described(each)[1]
+            self._meanings |= described(each)[1]
         self._parameters = [
             known[name].replace(default=defaults.get(name, known[name].default))
             for name in names or known
         ]
 
-    def add_to(self, parser: Parser, told: Mapping[str, str] = MappingProxyType({})) -> None:
+    def add_to(self, parser: Parser, further: Mapping[str, str] = MappingProxyType({})) -> None:
         """Add the options; what a command says of one itself comes first."""
-        meanings = {**self._told, **told}
+        meanings = {**self._meanings, **further}
         for parameter in self._parameters:
             how = _keywords(parameter.annotation)
             if isinstance(how, OfScenario | Group):
@@ -214,8 +214,8 @@ class Command:
         self.module, self.name = module, function.__name__
         self.about, _ = described(function)
         self._options = Group(function)
-        told = signature(function).return_annotation
-        found = _OUTPUTS if told is Result else _keywords(told)
+        returned = signature(function).return_annotation
+        found = _OUTPUTS if returned is Result else _keywords(returned)
         self._outputs = found if isinstance(found, Group) else None
 
     def parser(self) -> Parser:

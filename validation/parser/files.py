@@ -5,6 +5,7 @@ Paths are looked at before anything is imported or computed.
 
 import json as text_of
 import os
+import sys
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -49,7 +50,12 @@ def writable(*suffixes: str) -> Callable[[str], Path]:
     """
 
     def checked(value: str) -> Path:
-        path = Path("/dev/stdout" if value == "-" else value)
+        if value == "-":
+            if sys.__stdout__ is None:
+                raise ArgumentTypeError("needs standard output, which is closed")
+            # Known by this name also on systems that have no such file.
+            return Path("/dev/stdout")
+        path = Path(value)
         if path.exists() and (not path.is_file() or path.is_relative_to("/dev")):
             target = path
         else:

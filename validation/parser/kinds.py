@@ -54,11 +54,11 @@ SomeSpins = Annotated[tuple[str, ...] | None, _SPINS]
 
 Axes = Annotated[list[str], {"nargs": "*", "type": str, "metavar": "AXIS"}]
 Axis = Annotated[str | None, {"metavar": "AXIS"}]
-_OwnClass = Annotated[str | None, {"metavar": "MODULE:CLASS"}]
+_UserClass = Annotated[str | None, {"metavar": "MODULE:CLASS"}]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Own:
+class _UserClasses:
     """Classes of one's own that a stored motion was run with.
 
     Parameters
@@ -69,8 +69,8 @@ class _Own:
         Body of one's own that moved: imports it.
     """
 
-    law: _OwnClass = None
-    body: _OwnClass = None
+    law: _UserClass = None
+    body: _UserClass = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,7 +129,7 @@ class _Pool:
     scheduler: Annotated[str | None, {"metavar": "ADDRESS"}] = None
 
 
-Own = Annotated[dict[str, Any], Group(_Own)]
+UserClasses = Annotated[dict[str, Any], Group(_UserClasses)]
 Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
 Drawing = Annotated[dict[str, Any], Group(_Drawing)]
 Pool = Annotated[dict[str, Any], Group(_Pool)]

@@ -103,8 +103,8 @@ class RunOptions:
 
     def given(self, *names: str) -> dict[str, Any]:
         """What is given of some options, by name."""
-        told = {name: getattr(self, name) for name in names}
-        return {name: value for name, value in told.items() if value is not None}
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
 
 
 def _names(text: str) -> tuple[str, ...]:

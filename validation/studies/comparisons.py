@@ -75,7 +75,7 @@ class Found(NamedTuple):
 
     difference: float | None
     detail: str
-    over: float | None = None
+    lasting: float | None = None
 
 
 class Comparison(NamedTuple):
@@ -93,7 +93,7 @@ class Comparison(NamedTuple):
         Largest difference found; None if there is nothing to compare.
     detail : str
         How it was compared; or why there is nothing to compare.
-    over : float, optional
+    lasting : float, optional
         Time in s for which motions are compared.
     counted : int, optional
         Number of random states at which both sides have something to compare.
@@ -104,7 +104,7 @@ class Comparison(NamedTuple):
     criterion: float
     difference: float | None
     detail: str
-    over: float | None = None
+    lasting: float | None = None
     counted: int | None = None
 
     @property
@@ -278,8 +278,8 @@ def motion_difference(scene: Scene, end: float) -> Found:
 
 def _motion(scene: Scene, end: float) -> Found:
     # Stepped by the engine as well, so that the sides share no solver.
-    own, *_ = mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)
-    stepped: dict[str, Any] = {"formulation": scene.built_as, "integrator": own}
+    integrator, *_ = mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)
+    stepped: dict[str, Any] = {"formulation": scene.built_as, "integrator": integrator}
     stepped["tolerance"] = ANGLE_LIMIT
     times, inhouse = _comparable(scene.scenario, end, stepped)
     engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
@@ -288,8 +288,8 @@ def _motion(scene: Scene, end: float) -> Found:
             raise TimeLimitError(f"{each.source} {each.ending}")
     reason = _reason(engine)
     if reason != _reason(inhouse) or engine.times.size != inhouse.times.size:
-        told = (str(each.ending or "runs through") for each in (engine, inhouse))
-        return Found(inf, "engine {}; in-house {}".format(*told))
+        endings = (str(each.ending or "runs through") for each in (engine, inhouse))
+        return Found(inf, "engine {}; in-house {}".format(*endings))
     where, last = f", where {reason}" if reason else "", float(engine.times[-1])
     return Found(deviation(engine, inhouse), f"over {last:.4g} s{where}", last)
 
@@ -340,8 +340,8 @@ def _rest(scene: Scene, end: float) -> Found:
     )
     late = TIME_LIMIT in (_reason(engine), _reason(inhouse))
     if not late and (engine.rest_time is None) != (inhouse.rest_time is None):
-        told = f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
-        return Found(inf, told)
+        resting = f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
+        return Found(inf, resting)
     last = float(min(engine.times[-1], inhouse.times[-1]))
     return Found(engine.deviation(inhouse), f"over {last:.4g} s", last)
 

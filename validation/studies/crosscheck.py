@@ -150,7 +150,7 @@ def present(rows: Rows) -> Content:
     worst = found.groupby(["kind", "quantity"], sort=False).agg(
         scenes=("case", "size"),
         states=("counted", "min"),
-        lasting=("over", "min"),
+        lasting=("lasting", "min"),
         difference=("difference", largest),
         criterion=("criterion", "max"),
     )

@@ -110,10 +110,10 @@ def present(rows: Rows) -> Content:
     runs = motions(rows[STUDY.name])
     apart, contact = agreement(runs), runs[CONTACT, "engine"]
     times = [time for name in NAMES if (time := runs[name, "engine"].inversion_time)]
-    told = ", ".join(f"{time:.2f}" for time in times) or "–"
+    listed = ", ".join(f"{time:.2f}" for time in times) or "–"
     caption = "Table 3's start. Drag to turn the view."
     return Content(
-        numbers={"times": told},
+        numbers={"times": listed},
         tables={"agreement": apart},
         figures={
             "snapshots": draw_instants(contact, INSTANTS),
@@ -131,7 +131,7 @@ def present(rows: Rows) -> Content:
                 statement="The disk turns itself upside down.",
                 answer="yes" if len(times) == len(NAMES) else "partly" if times else "no",
                 numbers=f"From Table 3, at {Start().spin:g} rad/s, {len(times)} of {len(NAMES)} "
-                f"models are inverted, after {told} s; engine and in-house equations stay "
+                f"models are inverted, after {listed} s; engine and in-house equations stay "
                 f"within {power(apart[ANGLES].max())} rad of each other.",
                 criterion=DEFINITION,
                 good=len(times) == len(NAMES),

@@ -292,8 +292,8 @@ def _repeated(table: pd.DataFrame) -> pd.DataFrame:
     known = table.set_index(["case", "number"])["outcome"]
     again = pd.concat([_of(table, _again(name)).assign(map=name) for name in REPEATED])
     places = [name for name in again if "." in name]
-    told = [known.get((row.map, row.number)) for row in again.itertuples()]
-    return again.assign(**{"outcome of the map": told})[
+    outcomes = [known.get((row.map, row.number)) for row in again.itertuples()]
+    return again.assign(**{"outcome of the map": outcomes})[
         ["map", *places, "outcome of the map", "outcome", "alike", "difference"]
     ].rename(columns={"difference": "difference in rad", "alike": "the other side, too"})
 

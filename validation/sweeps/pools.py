@@ -77,14 +77,14 @@ def open_pool(
         elif executor == "processes":
             pool = Pool(Processes(workers), workers)
         else:
-            own = partial(_own, executor, stack)
-            pool = Pool(own(), workers, renewed=own)
+            make = partial(_user_executor, executor, stack)
+            pool = Pool(make(), workers, renewed=make)
         if executor in ("processes", "mpi"):
             stack.callback(pool.executor.shutdown, cancel_futures=True)
         yield pool
 
 
-def _own(name: str, stack: ExitStack) -> Executor:
+def _user_executor(name: str, stack: ExitStack) -> Executor:
     make = user_object("executor", name)
     try:
         executor = make() if callable(make) else make

@@ -95,8 +95,8 @@ class Store:
         for table, kinds in {**self._tables, "sweep": about, "code": about}.items():
             columns = ", ".join(f'"{name}" {kind}' for name, kind in kinds.items())
             self._file.execute(f"CREATE TABLE {table} ({columns})")
-        told = {"format": str(FORMAT), "sweep": self.sweep.to_text()}
-        self._file.executemany("INSERT INTO sweep VALUES (?, ?)", told.items())
+        about = {"format": str(FORMAT), "sweep": self.sweep.to_text()}
+        self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
         self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
         self.commit()

@@ -69,28 +69,28 @@ class Sweep:
     def to_text(self) -> str:
         """Plain data as JSON, by which two sweeps are the same."""
         # However long a run may take, it is the same.
-        told = {
+        values = {
             "scenario": self.scenario.values(),
             "design": asdict(self.design),
             "plan": asdict(self.plan) | {"time_limit": None},
         }
-        return json.dumps(told, sort_keys=True, allow_nan=False)
+        return json.dumps(values, sort_keys=True, allow_nan=False)
 
     @classmethod
     def from_text(cls, text: str) -> "Sweep":
         """Sweep from what `to_text` has returned."""
-        told = json.loads(text)
-        design, plan = told["design"], told["plan"]
+        values = json.loads(text)
+        design, plan = values["design"], values["plan"]
         axes = tuple(Axis(**axis) for axis in design.pop("axes"))
         del plan["time_limit"]
         return cls(
-            scenario=Scenario.from_values(told["scenario"]),
+            scenario=Scenario.from_values(values["scenario"]),
             design=Design(axes=axes, **design),
             plan=Plan(**plan),
         )
 
     @property
-    def runs_own_code(self) -> bool:
+    def runs_user_code(self) -> bool:
         """Whether a law, a body or a condition is of one's own, which may do anything."""
         friction, disk = self.scenario.friction, self.scenario.disk
         names = [self.plan.stop_when, LAWS.name_of(type(friction)), BODIES.name_of(type(disk))]
@@ -136,7 +136,7 @@ def look_ahead(sweep: Sweep) -> tuple[float, str]:
         If all of them would be refused, there is no such condition to end a run, or what the
         method needs is not installed.
     """
-    if sweep.runs_own_code and (fault := fatal(_looked_ahead, sweep)):
+    if sweep.runs_user_code and (fault := fatal(_looked_ahead, sweep)):
         return 0.0, f"looking at some cases {fault}; each case that does so will be a row"
     return _looked_ahead(sweep)
 

@@ -220,8 +220,10 @@ def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Except
 
     def estimated(fine: Runs, coarse: Runs, some: Rows) -> Array:
         def rates(runs: Runs) -> Array:
-            told = group.code.readings(runs.last[:, None], runs.ends[:, None], group.numbers[some])
-            return told[1][:, 0, 4:]
+            readings = group.code.readings(
+                runs.last[:, None], runs.ends[:, None], group.numbers[some]
+            )
+            return readings[1][:, 0, 4:]
 
         columns = group.code.attitudes
         return estimated_errors(fine, coarse, lambda states: states[..., columns], rates)

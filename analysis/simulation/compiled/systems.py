@@ -202,9 +202,9 @@ def build(structure: Structure) -> System:
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
     if feedback:
         endings[SINGULAR] = 1.0 - feedback[0]
-    told = SimpleNamespace(coordinates=coordinates, rates=rates)
+    state_of_paper = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
-        endings[reason] = _expressed(f"stop_when {reason!r}", condition, told)
+        endings[reason] = _expressed(f"stop_when {reason!r}", condition, state_of_paper)
     # The kink does no harm here, but 0 / 0 would.
     _, forces, single, _ = _index_1(structure, scenario, state, _size(1e-150))
     return System(
@@ -269,8 +269,8 @@ def _index_1(
         per_speed=scenario.per_speed,
         contact_load=contact_load,
     )(*variables)
-    told = _symbols(found)
-    return told[:12], told[12:], slips, feedback
+    solution = _symbols(found)
+    return solution[:12], solution[12:], slips, feedback
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:

@@ -101,11 +101,11 @@ def keyframes(
     if begin >= end:
         raise ArgumentError("begin", f"must lie before {end:g}, got {begin:g}")
     if isinstance(motion, SpatialMotion):
-        phases, told = asdict(motion.phases), "on a unilateral contact"
+        phases, model = asdict(motion.phases), "on a unilateral contact"
         starts = {name.replace("_", " "): time for name, time in phases.items()}
     else:
         formulation = motion.method.get("formulation")
-        told = f"{motion.scenario.name}, {formulation}" if formulation else motion.scenario.name
+        model = f"{motion.scenario.name}, {formulation}" if formulation else motion.scenario.name
         starts = {"inversion": motion.inversion_time}
     marks = [(name, time) for name, time in starts.items() if time is not None]
     inside = motion.times[(motion.times > begin) & (motion.times < end)]
@@ -121,7 +121,7 @@ def keyframes(
         table=np.column_stack((positions, frames.quaternions(rotations), contact, spins)),
         disk=motion.scenario.disk,
         marks=tuple(mark for mark in marks if begin <= mark[1] <= end),
-        source=f"{motion.source}, {told}",
+        source=f"{motion.source}, {model}",
     )
 
 

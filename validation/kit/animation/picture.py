@@ -214,8 +214,8 @@ def write_gif(
         frame(time).quantize(palette=palette, dither=Image.Dither.NONE)
         for time in counted(times, "frames")
     )
-    told: dict[str, Any] = {"format": "GIF", "save_all": True, "duration": 10 * shown, "loop": 0}
-    next(frames).save(stream, append_images=frames, **told)
+    how: dict[str, Any] = {"format": "GIF", "save_all": True, "duration": 10 * shown, "loop": 0}
+    next(frames).save(stream, append_images=frames, **how)
     return times.size
 
 

@@ -14,7 +14,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader
 
 from analysis import StoredRun
-from analysis.motion.files import whole_file
+from analysis.motion.files import is_standard_output, whole_file
 from analysis.problem.checks import within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
@@ -82,6 +82,8 @@ class Animation(Page):
     def save(self, path: str | os.PathLike[str], **how: Any) -> str:
         """Write a page, or a GIF where the name ends in .gif; returns what was written, in words.
 
+        Standard output gets a page.
+
         Parameters
         ----------
         path : path-like
@@ -95,7 +97,7 @@ class Animation(Page):
         ValueError
             If its name ends otherwise, or an argument is out of range.
         """
-        suffix = Path(path).suffix.lower()
+        suffix = ".html" if is_standard_output(path) else Path(path).suffix.lower()
         if suffix not in {".html", ".gif"}:
             raise ArgumentError("path", f"must end in .html or .gif, got {path}")
         for name in how if suffix != ".gif" else ():
@@ -154,7 +156,7 @@ def player(
     return Animation(title=title, fragment=fragment, poses=poses, speed=speed)
 
 
-def render(template: str, **told: Any) -> str:
+def render(template: str, **values: Any) -> str:
     """Text of a template beside this module.
 
     That of `player.html` is an element with the player, for a motion or, without `data`, for what
@@ -162,7 +164,7 @@ def render(template: str, **told: Any) -> str:
     """
     environment = Environment(autoescape=True, loader=FileSystemLoader(Path(__file__).parent))
     environment.filters["data"] = _script_data
-    return environment.get_template(template).render(look=LOOK, **told)
+    return environment.get_template(template).render(look=LOOK, **values)
 
 
 def _script_data(value: Any) -> str:

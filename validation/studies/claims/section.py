@@ -26,17 +26,17 @@ def present(rows: Rows) -> Content:
     least, engine = rows["least-spins"], rows["random-starts-engine"]
     loss = equations.loss()
     attraction, critical = starts.judge_attraction(shares), starts.critical_speed()
-    judged = motion.judge(measured, change, longs) | {
+    judgements = motion.judge(measured, change, longs) | {
         "attraction": attraction,
         "singular": equations.judge_loss(loss),
         "rolling": pure_rolling.judge(rolled),
         "orders": equations.judge_orders(equations.exponents()),
         "supercritical": starts.judge_least_spins(least),
     }
-    counted = Counter(each["verdict"] for each in judged.values())
+    counted = Counter(each["verdict"] for each in judgements.values())
     return Content(
         numbers={
-            "c": judged,
+            "c": judgements,
             "contact": measured.iloc[0],
             "levels": measured.iloc[1:],
             "change": change,

@@ -247,12 +247,12 @@ LEAST_SPINS = Study(
 
 def judge_least_spins(table: pd.DataFrame) -> Judged:
     """Section 7: inversion only from supercritical spins."""
-    over, own = table[ABOVE] > critical_speed(), table[ABOVE] > table[OWN]
+    above_closed, above_model = table[ABOVE] > critical_speed(), table[ABOVE] > table[OWN]
     ordered = all(
         (table[name].map(inverts) == (spin > table[ABOVE])).all() for name, spin in SCANNED.items()
     )
-    yes = bool(over.all() and own.all() and ordered)
-    verdict = grade(yes=yes, partly=bool(over.any() and ordered))
+    yes = bool(above_closed.all() and above_model.all() and ordered)
+    verdict = grade(yes=yes, partly=bool(above_closed.any() and ordered))
     return {"least": table[ABOVE], "own": table[OWN], "verdict": verdict}
 
 

@@ -56,7 +56,7 @@ def present(rows: Rows) -> Content:
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(HELD_NAMES)]
-    told = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
+    columns = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
     words = held.assign(stable=held.stable.map(tables.WORDS))
     return Content(
         numbers={
@@ -75,7 +75,7 @@ def present(rows: Rows) -> Content:
             "some-cycles": tables.motion_table(cycles[::5]),
             "rotations": tables.motion_table(rotations, "rotating"),
             "some-rotations": tables.motion_table(rotations[::5], "rotating"),
-            "held": words[["case", *told]].rename(columns=tables.HEADS),
+            "held": words[["case", *columns]].rename(columns=tables.HEADS),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
             "passages": passage.passage_table(_named(passages)),

@@ -130,13 +130,13 @@ def _last_moments(case: str) -> list[Row]:
     part = slice(int(np.argmax(leaning < FIT[0])), int(np.argmax(leaning < FIT[1])))
     law = fit_power_law(times[part], leaning[part])
     turn = fit_power_law(times[part], precession(motion)[part], law.end)
-    told = (
+    found = (
         ("exponent of β", tilting, law.exponent),
         ("exponent of Ω", turning, turn.exponent),
         ("flat after s", flat, law.end),
     )
     fit = {"error": law.error, "decades": law.decades}
-    return [{"quantity": q, "exact": e, "value": v} | fit for q, e, v in told]
+    return [{"quantity": q, "exact": e, "value": v} | fit for q, e, v in found]
 
 
 STUDY = Study(

@@ -86,8 +86,8 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
     where = found.agg(
         lambda axes: ", ".join(f"{axis} ({n})" for axis, n in axes.value_counts().items())
     )
-    told = pd.DataFrame({"cases": found.size(), "what is extreme (cases)": where})
-    return told.sort_values("cases", ascending=False, kind="stable").reset_index()
+    causes = pd.DataFrame({"cases": found.size(), "what is extreme (cases)": where})
+    return causes.sort_values("cases", ascending=False, kind="stable").reset_index()
 
 
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
@@ -95,7 +95,7 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
     accurate = int((table["verdict"] == "accurate").sum())
     late = table["cause"].isin(outcomes.UNFINISHED)
     finest = table["case"].map(lambda name: problems()[name].scenario.friction.finest_speed)
-    told = table.dropna(subset=["error", "estimate"])
+    estimated = table.dropna(subset=["error", "estimate"])
     return {
         "problems": table["case"].nunique(),
         "total": len(table),
@@ -107,8 +107,8 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),
         "tolerances": table["tolerance"],
         "ended": int((table["axis"] == ENDED).sum()),
-        "told": len(told),
-        "beyond": int((told["error"] > told["estimate"] + told["doubt"]).sum()),
+        "told": len(estimated),
+        "beyond": int((estimated["error"] > estimated["estimate"] + estimated["doubt"]).sum()),
         "untold": int((table["estimate"].isna() & table["error"].notna()).sum()),
     }
 

@@ -53,8 +53,8 @@ def measure(place: Place) -> list[Row]:
     With more smoothing than here the inverted spinning itself is unstable about as fast as the
     step could make it, and there is no limit to be seen.
     """
-    over, value = place
-    scenario, speed = disturbed(over, value)
+    quantity, value = place
+    scenario, speed = disturbed(quantity, value)
     ideal = replace(scenario, contact=None, start=Start())
     values = eigenvalues(ideal, [SPIN])[0]
     # Those of which the decay is friction's; the slow ones need no small step.
@@ -62,17 +62,22 @@ def measure(place: Place) -> list[Row]:
     if scenario.contact is not None:
         rate = sqrt(value / scenario.disk.mass)
         decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
-    scene, rows = Scene(scenario, TREES[over]), []
+    scene, rows = Scene(scenario, TREES[quantity]), []
     for integrator in EXPLICIT:
         step = min(largest_step(integrator, each) for each in decays)
-        row: Row = {"over": over, "value": value, "integrator": integrator, "predicted": step}
+        row: Row = {
+            "quantity": quantity,
+            "value": value,
+            "integrator": integrator,
+            "predicted": step,
+        }
         for side, part in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR)):
             row[side] = is_stable(scene, integrator, part * step, speed)
         rows.append(row)
     return rows
 
 
-def disturbed(over: str, value: float) -> tuple[Scenario, float]:
+def disturbed(quantity: str, value: float) -> tuple[Scenario, float]:
     """Inverted spinning that is slightly disturbed, and the speed of that in m/s.
 
     By a slip, in which friction is linear with a rate of one over the smoothing; slip that grows
@@ -80,7 +85,7 @@ def disturbed(over: str, value: float) -> tuple[Scenario, float]:
     contact by a vertical speed.
     """
     start = Start.stationary(SPIN, "inverted")
-    if over == "smoothing":
+    if quantity == "smoothing":
         scenario, speed = Scenario(friction=SmoothCoulomb(smoothing=value)), _SMALL * value
         start = replace(start, gamma_rate=speed / scenario.disk.radius)
         return replace(scenario, start=start), speed
@@ -125,8 +130,10 @@ STUDY = Study(
 
 def present(table: pd.DataFrame) -> Content:
     """Whether steps are stable below the predicted ones and not above them."""
-    told = table.dropna()
-    found = told[told["below"] & ~told["above"]].groupby("integrator")["case"].nunique()
+    complete = table.dropna()
+    found = (
+        complete[complete["below"] & ~complete["above"]].groupby("integrator")["case"].nunique()
+    )
     places = len(_cases())
     return Content(
         tables={"steps": table.drop(columns="case").rename(columns=STUDY.columns)},

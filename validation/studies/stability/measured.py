@@ -77,14 +77,14 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
         matrices = engine_matrices(scenario, spins, formulation=formulation, motion=motion)
         found = np.linalg.eigvals(matrices).astype(complex)
         scene = spinning(scenario, SPIN, formulation=formulation, motion=motion)
-        own = mbs_models.stock_eigenvalues(scene)
+        stock = mbs_models.stock_eigenvalues(scene)
         rows.append(
             {
                 "motion": motion,
                 "constraints": scenario.name,
                 "formulation": formulation,
                 "eigenvalues": expected.shape[1],
-                OWN: np.max(np.min(gaps(own, found[at]), axis=0)),
+                OWN: np.max(np.min(gaps(stock, found[at]), axis=0)),
                 "is constrained": scene.has_constraints,
                 "but for the spin": Scenario(constraints=free).name,
                 STABLE: critical_speeds(scenario, INTERVAL, motion=motion).where,

@@ -89,8 +89,8 @@ def _checks(
     yield equal("eigenvalues: scenes in both motions", len(values), scenes)
     apart = largest(values.difference)
     yield at_most("eigenvalues: engine against in-house", apart, EIGENVALUE_LIMIT)
-    own = largest(values.loc[~values["is constrained"], OWN])
-    yield at_most("eigenvalues: the engine's own, unconstrained", own, EIGENVALUE_LIMIT)
+    stock = largest(values.loc[~values["is constrained"], OWN])
+    yield at_most("eigenvalues: the engine's own, unconstrained", stock, EIGENVALUE_LIMIT)
     kinds = values.groupby(["but for the spin", "motion"])
     other = int((kinds[["eigenvalues", STABLE]].nunique() > 1).any(axis=1).sum())
     yield equal("eigenvalues: sets that holding the spin changes", other, 0)
@@ -108,9 +108,9 @@ def _checks(
             name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
             yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
     # Tried as the variants are, the equations as they are have to cross where they do.
-    told = variants.set_index("variant").at["equations as they are", SPEEDS]
+    as_they_are = variants.set_index("variant").at["equations as they are", SPEEDS]
     here = ", ".join(f"{speed:.3f}" for speed in found.loc[HOPF, HERE])
-    yield equal("variants: the equations as they are", told, here)
+    yield equal("variants: the equations as they are", as_they_are, here)
 
 
 def _critical_speed(found: pd.DataFrame) -> Verdict:
@@ -142,7 +142,7 @@ def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
     )
 
 
-def _stable_region(own: str, region: pd.DataFrame) -> Verdict:
+def _stable_region(stable_spins: str, region: pd.DataFrame) -> Verdict:
     corners = region[region.kind == "corner"]
     rates = region.loc[region.place == INSIDE, ["in-house", ENGINE]].to_numpy(float).ravel()
     stable = bool(rates.size and np.all(rates < 0.0))
@@ -151,11 +151,11 @@ def _stable_region(own: str, region: pd.DataFrame) -> Verdict:
     )
     return Verdict(
         statement="In the full system, inverted spinning is always unstable.",
-        answer="no" if own != "nowhere" else "partly" if stable else "yes",
-        numbers=f"At the paper's friction gradient it is stable {own} from 0 to 60 rad/s. Between "
-        f"{places} lies a region whose middle has a largest growth rate of {rates[0]:.3g} 1/s "
-        f"in-house and {rates[-1]:.3g} 1/s in the engine.",
+        answer="no" if stable_spins != "nowhere" else "partly" if stable else "yes",
+        numbers=f"At the paper's friction gradient it is stable {stable_spins} from 0 to 60 "
+        f"rad/s. Between {places} lies a region whose middle has a largest growth rate of "
+        f"{rates[0]:.3g} 1/s in-house and {rates[-1]:.3g} 1/s in the engine.",
         criterion="sign of the largest growth rate on both sides, in the region's middle and "
         "beyond each of its edges.",
-        good=own == "nowhere" and stable,
+        good=stable_spins == "nowhere" and stable,
     )

@@ -106,11 +106,11 @@ def present(rows: Rows) -> Content:
 
 def _checks(to_goals: pd.DataFrame, least: dict[str, float], found: pd.DataFrame) -> list[Check]:
     """References judge the finest goal, runs to a tolerance keep it, rules have their orders."""
-    kept = to_goals[~to_goals["failed"]].groupby(["problem", "formulation"])["over"].max()
+    kept = to_goals[~to_goals["failed"]].groupby(["problem", "formulation"])["ratio"].max()
     off = (found["observed"] - found["order"]).abs().groupby(found["scheme"]).max()
     values: dict[str, tuple[float, float]] = {
         **{f"floor of {problem}": (floor, GOALS[-1]) for problem, floor in least.items()},
-        **{f"error over tolerance, {', '.join(key)}": (over, 1.0) for key, over in kept.items()},
+        **{f"error over tolerance, {', '.join(key)}": (ratio, 1.0) for key, ratio in kept.items()},
         **{f"order of {scheme}": (apart, ORDER) for scheme, apart in off.items()},
     }
     return [at_most(f"work-precision: {name}", *value, "stored") for name, value in values.items()]
@@ -121,18 +121,18 @@ def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     held = runs[runs["formulation"].isin(CONSTRAINED)]
     free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
     best = cheapest(held, ["problem"])
-    own = cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
+    in_house = cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
     failed = held[held["kind"] == "step"].groupby("scheme")["failed"].agg(["sum", "size"])
-    careful = to_goals.groupby("setting", sort=False)[["over", "excess"]].median()
+    careful = to_goals.groupby("setting", sort=False)[["ratio", "excess"]].median()
     return {
         "topology": (best["seconds"] / free).dropna(),
         "won": {
             g: best.loc[best["goal"] == g, "formulation"].value_counts().to_dict() for g in GOALS
         },
         "failing": failed.T.to_dict("list"),
-        "careful": careful.assign(over=1.0 / careful["over"]).T.to_dict("list"),
+        "careful": careful.assign(ratio=1.0 / careful["ratio"]).T.to_dict("list"),
         "stiff": _stiff(runs),
-        "own": own["scheme"].value_counts().to_dict(),
+        "in_house": in_house["scheme"].value_counts().to_dict(),
     }
 
 
@@ -227,7 +227,7 @@ def ways(runs: pd.DataFrame) -> pd.DataFrame:
 def asked(runs: pd.DataFrame) -> pd.DataFrame:
     """Runs to a tolerance, with how much better and dearer they are than they would have to be.
 
-    `over` is the error of beta and gamma over the tolerance, `excess` the evaluations over those
+    `ratio` is the error of beta and gamma over the tolerance, `excess` the evaluations over those
     of the cheapest run of the same method that would do, which only a reference tells.
     """
     found = runs[runs["kind"] == "tolerance"]
@@ -235,7 +235,7 @@ def asked(runs: pd.DataFrame) -> pd.DataFrame:
     found = found.join(enough, on=[*CURVE, "setting"])
     met = found["error"] <= found["setting"]
     return found.assign(
-        over=(found["angle_error"] / found["setting"]).where(~found["failed"]),
+        ratio=(found["angle_error"] / found["setting"]).where(~found["failed"]),
         excess=(found["work"] / found["enough"]).where(met),
         worse=~met & ~found["failed"],
     )
@@ -248,8 +248,8 @@ def tolerances(to_goals: pd.DataFrame) -> pd.DataFrame:
         **{
             "runs": ("kind", "size"),
             "refused": ("failed", "sum"),
-            "error of β and γ over tolerance, largest": ("over", "max"),
-            "median": ("over", "median"),
+            "error of β and γ over tolerance, largest": ("ratio", "max"),
+            "median": ("ratio", "median"),
             "position worse than that, runs": ("worse", "sum"),
             "evaluations over the least that would do, median": ("excess", "median"),
         }
@@ -265,14 +265,14 @@ def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
     """
     rungs = runs[runs["kind"] == "step"]
     coarse, fine = rungs.groupby(CURVE, sort=False)["error"].shift(), rungs["error"]
-    told = (coarse < USEFUL) & (fine < coarse) & (fine > rungs["problem"].map(floor))
-    slopes = rungs[told].assign(observed=np.log2(coarse[told] / fine[told]))
+    converging = (coarse < USEFUL) & (fine < coarse) & (fine > rungs["problem"].map(floor))
+    slopes = rungs[converging].assign(observed=np.log2(coarse[converging] / fine[converging]))
     table = slopes.groupby(["formulation", "scheme"], sort=False)["observed"].agg(
         ["size", "median"]
     )
     table = table.rename(columns={"size": "pairs of rungs", "median": "observed"}).reset_index()
-    own = [RULES[INTEGRATORS[scheme].name].exponents[0] for scheme in table["scheme"]]
-    return table.assign(order=own)
+    orders = [RULES[INTEGRATORS[scheme].name].exponents[0] for scheme in table["scheme"]]
+    return table.assign(order=orders)
 
 
 # --- Diagram ------------------------------------------------------------------------------------
