@@ -99,6 +99,7 @@ STREAMS = [
     (f"{WAYS['new.npz']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['picture.png']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['run.csv']} -", ">/dev/full", 3, NO_FILE),
+    (f"{WAYS['page.html']} -", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['play.html']} -", ">/dev/full", 3, NO_FILE),
     (SIMULATE, ">/dev/full", 3, LOST),
     (SIMULATE, ">&-", 3, LOST),
