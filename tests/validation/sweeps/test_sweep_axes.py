@@ -2,7 +2,6 @@
 
 import re
 import tracemalloc
-from collections.abc import Callable
 from itertools import product
 from math import pi
 from typing import Any
@@ -78,31 +77,32 @@ def test_memory_does_not_grow_with_the_number_of_cases() -> None:
     tracemalloc.stop()
 
 
-REFUSED: list[tuple[Callable[[], object], str]] = [
-    (lambda: design("spim=0:1:2"), "got 'spim'; did you mean spin?"),
-    (lambda: design("spin"), "axis must be field=first:last:count"),
-    (lambda: design("spin=1:2:0"), "count of axis start.spin must be at least 1, got 0"),
-    (lambda: design("spin=1,1.0"), "axis start.spin must hold each value once"),
-    (lambda: design("mu=0:1:3:log"), "must be positive to be logarithmic, got 0 to 1"),
-    (lambda: design("model=1:4:4"), "axis model takes a list"),
-    (lambda: design("model=5,1"), "model must be one of 1, 2, 3, 4, got '5'"),
-    (lambda: axis_from("load", [1, 2]), "friction.load must be text, got 1"),
-    (
-        lambda: Axis(field="spin", values=(1.0,), first=0.0, last=1.0),
-        "either values, or first and last",
-    ),
-    (design, "axes must be at least one"),
-    (lambda: design("spin=1:2:3", "start.spin=4,5"), "axis start.spin is given twice"),
-    (lambda: design("spin=1:2"), "axis start.spin needs a count on a grid"),
-    (lambda: design("spin=1:2", layout="sobol"), "number must be a whole number, got None"),
-    (
-        lambda: design("spin=1:2", layout="latin-hypercube", number=10**9),
-        "limited by memory, got 1000000000",
-    ),
-]
+REFUSED: dict[tuple[str, ...], str] = {
+    ("spim=0:1:2",): "got 'spim'; did you mean spin?",
+    ("spin",): "axis must be field=first:last:count",
+    ("spin=1:2:0",): "count of axis start.spin must be at least 1, got 0",
+    ("spin=1,1.0",): "axis start.spin must hold each value once",
+    ("mu=0:1:3:log",): "must be positive to be logarithmic, got 0 to 1",
+    ("model=1:4:4",): "axis model takes a list",
+    ("model=5,1",): "model must be one of 1, 2, 3, 4, got '5'",
+    (): "axes must be at least one",
+    ("spin=1:2:3", "start.spin=4,5"): "axis start.spin is given twice",
+    ("spin=1:2",): "axis start.spin needs a count on a grid",
+}
 
 
-@pytest.mark.parametrize(("call", "said"), REFUSED)
-def test_what_is_no_axis_or_no_layout_is_refused(call: Callable[[], object], said: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(said)):
-        call()
+@pytest.mark.parametrize("texts", REFUSED)
+def test_what_is_no_axis_or_no_grid_is_refused(texts: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError, match=re.escape(REFUSED[texts])):
+        design(*texts)
+
+
+def test_points_and_axes_of_the_wrong_kind_are_refused() -> None:
+    with pytest.raises(ValueError, match="number must be a whole number, got None"):
+        design("spin=1:2", layout="sobol")
+    with pytest.raises(ValueError, match="limited by memory, got 1000000000"):
+        design("spin=1:2", layout="latin-hypercube", number=10**9)
+    with pytest.raises(ValueError, match=r"friction\.load must be text, got 1"):
+        axis_from("load", [1, 2])
+    with pytest.raises(ValueError, match="either values, or first and last"):
+        Axis(field="spin", values=(1.0,), first=0.0, last=1.0)
