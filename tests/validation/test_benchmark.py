@@ -8,23 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from validation import benchmark, cli
+from tests.calls import Capture, run
+from validation import benchmark
 from validation.benchmark import measured
 from validation.study import Check
 
 
-@pytest.mark.parametrize(
-    ("value", "limit", "code"),
-    [(1.0, 1.0, 0), (nan, inf, 0), (1.1, 1.0, 1), (nan, 1.0, 1), (inf, 1.0, 1)],
-)
 def test_missed_limit_is_the_exit_code(
-    value: float,
-    limit: float,
-    *,
-    code: int,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     def part(_: int) -> Iterator[Check]:
         """A part."""
@@ -32,11 +23,13 @@ def test_missed_limit_is_the_exit_code(
         yield measured("bound", value, "ms", limit)
 
     monkeypatch.setattr(benchmark, "PARTS", (part,))
-    asked = None if limit == inf else limit
-    assert cli.main(["benchmark"]) == code
-    assert ("NO" in capsys.readouterr().out) == (code == 1)
-    assert cli.main(["benchmark", "--json", "--plot", str(tmp_path / "a.png")]) == code
-    assert [each["at most"] for each in json.loads(capsys.readouterr().out)] == [None, asked]
+    cases = [(1.0, 1.0, 0), (nan, inf, 0), (1.1, 1.0, 1), (nan, 1.0, 1), (inf, 1.0, 1)]
+    for value, limit, code in cases:
+        assert run("benchmark") == code, (value, limit)
+        assert ("NO" in capsys.readouterr().out) == (code == 1)
+        assert run(f"benchmark --json --plot {tmp_path}/a.png") == code
+        told = [each["at most"] for each in json.loads(capsys.readouterr().out)]
+        assert told == [None, None if limit == inf else limit]
 
 
 def test_sweep_is_timed_against_its_runs(monkeypatch: pytest.MonkeyPatch) -> None:

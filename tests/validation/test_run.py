@@ -1,13 +1,16 @@
 """One call for either side."""
 
+from dataclasses import replace
+from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
 
-from analysis import Scenario, Start
+from analysis import STEEL_DISK, PenaltyContact, Scenario, Start
+from analysis.problem.choices import SOURCES, Source
 from tests.calls import python
-from validation.run import run, run_effort
+from validation.run import run, run_effort, run_to_rest
 
 TIMES = np.linspace(0.0, 0.05, 6)
 
@@ -57,3 +60,24 @@ def test_in_house_run_does_not_load_the_engine() -> None:
         "run(Scenario(), [0.0, 0.01], source='in-house'); assert 'exudyn' not in sys.modules"
     )
     python("-c", code)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_start_in_touch_on_a_rounded_rim_carries_the_weight_and_does_not_move_from_the_table(
+    source: Source,
+) -> None:
+    random = np.random.default_rng(7)
+    for half_thickness in (2e-4, 5e-3, STEEL_DISK.radius):
+        rim = PenaltyContact.rounded(STEEL_DISK, half_thickness=half_thickness)
+        # The damper tells the rate of the gap to the last digits.
+        contact = replace(rim, damping=50.0 * rim.damping)
+        for beta in (0.005, 0.02, *random.uniform(0.1, pi - 0.1, 4)):
+            start = Start(
+                beta=float(beta),
+                gamma=float(random.uniform(-pi, pi)),
+                spin=float(random.uniform(-40.0, 40.0)),
+                beta_rate=float(random.uniform(-20.0, 20.0)),
+            )
+            scenario = Scenario.rest(contact=contact, start=start)
+            motion = run_to_rest(scenario, 2e-4, source=source, spacing=1e-4, tolerance=1e-2)
+            assert motion.normal_force[0] == pytest.approx(scenario.weight, rel=1e-7), start

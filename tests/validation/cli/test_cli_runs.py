@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis import SpatialMotion, load_run
+from analysis import Dissipation, SpatialMotion, load_run, scenario_text
 from tests.calls import Capture, printed
 
 SIMULATE = "simulate --samples 6 --end 0.1 --tolerance 1e-6"
@@ -16,6 +16,8 @@ def test_command_simulates_stores_and_draws(capsys: Capture) -> None:
     call = "rest --source in-house --rolling-viscous 2e-3 --pivoting 2e-4 --end 1.6"
     shown = printed(capsys, call, "--out rest.npz --plot rest.png")
     motion = load_run("rest.npz", SpatialMotion)
+    assert motion.scenario.dissipation == Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
+    assert printed(capsys, "scenario rest.npz") == scenario_text(motion.scenario)
     assert motion.source == "in-house"
     assert motion.times[-1] == pytest.approx(1.6)
     assert Path("rest.png").stat().st_size > 1000

@@ -14,7 +14,6 @@ from analysis import (
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
-    SpatialMotion,
     Start,
     State,
     Table,
@@ -56,7 +55,6 @@ TOLD: dict[str, Scenario] = {
         PAPER, start=Start(spin=35.0, gamma=-pi / 2 + 0.2, beta_rate=-1e-3, y_rate=-0.4)
     ),
     # Options override the file, and the rest stays.
-    "soft.toml --mu 0.1": replace(COMPLIANT, friction=replace(TANH, coefficient=0.1)),
     "soft.toml --law viscous": replace(COMPLIANT, friction=ViscousFriction(load="contact")),
     # The damping of a file stays, too: it follows from the stiffness only where nobody tells it.
     "soft.toml --stiffness 1e6": replace(COMPLIANT, contact=replace(SOFT, stiffness=1e6)),
@@ -102,14 +100,6 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     assert (first.coordinates == again.coordinates).all()
     capsys.readouterr()
     assert printed(capsys, "scenario", problem) == scenario_text(first.scenario)
-
-
-def test_way_to_rest_can_be_repeated_too(capsys: Capture) -> None:
-    assert run("rest --source in-house --height 0.001 --end 0.01 --out rest.npz") == 0
-    capsys.readouterr()
-    found = load_run("rest.npz", SpatialMotion).scenario
-    assert printed(capsys, "scenario rest.npz") == scenario_text(found)
-    assert found.start == Start(height=0.001)
 
 
 @pytest.mark.parametrize(

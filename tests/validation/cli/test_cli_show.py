@@ -18,7 +18,7 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from tests.calls import Capture, printed, run
+from tests.calls import Capture, printed
 from tests.helpers import not_none, random_trajectory
 from validation import cli
 from validation.kit.differences import difference_table
@@ -31,17 +31,25 @@ def stored(**motions: Trajectory | SpatialMotion) -> list[str]:
     return [f"{name}.npz" for name in motions]
 
 
-def test_difference_is_the_largest_and_the_root_mean_square() -> None:
+def test_largest_and_root_mean_square_differences_or_the_samples_of_one_motion_are_written(
+    capsys: Capture,
+) -> None:
     one = random_trajectory()
     shift = np.zeros_like(one.coordinates)
     shift[2, 4] = 3e-3
-    other = replace(one, coordinates=one.coordinates + shift)
-    table = difference_table([("one", one), ("other", other)])
+    files = stored(one=one, other=replace(one, coordinates=one.coordinates + shift))
+    table = difference_table([("one", one), ("other", load_run(files[1]))])
     rows = {row[1]: row for row in table.rows}
     assert rows["beta"][2] == "rad"
     assert rows["beta"][3:] == pytest.approx([3e-3, one.times[2], 3e-3 / np.sqrt(one.times.size)])
     assert rows["gamma"][3] == 0.0
     assert not table.note
+    # Nothing is printed that is written.
+    assert printed(capsys, "show", *files, "--csv out.csv") == ""
+    assert Path("out.csv").read_text() == table.to_csv()
+    assert printed(capsys, "show one.npz --csv out.csv") == ""
+    one.to_csv(Path("samples.csv"))
+    assert Path("out.csv").read_text() == Path("samples.csv").read_text()
 
 
 def test_runs_sampled_at_other_times_are_interpolated_or_not_compared_and_said_to_be() -> None:
@@ -85,34 +93,17 @@ def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) 
         assert name in Path("made.svg").read_text(encoding="utf-8")
 
 
-def test_motions_of_one_side_are_told_apart_by_how_they_were_run(capsys: Capture) -> None:
+def test_problems_and_ways_that_differ_are_told_first(capsys: Capture) -> None:
     one, other = (simulate(Scenario(), [0.0, 0.1], local_tolerance=tol) for tol in (1e-6, 1e-8))
-    shown = printed(capsys, "show", *stored(one=one, other=other))
-    found = re.search(r"method\.local_tolerance +(\S+) +(\S+)\n", shown)
-    assert [*map(float, not_none(found).groups())] == [1e-6, 1e-8]
-
-
-def test_motions_of_different_problems_are_told_apart_first(capsys: Capture) -> None:
-    one = simulate(Scenario(), [0.0, 0.1], local_tolerance=1e-6)
     friction = SmoothCoulomb(coefficient=0.2)
     start = Start(gamma=float(np.nextafter(Start().gamma, 0.0)))
-    other = replace(one, scenario=replace(one.scenario, friction=friction, start=start))
-    shown = printed(capsys, "show", *stored(one=one, other=other), "--plot both.png")
+    other = replace(other, scenario=replace(one.scenario, friction=friction, start=start))
+    shown = printed(capsys, "show", *stored(one=one, other=other))
     first, _, _, *lines = shown.partition("\n\n")[0].splitlines()
     assert first == "What differs"
-    cells = {line.split()[0]: line.split()[1:] for line in lines}
-    assert cells.keys() == {"friction.coefficient", "start.gamma"}
-    assert cells["friction.coefficient"] == ["0.3", "0.2"]
-    # What six digits do not tell apart is shown with all of them.
-    assert list(map(float, cells["start.gamma"])) == [Start().gamma, start.gamma]
-
-
-def test_differences_or_the_samples_of_one_motion_are_written(capsys: Capture) -> None:
-    one = random_trajectory()
-    files = stored(one=one, other=replace(one, coordinates=one.coordinates + 1e-3))
-    assert "no screen" not in printed(capsys, "show", *files, "--csv out.csv")
-    table = difference_table([("one", one), ("other", load_run(files[1]))])
-    assert Path("out.csv").read_text() == table.to_csv()
-    assert run("show one.npz --csv out.csv") == 0
-    one.to_csv(Path("samples.csv"))
-    assert Path("out.csv").read_text() == Path("samples.csv").read_text()
+    assert {name: [*map(float, cells)] for name, *cells in map(str.split, lines)} == {
+        "friction.coefficient": [0.3, 0.2],
+        # What six digits do not tell apart is shown with all of them.
+        "start.gamma": [Start().gamma, start.gamma],
+        "method.local_tolerance": [1e-6, 1e-8],
+    }

@@ -25,7 +25,7 @@ def test_sweep_fills_its_store_and_tells_what_failed(capsys: Capture) -> None:
     said = capsys.readouterr()
     assert said.out == "a.db: 4 cases, 2 of them failed\n"
     assert Path("a.csv").read_text().count("\n") == 5
-    assert "2 of 4 cases looked at are refused, such as: coefficient" in said.err
+    assert "2 of 4 cases looked at are refused, such as: coefficient must not be" in said.err
     assert Results.load(Path("a.db")).sweep.scenario == Scenario(constraints=MODELS[4])
 
 

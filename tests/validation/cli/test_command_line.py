@@ -1,8 +1,8 @@
 """The command line: what every command and every option of it has in common."""
 
 import json
+import shutil
 import subprocess
-import sys
 from argparse import Action, BooleanOptionalAction
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from analysis.motion.endings import CONDITIONS
 from analysis.motion.inversion import DEFINITION
 from analysis.problem.quantities import QUANTITIES
 from analysis.stability.spectra import SYSTEMS
-from tests.calls import Capture, printed, refusal, run
+from tests.calls import Capture, printed, python, refusal, run
 from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
@@ -58,11 +58,13 @@ EVERY = pytest.mark.parametrize("command", COMMANDS, ids=[each.name for each in 
 
 
 def test_choices_are_those_of_the_packages() -> None:
+    studies = {name: report.find(name).STUDIES for name in (*DISK, *METHOD)}
+    stored = [name for name, some in studies.items() if any(each.is_stored for each in some)]
     for command, option, known in (
         ("eigenvalues", "system", SYSTEMS),
         ("critical", "motion", analysis.MOTIONS),
         ("map", "name", PROBLEMS),
-        ("study", "name", [name for name in (*DISK, *METHOD) if is_stored(name)]),
+        ("study", "name", stored),
     ):
         (parser,) = (each.parser() for each in COMMANDS if each.name == command)
         (choices,) = (each.choices for each in parser.actions if each.dest == option)
@@ -73,11 +75,6 @@ def test_help_says_what_counts_as_inverted_and_what_ends_a_run(capsys: Capture) 
     shown = " ".join(printed(capsys, "rest --help").split())
     assert DEFINITION in shown
     assert f"exact time: {', '.join(CONDITIONS)}, or where" in shown
-
-
-def is_stored(section: str) -> bool:
-    """Whether results of a study come with the package."""
-    return any(study.is_stored for study in report.find(section).STUDIES)
 
 
 def options_of(command: Command) -> list[Action]:
@@ -158,9 +155,7 @@ def test_help_and_wrong_paths_are_answered_before_numerical_imports() -> None:
         "print(codes, {'numpy', 'exudyn', 'matplotlib'} & set(sys.modules))"
     )
     calls = [*wrong, "--help", "simulate --help"]
-    done = subprocess.run(
-        [sys.executable, "-c", code, *calls], capture_output=True, text=True, check=True
-    )
+    done = python("-c", code, *calls)
     assert done.stdout.endswith("[2, 2, 2, 2, 0, 0] set()\n")
     assert done.stderr.count("\n") == len(wrong)
 
@@ -172,6 +167,38 @@ def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys
     assert (folder / "a.png").stat().st_size > 1000
 
 
-def test_a_result_is_printed_where_it_is_not_written(capsys: Capture) -> None:
-    assert printed(capsys, QUICK[2]).startswith("Eigenvalues of Model 4 in 1/s\n")
-    assert printed(capsys, QUICK[2], "--csv a.csv") == ""
+# --- Completion ---------------------------------------------------------------------------------
+
+COMPLETE = """
+COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
+_tippedisk; echo "${{COMPREPLY[@]}}"
+"""
+
+OFFERED = {
+    "tippedisk sim": "simulate",
+    "tippedisk simulate --source e": "engine",
+    "tippedisk simulate --incl": "--inclination",
+    "tippedisk map spin-": "spin-friction spin-eccentricity",
+    "tippedisk rest --no-bil": "--no-bilateral",
+}
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+@pytest.mark.parametrize("words", OFFERED)
+def test_bash_offers_what_fits(words: str, capsys: Capture) -> None:
+    script = printed(capsys, "completion bash") + COMPLETE.format(words=words)
+    done = subprocess.run(["/bin/bash", "-c", script], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == (f"{OFFERED[words]}\n", "")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_script_of_a_shell_knows_every_command_and_is_understood(
+    shell: str, capsys: Capture
+) -> None:
+    script = printed(capsys, "completion", shell)
+    for command in COMMANDS:
+        assert f" {command.name} " in script or f":{command.name}:" in script
+        for action in command.parser().actions:
+            assert all(name.lstrip("-") in script for name in action.option_strings)
+    if (found := shutil.which(shell)) is not None:
+        subprocess.run([found, "-n", "-c", script], check=True)

@@ -1,7 +1,8 @@
-"""Where results go: links, pipes, modes of files, standard output, and names in any case."""
+"""Where results go: links, pipes, modes of files, streams that are lost, names in any case."""
 
 import io
 import os
+import re
 import stat
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from analysis import load_run
-from tests.calls import Capture, printed, run
+from tests.calls import Capture, printed, python, run
 from tests.helpers import mostly_slow
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
@@ -85,18 +86,46 @@ def test_a_file_on_standard_output_stands_there_alone(
     assert load_run("new.npz").times.size == 3
 
 
+SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
+WRONG = "simulate --model 5 --out new.npz"
+LOST = "tippedisk: standard output "
+NO_FILE = r"tippedisk \w+: error: standard output could not be written to: "
+
+STREAMS = [
+    (WRONG, ">/dev/full", 2, "tippedisk simulate: error: "),
+    (WRONG, "2>/dev/full", 2, ""),
+    (WRONG, "2>&-", 2, ""),
+    ("simulate --help", ">/dev/full", 3, LOST),
+    (f"{WAYS['new.npz']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
+    (f"{WAYS['picture.png']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
+    (f"{WAYS['run.csv']} -", ">/dev/full", 3, NO_FILE),
+    (f"{WAYS['page.html']} -", ">/dev/full", 3, NO_FILE),
+    (f"{WAYS['play.html']} -", ">/dev/full", 3, NO_FILE),
+    (SIMULATE, ">/dev/full", 3, LOST),
+    (SIMULATE, ">&-", 3, LOST),
+    (SIMULATE, "| true; exit ${PIPESTATUS[0]}", 3, LOST),
+    (SIMULATE, "2>/dev/full", 0, ""),
+    (SIMULATE, "2>&-", 0, ""),
+]
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-@pytest.mark.parametrize(
-    "name", mostly_slow([each for each in WAYS if each != "page.html"], ["new.npz"])
-)
-def test_standard_output_that_takes_no_file_has_a_code_of_its_own(name: str) -> None:
-    beside = " --csv beside.csv" * (name in ("new.npz", "picture.png"))
-    call = [sys.executable, "-m", "validation", *f"{WAYS[name]} -{beside}".split()]
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run(call, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert (done.returncode, done.stderr.count("\n")) == (3, 1)
-    assert "standard output could not be written to: " in done.stderr
-    assert Path("beside.csv").exists() == bool(beside)
+@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:5]), ids=str)
+def test_lost_streams_are_said_in_one_line_and_hide_neither_a_run_nor_a_wrong_call(
+    case: tuple[str, str, int, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What a process prints is buffered, as it is by default.
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)
+    call, streams, code, said = case
+    line = f"{sys.executable} -W error -m validation {call} {streams}"
+    done = subprocess.run(["/bin/bash", "-c", line], capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert re.match(said, done.stderr)
+    assert done.stderr.count("\n") == bool(said)
+    assert Path("beside.csv").exists() == ("beside" in call)
+    if call == SIMULATE:
+        assert load_run("new.npz").times.size == 3
+        assert ("3 samples of Model 1" in done.stdout) == (code == 0)
 
 
 def test_suffixes_are_known_in_any_case(capsys: Capture) -> None:
@@ -111,6 +140,7 @@ def test_output_without_greek_letters_gets_the_table_with_replacements(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = printed(capsys, SPINS)
+    assert whole.startswith("Eigenvalues of Model 4 in 1/s\n")
     assert "λ" in whole
     narrow = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(narrow, encoding="ascii"))
@@ -125,7 +155,6 @@ def test_home_that_cannot_be_written_to_is_not_spoken_of(monkeypatch: pytest.Mon
     monkeypatch.setenv("HOME", "home")
     for name in ("MPLCONFIGDIR", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"):
         monkeypatch.delenv(name, raising=False)
-    call = [sys.executable, "-m", "validation", *SPINS.split(), "--plot", "p.png"]
-    done = subprocess.run(call, capture_output=True, check=True)
-    assert done.stderr == b""
+    words = f"-m validation {SPINS} --plot p.png".split()
+    assert python(*words, folder=Path()).stderr == ""
     assert Path("p.png").stat().st_size > 100

@@ -20,7 +20,6 @@ REFUSED = {
     "scenario --law viscous --mu 1": "--mu: coefficient is unknown here; [friction] takes law",
     "scenario --law tanh,coefficient=1 --mu 2": "--law: law tells coefficient, which is told tw",
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
-    "scenario --model 2 --x 1": "--x: x must be -0.000249584 in Model 2",
     ENGINE + "--source in-house --formulation floating": "formulation must be one of index-1",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
     "rest --model 2": "--model: contact must be left out, or constraints be those of Model 1",
@@ -47,7 +46,6 @@ REFUSED = {
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
     "cycles --over start.spin=1,2 --amplitude 1": "a number of disk, friction or table",
     "passage --end 0.2": "inverts the disk",
-    "passage --rolling 1e-3": "penalty contact",
     # Paths.
     "simulate --out run.txt": "--out: must end in .npz, got",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",

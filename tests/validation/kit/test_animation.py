@@ -41,7 +41,7 @@ from validation import play
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import LOOK, in_sight, shape
 from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.kit.animation.player import Animation, player
+from validation.kit.animation.player import player
 from validation.studies.inversion import draw_instants
 
 
@@ -66,13 +66,14 @@ def embedded(page: str) -> dict[str, Any]:
     return data
 
 
-def played(made: Animation, times: Array) -> list[Any]:
-    """What the code of a player's page makes of it at some times, in Node."""
-    harness = Path(__file__).with_name("player_harness.js")
-    call = ["node", str(harness), "/dev/stdin", *map(repr, times.tolist())]
-    done = subprocess.run(call, input=made.text, capture_output=True, text=True, check=True)
-    found: list[Any] = json.loads(done.stdout)
-    return found
+needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+
+
+def in_node(harness: str, page: str, *words: str) -> Any:
+    """What the code of a page makes of some words."""
+    call = ["node", str(Path(__file__).with_name(harness)), "/dev/stdin", *words]
+    done = subprocess.run(call, input=page, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
@@ -146,16 +147,6 @@ def test_page_needs_nothing_from_elsewhere_and_no_text_breaks_it() -> None:
     assert not re.search(r"https?:|src=|href=|import|fetch\(|url\(", page)
 
 
-def test_gif_has_the_frames_the_size_and_the_speed_asked_for() -> None:
-    made, stream = keyframes(resting(), 0.1, 0.5), io.BytesIO()
-    # 30 frames per second are 3.3 hundredths of a second; 3 are shown, 0.03 s of the motion.
-    assert drawing.write_gif(made, stream, speed=1.0, fps=30.0, width=100) == 14
-    with GifImageFile(io.BytesIO(stream.getvalue())) as picture:
-        assert (picture.n_frames, picture.size) == (14, (100, 100))
-        assert picture.info["duration"] == 30
-        assert picture.info["loop"] == 0
-
-
 PLATES = [
     STEEL_DISK,
     CENTRED_DISK,
@@ -217,19 +208,19 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
     made, stream = simulate(scenario, np.linspace(0.0, 0.05, 6)), io.BytesIO()
     assert drawing.write_gif(keyframes(made), stream, speed=1.0, fps=20.0, width=100) == 2
     assert draw_instants(made, [0.0, 0.05]).axes
-    told = json.loads(re.findall(r"application/json\">(.*?)</script>", made.animate().text)[0])
-    assert told["shape"]["solid"] == isinstance(body, Sphere)
-    assert len(told["shape"]["masses"]) == (body is COMPOSED)
+    told = embedded(made.animate().text)["shape"]
+    assert (told["solid"], len(told["masses"])) == (isinstance(body, Sphere), body is COMPOSED)
 
 
-@pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+@needs_node
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_player_shows_the_motion(kind: str) -> None:
     motion = MOTIONS[kind]()
-    made = motion.animate()
     rows = [0, 7, 33, -1]
+    times = map(repr, motion.times[rows].tolist())
+    played = in_node("player_harness.js", motion.animate().text, *times)
     position, rotation, _, turning = motion.poses
-    for row, shown in zip(rows, played(made, motion.times[rows]), strict=True):
+    for row, shown in zip(rows, played, strict=True):
         # The rounding that the player states.
         np.testing.assert_allclose(shown["centre"], position[row], atol=6e-6)
         axes = np.column_stack([shown[name] for name in ("ex", "ey", "ez")])
@@ -254,10 +245,14 @@ def test_notebook_shows_the_page_in_a_frame_of_its_own() -> None:
         assert len(repr(shown)) < 100
 
 
-def test_gif_shows_the_heavy_half_low_and_then_high_and_both_faces() -> None:
-    stream, lifts, fronts = io.BytesIO(), [], set()
-    drawing.write_gif(keyframes(inversion()), stream, speed=2.0, fps=10.0, width=200)
+def test_gif_has_the_frames_asked_for_and_shows_the_heavy_half_low_and_then_high() -> None:
+    made, stream = keyframes(inversion()), io.BytesIO()
+    # 30 frames per second are 3.3 hundredths of a second; 3 are shown, 0.09 s of the motion.
+    assert drawing.write_gif(made, stream, speed=3.0, fps=30.0, width=200) == 18
+    lifts, fronts = [], set()
     with GifImageFile(io.BytesIO(stream.getvalue())) as picture:
+        assert (picture.n_frames, picture.size) == (18, (200, 200))
+        assert (picture.info["duration"], picture.info["loop"]) == (30, 0)
         for index in range(picture.n_frames):
             picture.seek(index)
             pixels = np.asarray(picture.convert("RGB")) / 255.0

@@ -1,9 +1,6 @@
 """The page on which the disk is spun: its code against the in-house equations, in Node."""
 
 import json
-import shutil
-import subprocess
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +8,7 @@ import pytest
 
 from analysis import Disk, Scenario, SmoothCoulomb, Start, simulate
 from analysis.motion import frames
+from tests.validation.kit.test_animation import in_node, needs_node
 from validation.kit.animation import play
 
 CHOICES = [
@@ -19,15 +17,11 @@ CHOICES = [
     {"spin": 60.0, "beta": 0.3, "coefficient": 0.02, "smoothing": 0.5, "hole": 28},
 ]
 
-pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+pytestmark = needs_node
 
 
-def spun(chosen: dict[str, float]) -> dict[str, Any]:
-    harness = Path(__file__).with_name("play_harness.js")
-    call = ["node", str(harness), "/dev/stdin", json.dumps(chosen)]
-    done = subprocess.run(call, input=play.page().text, capture_output=True, text=True, check=True)
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+def spun(chosen: dict[str, float]) -> Any:
+    return in_node("play_harness.js", play.page().text, json.dumps(chosen))
 
 
 @pytest.mark.parametrize("chosen", CHOICES, ids=lambda chosen: f"{chosen['spin']:g}")

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from analysis.motion.outcomes import DONE
+from tests.calls import ROOT
 from tests.sweeps import sweep, swept
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results
 
-ROOT = Path(__file__).parents[3]
 AXIS = "spin=30:45:60"
 WANTED = sweep(AXIS, end=0.3)
 OPTIONS = "--model 4 --formulation reduced --end 0.3 --tolerance 1e-4 --executor mpi --out"

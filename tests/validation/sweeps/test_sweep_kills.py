@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.calls import ROOT
 from tests.helpers import is_running, not_none
 from tests.sweeps import sweep, swept
 from validation.sweeps.case import CaseRow
-
-ROOT = Path(__file__).parents[3]
 
 WRITER = """
 import sys

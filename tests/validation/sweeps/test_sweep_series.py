@@ -15,7 +15,6 @@ from validation.sweeps.plan import REST_SERIES, SERIES, TIME, series_named
 from validation.sweeps.store import expected_size
 
 REDUCED = Scenario(constraints=MODELS[4])
-AXES = ("spin=30:40:2", "mu=0.3,-0.1")
 KEEP = ("beta", "normal_force")
 
 
@@ -36,28 +35,25 @@ def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     assert not {"number", *COLUMNS} & {TIME, *SERIES, *REST_SERIES}
 
 
-def test_kept_series_are_those_of_the_run_itself_also_in_a_sweep_that_goes_on(
+def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_none(
     tmp_path: Path,
 ) -> None:
-    wanted, path = sweep(*AXES, keep=KEEP), tmp_path / "a.db"
+    wanted, path = sweep("spin=30:40:2", "mu=0.3,-0.1", keep=KEEP), tmp_path / "a.db"
+    # A sweep that goes on keeps them, too.
     swept(wanted, path, numbers=[0, 1])
-    found = swept(wanted, path).series(2)
-    made = motion(replace(REDUCED, start=Start(spin=40.0)))
+    results = swept(wanted, path)
+    found, made = results.series(2), motion(replace(REDUCED, start=Start(spin=40.0)))
     assert tuple(found) == (TIME, *KEEP)
     np.testing.assert_array_equal(found["time"], made.times)
     np.testing.assert_array_equal(found["beta"], made.coordinate("beta"))
     np.testing.assert_array_equal(found["normal_force"], made.normal_force)
-
-
-def test_case_without_a_motion_has_no_series(tmp_path: Path) -> None:
-    pytest.importorskip("xarray")
-    results = swept(sweep(*AXES, keep=KEEP), tmp_path / "a.db")
     with pytest.raises(ValueError, match="holds no series of case 1"):
         results.series(1)
+    pytest.importorskip("xarray")
     beta = results.to_xarray()["beta"]
     assert beta.dims == ("start.spin", "friction.coefficient", "sample")
     assert beta.shape == (2, 2, 11)
-    np.testing.assert_array_equal(beta[1, 0], results.series(2)["beta"])
+    np.testing.assert_array_equal(beta[1, 0], found["beta"])
     assert np.all(np.isnan(beta[:, 1]))
 
 
