@@ -84,6 +84,8 @@ def test_a_file_on_standard_output_stands_there_alone(
     assert b"/dev/stdout: 3 samples" in shown.err
     Path("new.npz").write_bytes(shown.out)
     assert load_run("new.npz").times.size == 3
+    save("page.html", "-")
+    assert capfdbinary.readouterr().out.startswith(b"<!doctype html>")
 
 
 SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
@@ -98,6 +100,12 @@ STREAMS = [
     ("simulate --help", ">/dev/full", 3, LOST),
     (f"{WAYS['new.npz']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['picture.png']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
+    (
+        f"{WAYS['run.csv']} -",
+        ">&-",
+        2,
+        "tippedisk show: error: argument --csv: needs standard output",
+    ),
     (f"{WAYS['run.csv']} -", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['page.html']} -", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['play.html']} -", ">/dev/full", 3, NO_FILE),
@@ -110,7 +118,7 @@ STREAMS = [
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:5]), ids=str)
+@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:7]), ids=str)
 def test_lost_streams_are_said_in_one_line_and_hide_neither_a_run_nor_a_wrong_call(
     case: tuple[str, str, int, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
