@@ -77,16 +77,10 @@ def test_cycles_swing_beyond_a_saddle_focus_and_end_in_its_connection() -> None:
 def with_eccentricity(part: float) -> Scenario:
     """A disk whose centre of gravity lies this part of its radius off its middle."""
     radius, mass = 0.045, 0.4
-    offset = mass * (part * radius) ** 2
-    x, y, z = (share * mass * radius**2 for share in (0.3, 0.25, 0.5))
-    disk = Disk(
-        radius=radius,
-        mass=mass,
-        eccentricity=part * radius,
-        inertia_x=x,
-        inertia_y=y + offset,
-        inertia_z=z + offset,
-    )
+    offset = (part * radius) ** 2
+    x, y, z = (0.3 * radius**2, 0.25 * radius**2 + offset, 0.5 * radius**2 + offset)
+    moments = {"inertia_x": mass * x, "inertia_y": mass * y, "inertia_z": mass * z}
+    disk = Disk(radius=radius, mass=mass, eccentricity=part * radius, **moments)
     return replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.01))
 
 

@@ -1,13 +1,10 @@
 """When the disk counts as inverted: up there, and staying."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 from analysis import (
     CENTRED_DISK,
-    LEVELS,
     STEEL_DISK,
     Inversion,
     Level,
@@ -70,20 +67,6 @@ def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(last: floa
     assert (found.outcome, found.lost) == ("lost", 2.0)
 
 
-@pytest.mark.parametrize("level", LEVELS)
-def test_time_of_inversion_is_right_to_its_error_however_far_apart_the_samples_are(
-    level: Level,
-) -> None:
-    how: dict[str, Any] = {"local_tolerance": 1e-11}
-    # The first rise of these motions lasts; the solver locates it while it runs.
-    located = simulate(model(level), [0.0, 2.0], stop_when="inverted", **how)
-    truth = not_none(located.ending).time
-    for spacing, enough in ((0.2, 0.2), (0.05, 1e-4), (0.01, 1e-8)):
-        found = simulate(model(level), np.arange(0.0, 3.0, spacing), **how).inversion
-        assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-10
-        assert not_none(found.time_error) < enough
-
-
 @pytest.mark.parametrize(
     ("level", "start", "spacing"),
     [
@@ -144,7 +127,6 @@ def test_staying_counts_from_the_rise_and_not_from_the_sample_behind_it() -> Non
 def test_inversion_of_a_way_to_rest_is_that_in_the_papers_coordinates() -> None:
     motion = simulate_to_rest(Scenario.rest(), 1.6, spacing=0.01, local_tolerance=1e-9)
     same = motion.to_trajectory()
-    np.testing.assert_allclose(motion.cog_direction_rate, same.cog_direction_rate, atol=1e-9)
     for name in ("time", "time_error"):
         found, expected = (getattr(each.inversion, name) for each in (motion, same))
         assert found == pytest.approx(expected, abs=1e-9)
