@@ -143,18 +143,6 @@ def assert_ends(run: Trajectory, reason: str | None, time: float, within: float)
     assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
 
 
-@pytest.mark.parametrize(
-    ("spin", "tolerance"),
-    # The first pulls for a tenth of a millisecond.
-    [(138.5465, 1e-8), (139.0, 1e-3)],
-)
-def test_a_short_pull_between_two_samples_ends_a_run(spin: float, tolerance: float) -> None:
-    scenario = Scenario(start=Start(spin=spin))
-    few = simulate(scenario, [0.0, 1.0], tolerance=tolerance)
-    many = simulate(scenario, np.linspace(0.0, 0.2, 10001), tolerance=1e-9)
-    assert_ends(few, "contact would pull", many.times[-1], tolerance)
-
-
 def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:
     # It would last 2.2 ms.
     scenario = Scenario(start=Start(spin=139.0))

@@ -1,10 +1,13 @@
 """When the disk counts as inverted: up there, and staying."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from analysis import (
     CENTRED_DISK,
+    LEVELS,
     STEEL_DISK,
     Inversion,
     Level,
@@ -65,6 +68,20 @@ def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(last: floa
     times, directions = np.array([0.0, 0.5, 2.0]), np.array([-1.0, 1.0, last])
     found = judged(times, directions, np.zeros(3))
     assert (found.outcome, found.lost) == ("lost", 2.0)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_time_of_inversion_is_right_to_its_error_however_far_apart_the_samples_are(
+    level: Level,
+) -> None:
+    how: dict[str, Any] = {"local_tolerance": 1e-11}
+    # The first rise of these motions lasts; the solver locates it while it runs.
+    located = simulate(model(level), [0.0, 2.0], stop_when="inverted", **how)
+    truth = not_none(located.ending).time
+    for spacing, enough in ((0.2, 0.2), (0.05, 1e-4), (0.01, 1e-8)):
+        found = simulate(model(level), np.arange(0.0, 3.0, spacing), **how).inversion
+        assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-10
+        assert not_none(found.time_error) < enough
 
 
 @pytest.mark.parametrize(
