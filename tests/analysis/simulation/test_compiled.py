@@ -16,7 +16,6 @@ from analysis import (
     Ensemble,
     Formulation,
     FrictionLaw,
-    Level,
     Load,
     PenaltyContact,
     Scenario,
@@ -135,14 +134,14 @@ def test_compiled_and_pure_reduced_systems_are_the_same_under_every_law(
     assert_rows_close(found, read, relative=1e-12)
 
 
-CASES: list[tuple[Scenario, Formulation]] = [
-    (model(4, start=TURNING), "reduced"),
-    (model(1), "index-1"),
-    (model(1, disk=COMPOSED, start=TURNING), "index-1"),
-]
-
-
-@pytest.mark.parametrize(("scenario", "formulation"), CASES)
+@pytest.mark.parametrize(
+    ("scenario", "formulation"),
+    [
+        (model(4, start=TURNING), "reduced"),
+        (model(1), "index-1"),
+        (model(1, disk=COMPOSED, start=TURNING), "index-1"),
+    ],
+)
 def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(
     scenario: Scenario, formulation: Formulation
 ) -> None:
@@ -260,15 +259,9 @@ def test_time_limit_ends_a_compiled_run() -> None:
     assert only == pytest.approx((run.times[-1], TIMES[-1]))
 
 
-@pytest.mark.parametrize(
-    ("level", "formulation"),
-    [(4, "reduced"), pytest.param(1, "index-1", marks=pytest.mark.slow)],
-)
-def test_estimates_cover_the_time_at_which_a_condition_ends_a_member(
-    level: Level, formulation: str
-) -> None:
-    spins = Ensemble(scenario=model(level), fields={"spin": np.array((36.0, 40.0, 44.0))})
-    how: dict[str, Any] = {"formulation": formulation, "stop_when": "inverted", "method": "taylor"}
+def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
+    spins = Ensemble(scenario=model(4), fields={"spin": np.array((36.0, 40.0, 44.0))})
+    how: dict[str, Any] = {"formulation": "reduced", "stop_when": "inverted", "method": "taylor"}
     ends = [0.0, 1.0]
     runs = simulate_many(spins, ends, **how, tolerance=1e-3)
     coarse, fine = (

@@ -195,7 +195,6 @@ def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotio
 @pytest.mark.parametrize(
     ("source", "how", "limit"),
     [("in-house", {}, 4000.0), ("engine", {"step": 1e-4}, 4.5), ("engine", {}, 150.0)],
-    ids=["in-house", "engine's steps", "engine"],
 )
 def test_time_limit_ends_runs_with_what_they_reached(
     source: Source, how: dict[str, Any], limit: float, monkeypatch: pytest.MonkeyPatch
@@ -203,14 +202,8 @@ def test_time_limit_ends_runs_with_what_they_reached(
     clock = iter(range(10**9))
     monkeypatch.setattr("analysis.solve.watch.time.process_time", lambda: float(next(clock)))
     told: list[tuple[float, float]] = []
-    found = run_to_rest(
-        Scenario.rest(),
-        5.0,
-        source=source,
-        time_limit=limit,
-        progress=lambda *reached: told.append(reached),
-        **how,
-    )
+    how = how | {"time_limit": limit, "progress": lambda *reached: told.append(reached)}
+    found = run_to_rest(Scenario.rest(), 5.0, source=source, **how)
     ending = not_none(found.ending)
     assert ending.reason == "time limit"
     assert ending.value > limit
