@@ -85,9 +85,6 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     assert (ending.reason, str(ending)[-7:]) == ("slow", "s: slow")
     assert first.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-7)
     assert ending.value == pytest.approx(0.0, abs=1e-9)
-    # The spin of Model 4 is held.
-    other = simulate(model(4), [0.0, 3.0], formulation="reduced", stop_when=[slow, "inverted"])
-    assert not_none(other.ending).reason == "inverted"
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
