@@ -270,10 +270,9 @@ def test_estimates_cover_the_time_at_which_a_condition_ends_a_member() -> None:
         simulate_many(spins, ends, **how, local_tolerance=x).ends for x in (1e-6, 1e-9)
     )
     assert np.all(np.abs(coarse - fine) > 1e-12)
-    assert np.all(runs.error_estimates > 2.0 * np.abs(coarse - fine))
-    for estimate, each in zip(runs.error_estimates, spins, strict=True):
-        alone = simulate(each, ends, **how, tolerance=1e-3).error_estimate
-        assert estimate == pytest.approx(alone, rel=1e-3)
+    fastest = np.array([np.max(np.abs(run.rates[-1, 4:])) for run in runs])
+    assert np.all(fastest > 4.0)
+    assert np.all(runs.error_estimates > 2.0 * fastest * np.abs(coarse - fine))
 
 
 def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
