@@ -109,6 +109,7 @@ def test_phases_follow_each_other_from_the_first_samples_at_which_they_hold(
     phases = settled.phases
     order = (phases.inversion, phases.inversion_lost, phases.rolling, phases.flat, phases.rest)
     assert list(order) == sorted(map(not_none, order))
+    assert phases.inversion == settled.inversion_time
 
     def mean(speeds: Array, around: float) -> float:
         ends = np.clip([around - 0.25, around + 0.25], times[0], times[-1])
