@@ -143,6 +143,7 @@ REAL = "must be an array of real numbers, got"
 TRAJECTORIES: list[tuple[Stored, str]] = [
     ({"times": None}, "lacks 'times'"),
     ({"meta": '{"format": 3}'}, "lacks 'scenario'"),
+    ({"times": np.ones(5, dtype=object)}, ".*allow_pickle"),
     ({"coordinates": np.ones((5, 6), dtype=complex)}, f"coordinates {REAL} complex"),
     ({"rates": np.full((5, 6), -1e300)}, r"rates must not exceed 1e\+100"),
     ({"meta": {"method": "RK44"}}, "method must be a mapping, got str"),
@@ -183,8 +184,6 @@ def test_foreign_file_is_refused_with_its_cause(
 def test_file_of_something_else_is_refused(path: Path) -> None:
     with pytest.raises(ValueError, match="kind must be SpatialMotion, got Trajectory"):
         load_run(path, SpatialMotion)
-    rewrite(path, times=np.ones(5, dtype=object))
-    assert_refused(path, ".*allow_pickle")
     with path.open("wb") as stream:
         np.save(stream, np.arange(3.0))
     assert_refused(path)

@@ -16,7 +16,6 @@ from analysis import (
     COORDINATES,
     ConstraintSet,
     Ending,
-    Ensemble,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -29,7 +28,6 @@ from analysis import (
     contact_forces,
     multiplier_names,
     simulate,
-    simulate_many,
     simulate_to_rest,
 )
 from analysis.mechanics.recorded import accelerations
@@ -145,19 +143,6 @@ def test_contact_point_is_on_the_table_and_moves_at_its_speed() -> None:
         places = CubicSpline(motion.times, motion.contact_points[:, :2])(motion.times[inner], 1)
         speeds = motion.contact_speed[inner]
         np.testing.assert_allclose(speeds, np.hypot(*places.T), rtol=1e-5, atol=1e-7)
-
-
-def test_quantities_of_an_ensemble_are_those_of_its_members() -> None:
-    fields = {"spin": np.array([30.0, 40.0, 200.0]), "radius": np.array([0.045, 0.05, 0.045])}
-    ensemble = Ensemble(scenario=Scenario(), fields=fields)
-    times = np.linspace(0.0, 0.1, 11)
-    runs = simulate_many(ensemble, times, method="DOP853", local_tolerance=1e-6, workers=1)
-    for name in ("tilt", "cog_height", "contact_points", "contact_speed", "cog_direction_rate"):
-        whole = getattr(runs, name)
-        for member, run in enumerate(runs):
-            count = np.sum(times <= run.times[-1])
-            np.testing.assert_allclose(whole[member, :count], getattr(run, name)[:count])
-            assert np.isnan(whole[member, count:]).all()
 
 
 @all_sets

@@ -57,16 +57,10 @@ def rotating() -> Family:
     return rotating_family(PAPER, (1e-4, 0.01, 0.08, 0.12, 0.14, 0.3))
 
 
-def reduced_run(scenario: Scenario, spin: float, begin: Array, end: float) -> Array:
-    """State of the reduced system at a time in s, shape (3,)."""
-    found = solve_ivp(
-        reduced.right_hand_side(scenario, spin),
-        (0.0, end),
-        begin,
-        method="LSODA",
-        rtol=1e-12,
-        atol=1e-13,
-    )
+def after_a_period(motion: PeriodicMotion, begin: Array) -> Array:
+    """State of the reduced system a period after another one, shape (3,)."""
+    rates, span = reduced.right_hand_side(motion.scenario, motion.spin), (0.0, motion.period)
+    found = solve_ivp(rates, span, begin, method="LSODA", rtol=1e-12, atol=1e-13)
     return np.array(found.y[:, -1])
 
 
@@ -201,7 +195,7 @@ def test_motions_come_back_after_a_period_and_deviations_grow_by_the_multiplier(
     turn = np.array((0.0, 2.0 * np.pi * (kind == "rotating"), 0.0))
     for motion in request.getfixturevalue(kind).motions[1:]:
         begin, (times, states) = motion.states[0], motion.whole
-        end = partial(reduced_run, motion.scenario, motion.spin, end=motion.period)
+        end = partial(after_a_period, motion)
         np.testing.assert_allclose(end(begin) - turn, begin, rtol=0.0, atol=1e-7)
         np.testing.assert_allclose(states[-1] - turn, begin, rtol=0.0, atol=1e-9)
         assert times[-1] == pytest.approx(motion.period)

@@ -25,7 +25,7 @@ from analysis.nonlinear.stationary import (
 from analysis.problem.checks import Array
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
-from tests.bodies import BODIES, COMPOSED, TIPPE_TOP
+from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none
 
 HELD = Scenario(constraints=("contact", "constant-spin"))
@@ -84,35 +84,6 @@ def test_a_curve_that_goes_on_without_end_says_so() -> None:
         curve.through(np.array((1.0, 0.0)))
 
 
-@pytest.mark.parametrize(("gamma", "growth", "order"), [(2.607, -1.0, 4), (1.8202, 1.0, 3)])
-def test_small_deviations_of_tilted_motions_grow_as_the_eigenvalues_say(
-    gamma: float, growth: float, order: int
-) -> None:
-    motions = stationary_motions(HELD, 55.0, starts=20)
-    motion = min(motions, key=lambda each: abs(each.gamma - gamma))
-    assert motion.is_tilted
-    assert motion.growth * growth > 0.0
-    # Exponentials of the deviation from equally spaced samples, by linear prediction.
-    step, samples = 0.01, deviation_of_gamma(HELD, motion)
-    columns = [samples[order - 1 - back : -1 - back] for back in range(order)]
-    weights = np.linalg.lstsq(np.column_stack(columns), samples[order:], rcond=None)[0]
-    measured = np.log(np.roots([1.0, *-weights]).astype(complex)) / step
-    assert np.max(measured.real) == pytest.approx(motion.growth, rel=2e-3)
-
-
-def deviation_of_gamma(scenario: Scenario, motion: StationaryMotion) -> Array:
-    """Half the difference of two runs from displaced starts, once fast parts have died out."""
-    place = {name: getattr(motion, name) for name in ("x", "y", "beta", "gamma")}
-    rates = dict.fromkeys(("x_rate", "y_rate", "beta_rate", "gamma_rate"), 0.0)
-    runs = []
-    for side in (1e-5, -1e-5):
-        start = Start(spin=motion.spin, **{**place, "gamma": motion.gamma + side}, **rates)
-        times = np.arange(0.0, 1.505, 0.01)
-        run = simulate(replace(scenario, start=start), times, local_tolerance=1e-12)
-        runs.append(run.coordinate("gamma")[60:])
-    return np.asarray((runs[0] - runs[1]) / 2.0)
-
-
 FRICTIONLESS = SmoothCoulomb(coefficient=0.0)
 
 
@@ -159,15 +130,8 @@ def test_stationary_motions_of_every_body_stay_where_they_are(name: str) -> None
             assert run.coordinate(which) == pytest.approx(value, abs=1e-7)
 
 
-@pytest.mark.parametrize(
-    "scenario",
-    [
-        Scenario(disk=COMPOSED, constraints=("contact", "constant-spin")),
-        Scenario(disk=BODIES["ellipse"], friction=FRICTIONLESS),
-    ],
-    ids=lambda each: type(each.disk).__name__,
-)
-def test_motions_of_other_bodies_are_followed_in_the_spin(scenario: Scenario) -> None:
+def test_motions_of_other_bodies_are_followed_in_the_spin() -> None:
+    scenario = Scenario(disk=ELLIPSE, friction=FRICTIONLESS)
     start = stationary_motions(scenario, 60.0, starts=10)[0]
     branch = stationary_branch(scenario, start, (55.0, 65.0))
     assert {round(each.value, 9) for each in (branch[0], branch[-1])} <= {55.0, 65.0}

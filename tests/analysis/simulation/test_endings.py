@@ -85,14 +85,6 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     assert (ending.reason, str(ending)[-7:]) == ("slow", "s: slow")
     assert first.rate("alpha")[-1] == pytest.approx(39.5, abs=1e-7)
     assert ending.value == pytest.approx(0.0, abs=1e-9)
-    # The spin of Model 4 is held.
-    other = simulate(model(4), [0.0, 3.0], formulation="reduced", stop_when=[slow, "inverted"])
-    assert not_none(other.ending).reason == "inverted"
-
-
-def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
-    inverted = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.01, spin=40.0))
-    assert simulate(inverted, TIMES, tolerance=1e-6, stop_when="inverted").ending is None
 
 
 @pytest.mark.parametrize(
@@ -141,18 +133,6 @@ def turned_by(angle: float) -> Callable[[State], float]:
 def assert_ends(run: Trajectory, reason: str | None, time: float, within: float) -> None:
     assert (run.ending and run.ending.reason) == reason, run.scenario
     assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
-
-
-@pytest.mark.parametrize(
-    ("spin", "tolerance"),
-    # The first pulls for a tenth of a millisecond.
-    [(138.5465, 1e-8), (139.0, 1e-3)],
-)
-def test_a_short_pull_between_two_samples_ends_a_run(spin: float, tolerance: float) -> None:
-    scenario = Scenario(start=Start(spin=spin))
-    few = simulate(scenario, [0.0, 1.0], tolerance=tolerance)
-    many = simulate(scenario, np.linspace(0.0, 0.2, 10001), tolerance=1e-9)
-    assert_ends(few, "contact would pull", many.times[-1], tolerance)
 
 
 def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:

@@ -35,7 +35,7 @@ from tests.helpers import (
 @pytest.mark.parametrize("seed", range(3))
 def test_energies_are_those_of_the_moving_cog_and_the_turning_body(seed: int) -> None:
     random = np.random.default_rng(seed)
-    disk, table = random_disk(random), random_table(random)
+    disk, table = random_disk(random, products=0.1), random_table(random)
     z, u = random_state(random)
     scenario = Scenario(disk=disk, table=table)
     path = arc(z, u, np.zeros(6))

@@ -14,7 +14,6 @@ from analysis import (
     Scenario,
     Start,
     simulate,
-    simulate_to_rest,
 )
 from analysis.motion.endings import REACHED
 from analysis.motion.inversion import STAYING, inversions
@@ -139,16 +138,6 @@ def test_staying_counts_from_the_rise_and_not_from_the_sample_behind_it() -> Non
     assert run.times[run.cog_direction > REACHED][0] + STAYING > 1.49
     short = simulate(Scenario(), np.linspace(0.0, 1.48, 149), local_tolerance=1e-8)
     assert short.inversion == Inversion(outcome="not decided")
-
-
-def test_inversion_of_a_way_to_rest_is_that_in_the_papers_coordinates() -> None:
-    motion = simulate_to_rest(Scenario.rest(), 1.6, spacing=0.01, local_tolerance=1e-9)
-    same = motion.to_trajectory()
-    np.testing.assert_allclose(motion.cog_direction_rate, same.cog_direction_rate, atol=1e-9)
-    for name in ("time", "time_error"):
-        found, expected = (getattr(each.inversion, name) for each in (motion, same))
-        assert found == pytest.approx(expected, abs=1e-9)
-    assert motion.phases.inversion == motion.inversion_time
 
 
 def test_disk_without_eccentricity_is_never_inverted() -> None:

@@ -21,14 +21,12 @@ from analysis import (
     TimeLimitError,
     Trajectory,
 )
-from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
 
 TIMES = np.linspace(0.0, 0.2, 21)
 FAST = Start(spin=150.0)
-PULLED = Start(beta=1.2, gamma=0.4, spin=90.0, beta_rate=60.0)
 RUNS: dict[str, Callable[..., Trajectory]] = {
     "engine": mbs_models.simulate,
     "in-house": analysis.simulate,
@@ -41,14 +39,6 @@ CASES: list[tuple[Level, Formulation, Load]] = [
     for load in LOADS
     for formulation in formulations(model(level, friction=LOADED[load]))
 ]
-
-
-def acceleration(side: str, scenario: Scenario, formulation: Any = "floating") -> tuple[Any, Any]:
-    """Accelerations and constraint forces at the start."""
-    if side == "engine":
-        return mbs_models.acceleration(Scene(scenario, formulation))
-    state = scenario.initial_state
-    return accelerations(scenario, state.coordinates, state.rates)
 
 
 @pytest.mark.parametrize("case", mostly_slow(CASES, CASES[::4]), ids=str)
@@ -83,28 +73,6 @@ def test_a_start_that_needs_a_pulling_contact_is_refused(side: str) -> None:
     start = Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0)
     with pytest.raises(ValueError, match="start needs a contact that pulls, with a normal force"):
         RUNS[side](Scenario(start=start), TIMES)
-
-
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize(("level", "formulation"), [(1, "euler-tree"), (4, "floating-lie")])
-def test_accelerations_of_a_pulling_contact_agree(
-    level: Level, formulation: Any, load: Load
-) -> None:
-    scenario = model(level, friction=LOADED[load], start=PULLED)
-    (engine, held), (in_house, forces) = (
-        acceleration(side, scenario, formulation) for side in RUNS
-    )
-    assert forces[0] < 0.0
-    np.testing.assert_allclose(engine, in_house, rtol=1e-8, atol=1e-6)
-    np.testing.assert_allclose(held, forces, rtol=1e-8, atol=1e-6)
-
-
-@SIDES
-def test_friction_that_calls_for_its_own_load_has_no_accelerations(side: str) -> None:
-    start = Start(beta=0.4, gamma=0.0, spin=0.0, gamma_rate=0.0, beta_rate=-5.0)
-    steep = SmoothCoulomb(coefficient=5.0, smoothing=1e-4, load="contact")
-    with pytest.raises(ArithmeticError, match="each newton of normal force calls for"):
-        acceleration(side, Scenario(friction=steep, start=start))
 
 
 @SIDES

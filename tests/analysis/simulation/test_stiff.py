@@ -30,8 +30,6 @@ SOFT = PenaltyContact(stiffness=1e6, damping=300.0, half_thickness=1e-3)
     ("formulation", "scenario"),
     [
         ("index-1", Scenario(friction=Stribeck(load="contact"))),
-        ("index-1", Scenario(constraints=MODELS[2], friction=AnisotropicCoulomb())),
-        ("index-1", Scenario(constraints=MODELS[3], friction=PowerLawCoulomb(load="contact"))),
         ("reduced", Scenario(constraints=MODELS[4])),
         ("reduced", Scenario(constraints=MODELS[4], friction=AnisotropicCoulomb())),
         ("free-body", Scenario(contact=SOFT, dissipation=LOSSES)),

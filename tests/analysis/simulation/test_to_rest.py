@@ -45,12 +45,6 @@ def settled() -> SpatialMotion:
     return simulate_to_rest(Scenario.rest(dissipation=SETTLING), 60.0, local_tolerance=1e-10)
 
 
-@pytest.fixture(scope="module")
-def model_1() -> Trajectory:
-    scenario = Scenario(friction=SmoothCoulomb(load="contact"))
-    return simulate(scenario, np.linspace(0.0, 1.0, 101), local_tolerance=1e-11)
-
-
 def standing(stiffness: float, half_thickness: float) -> Trajectory:
     contact = PenaltyContact.rounded(
         STEEL_DISK, stiffness=stiffness, half_thickness=half_thickness
@@ -58,26 +52,19 @@ def standing(stiffness: float, half_thickness: float) -> Trajectory:
     return simulate_to_rest(Scenario.rest(contact=contact), 1.0, spacing=1e-2).to_trajectory()
 
 
-GAPS = {
-    "compliance": ([(k, THIN) for k in (2e5, 4e5, 8e5)], None, 1, 1e-5),
-    "thickness": ([(2e5, c) for c in (4e-4, 2e-4, 1e-4)], (2e5, THIN), 2, 2e-5),
-}
-
-
-@pytest.mark.parametrize(("rims", "ideal", "order", "last"), GAPS.values(), ids=GAPS)
-def test_inversion_tends_to_that_of_model_1_and_to_that_of_a_thin_disk(
-    rims: list[tuple[float, float]], ideal: Any, order: int, last: float, model_1: Trajectory
-) -> None:
-    limit = standing(*ideal) if ideal else model_1
-    errors = [angles_apart(standing(*rim), limit) for rim in rims]
-    assert errors[-1] < last
-    for coarse, fine in pairwise(errors):
-        assert log2(coarse / fine) == pytest.approx(order, abs=0.05)
-
-
-def test_contact_force_is_that_of_model_1(model_1: Trajectory) -> None:
-    found = standing(3.2e6, THIN)
-    np.testing.assert_allclose(found.normal_force[5:], model_1.normal_force[5:], atol=2e-4)
+def test_inversion_tends_to_that_of_model_1_and_to_that_of_a_thin_disk() -> None:
+    ideal = Scenario(friction=SmoothCoulomb(load="contact"))
+    model_1 = simulate(ideal, np.linspace(0.0, 1.0, 101), local_tolerance=1e-11)
+    stiffer = [standing(stiffness, THIN) for stiffness in (2e5, 4e5, 8e5)]
+    thinner = [standing(2e5, half_thickness) for half_thickness in (4e-4, 2e-4, 1e-4)]
+    for runs, limit, order, last in (
+        (stiffer, model_1, 1, 1e-5),
+        (thinner, stiffer[0], 2, 2e-5),
+    ):
+        errors = [angles_apart(run, limit) for run in runs]
+        assert errors[-1] < last
+        for coarse, fine in pairwise(errors):
+            assert log2(coarse / fine) == pytest.approx(order, abs=0.05)
 
 
 def test_energy_budget_closes_and_no_cause_gives_energy_and_no_contact_pulls(
@@ -122,6 +109,7 @@ def test_phases_follow_each_other_from_the_first_samples_at_which_they_hold(
     phases = settled.phases
     order = (phases.inversion, phases.inversion_lost, phases.rolling, phases.flat, phases.rest)
     assert list(order) == sorted(map(not_none, order))
+    assert phases.inversion == settled.inversion_time
 
     def mean(speeds: Array, around: float) -> float:
         ends = np.clip([around - 0.25, around + 0.25], times[0], times[-1])
@@ -193,10 +181,6 @@ def later(motion: SpatialMotion, time: float) -> SpatialMotion:
     return replace(motion, times=times, ending=ending)
 
 
-def test_runs_at_rest_a_sample_apart_agree(settled: SpatialMotion) -> None:
-    assert estimate(1e-3, settled, later(settled, 2e-3)) < 1e-9
-
-
 def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotion) -> None:
     for turn, expected in (([0.0, 0.0, 0.3], 0.0), ([2e-3, 0.0, 0.0], 2e-3)):
         turned = Rotation.from_rotvec(turn) * Rotation.from_matrix(settled.rotations)
@@ -212,7 +196,6 @@ def test_deviation_is_that_of_the_vertical_or_of_an_energy(settled: SpatialMotio
 @pytest.mark.parametrize(
     ("source", "how", "limit"),
     [("in-house", {}, 4000.0), ("engine", {"step": 1e-4}, 4.5), ("engine", {}, 150.0)],
-    ids=["in-house", "engine's steps", "engine"],
 )
 def test_time_limit_ends_runs_with_what_they_reached(
     source: Source, how: dict[str, Any], limit: float, monkeypatch: pytest.MonkeyPatch
@@ -220,14 +203,8 @@ def test_time_limit_ends_runs_with_what_they_reached(
     clock = iter(range(10**9))
     monkeypatch.setattr("analysis.solve.watch.time.process_time", lambda: float(next(clock)))
     told: list[tuple[float, float]] = []
-    found = run_to_rest(
-        Scenario.rest(),
-        5.0,
-        source=source,
-        time_limit=limit,
-        progress=lambda *reached: told.append(reached),
-        **how,
-    )
+    how = how | {"time_limit": limit, "progress": lambda *reached: told.append(reached)}
+    found = run_to_rest(Scenario.rest(), 5.0, source=source, **how)
     ending = not_none(found.ending)
     assert ending.reason == "time limit"
     assert ending.value > limit
@@ -381,9 +358,10 @@ def test_ending_after_impacts_is_located() -> None:
     assert np.min(whole.tilt[before]) > 0.2 > whole.tilt[~before][0]
 
 
-def test_estimate_covers_the_time_of_an_ending_which_both_runs_must_have(
-    whole: SpatialMotion, ended: SpatialMotion
+def test_estimate_covers_the_time_of_an_ending_but_rest_which_both_runs_must_have(
+    settled: SpatialMotion, whole: SpatialMotion, ended: SpatialMotion
 ) -> None:
+    assert estimate(1e-3, settled, later(settled, 2e-3)) < 1e-9
     # Both end at the same tilt: by the states alone, they would not differ.
     moved = 1e-5 * float(np.hypot(*ended.angular_velocities[-1, :2]))
     expected = pytest.approx(max(moved, 1e-5), rel=1e-6)
@@ -407,55 +385,49 @@ def nearly_flat(state: State) -> float:
     return min(beta, pi - beta) - 1e-4
 
 
-@pytest.mark.parametrize("source", SOURCES)
-def test_a_condition_that_is_met_for_less_than_a_sample_ends_the_motion(source: Source) -> None:
-    fine: dict[str, Any] = {"local_tolerance": 1e-11, "spacing": 2e-5}
-    low = simulate_to_rest(ROLLING_LOW, 0.05, **fine)
-    below = low.times[low.leaning < 1e-4]
-    # Twenty steps of those below, and not one sample.
-    assert 3e-4 < np.ptp(below) < 5e-4
-    how: dict[str, Any] = {"step": 2e-5} if source == "engine" else {"local_tolerance": 1e-9}
-    motion = run_to_rest(ROLLING_LOW, 0.05, source=source, stop_when=nearly_flat, **how)
-    assert not_none(motion.ending).time == pytest.approx(below[0], abs=2e-5)
-
-
-@pytest.mark.parametrize(
+either_finely = pytest.mark.parametrize(
     ("simulated", "how"),
     [
         (simulate_to_rest, {"local_tolerance": 1e-9}),
         (mbs_models.simulate_to_rest, {"step": 2e-5}),
     ],
 )
+
+
+@either_finely
+def test_a_condition_that_is_met_for_less_than_a_sample_ends_the_motion(
+    simulated: Callable[..., SpatialMotion], how: dict[str, Any]
+) -> None:
+    fine: dict[str, Any] = {"local_tolerance": 1e-11, "spacing": 2e-5}
+    low = simulate_to_rest(ROLLING_LOW, 0.05, **fine)
+    below = low.times[low.leaning < 1e-4]
+    # Twenty steps of those below, and not one sample.
+    assert 3e-4 < np.ptp(below) < 5e-4
+    motion = simulated(ROLLING_LOW, 0.05, stop_when=nearly_flat, **how)
+    assert not_none(motion.ending).time == pytest.approx(below[0], abs=2e-5)
+
+
+@either_finely
 def test_rest_ends_a_motion_before_a_condition_that_is_met_later(
     simulated: Callable[..., SpatialMotion], how: dict[str, Any]
 ) -> None:
     patient = RestCriterion(energy=1.0, height=1.0, duration=0.03)
-    how |= {"stop_when": nearly_flat, "criterion": patient}
-    motion = simulated(ROLLING_LOW, 0.05, **how)
+    motion = simulated(ROLLING_LOW, 0.05, stop_when=nearly_flat, criterion=patient, **how)
     assert motion.rest_time == 0.0
     assert (not_none(motion.ending).reason, motion.times[-1]) == ("at rest", pytest.approx(0.03))
 
 
 @pytest.mark.parametrize(
-    "simulated",
-    [
-        simulate_to_rest,
-        mbs_models.simulate_to_rest,
-        lambda scenario, end: mbs_models.simulate_to_rest(scenario, end, step=1e-5),
-    ],
+    ("source", "how"), [("in-house", {}), ("engine", {}), ("engine", {"step": 1e-5})]
 )
 def test_errors_on_a_leaning_table_do_not_depend_on_the_place(
-    simulated: Callable[..., SpatialMotion],
+    source: Source, how: dict[str, Any]
 ) -> None:
+    slope = Table(inclination=0.3)
+    starts = (Start(beta=0.8, spin=0.0, x=x, y=0.0, x_rate=0.0, y_rate=0.0) for x in (0.0, 0.5))
     here, there = (
-        simulated(
-            Scenario.rest(
-                table=Table(inclination=0.3),
-                start=Start(beta=0.8, spin=0.0, x=x, y=0.0, x_rate=0.0, y_rate=0.0),
-            ),
-            0.1,
-        )
-        for x in (0.0, 0.5)
+        run_to_rest(Scenario.rest(table=slope, start=start), 0.1, source=source, **how)
+        for start in starts
     )
     # From the first place on, it has less energy than nothing.
     assert there.energies[0].sum() < 0.0 < here.energies[0].sum()

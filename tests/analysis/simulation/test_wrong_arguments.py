@@ -95,8 +95,6 @@ SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
 CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
 
 SEVERAL: list[tuple[str, dict[str, Any], str]] = [
-    ("in-house", {"times": [0.0, 1.0, 1.0]}, "times must increase strictly, got 1 before 1"),
-    ("in-house", {"times": [0.0]}, "times must be one-dimensional with at least 2 entries"),
     ("in-house", {"formulation": "index-2"},
      "formulation must be one of index-1, reduced, free-body, got"),
     ("in-house", {"tolerance": nan}, "tolerance must be a finite number, got nan"),

@@ -62,10 +62,10 @@ def test_every_member_keeps_the_run_that_agreed_with_the_one_before() -> None:
     assert {member: type(error) for member, error in failures.items()} == {2: ToleranceError}
 
 
-def test_a_run_out_of_time_is_judged_by_what_it_has_beyond_the_start() -> None:
-    fine, coarse = (Runs.empty(2, TIMES, 2, (TIME_LIMIT,)) for _ in range(2))
+def test_a_run_out_of_time_is_judged_by_what_both_have_beyond_the_start() -> None:
+    fine, coarse = (Runs.empty(3, TIMES, 2, (TIME_LIMIT,)) for _ in range(2))
     for each, error in ((fine, 0.0), (coarse, 1e-7)):
         each.states[:] = each.last[:] = error
-    fine.reasons[:], fine.ends[:] = 0, TIMES[:2]
+    fine.reasons[:], fine.ends[:], coarse.ends[2] = 0, TIMES[:3], TIMES[1]
     found = estimated_errors(fine, coarse, lambda states: states, lambda each: each.last)
-    assert found.tolist() == [np.inf, pytest.approx(2e-7)]
+    assert found.tolist() == [np.inf, pytest.approx(2e-7), np.inf]

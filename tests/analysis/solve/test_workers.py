@@ -11,9 +11,8 @@ from typing import Any
 
 import pytest
 
+from tests.calls import ROOT
 from tests.helpers import is_running, not_none
-
-ROOT = Path(__file__).parents[3]
 
 PARENT = """
 from tests.analysis.solve.test_workers import told_and_work
