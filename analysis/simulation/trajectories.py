@@ -99,7 +99,9 @@ class Trajectories(InCoordinates):
         return found[:, None]
 
     def _lowest(self, up: Any) -> Any:
-        return np.array([lowest(each, one) for each, one in zip(self.ensemble, up, strict=True)])
+        # Behind an ending there are no numbers, which complex division would warn of.
+        with np.errstate(invalid="ignore"):
+            return np.array([lowest(*each) for each in zip(self.ensemble, up, strict=True)])
 
     @property
     def ends(self) -> Array:

@@ -63,9 +63,7 @@ def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> Non
         for name in ("coordinates", "rates", "multipliers"):
             assert_close(getattr(found, name), getattr(single, name), relative=100 * relative)
         for name in ("coordinates", "rates", *QUANTITIES):
-            # Behind an ending, complex arithmetic warns of numbers that are none.
-            with np.errstate(invalid="ignore"):
-                whole = getattr(runs, name)[member]
+            whole = getattr(runs, name)[member]
             assert_close(whole[:count], getattr(single, name)[:count], relative=relative)
             assert np.isnan(whole[count:]).all()
 
