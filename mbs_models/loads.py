@@ -239,8 +239,10 @@ def normal_force(contact: PenaltyContact, depth: float, rise: float) -> tuple[fl
 def grip_of(scenario: Scenario) -> Callable[[float], float]:
     """From a normal force in N to the part of friction that acts under it; see `FULL_GRIP`."""
     law, whole = scenario.friction, FULL_GRIP * scenario.weight
-    if scenario.penalty_contact.bilateral or (law.load == "contact" and law.IS_PROPORTIONAL):
+    if scenario.penalty_contact.bilateral:
         return lambda _: 1.0
+    if law.load == "contact" and law.IS_PROPORTIONAL:
+        return lambda normal: float(normal > 0.0)
     return lambda normal: min(1.0, normal / whole)
 
 

@@ -137,8 +137,10 @@ class EulerTree(_Tree):
             nonlocal load
             side = r * cos(q[4])
             _, normal = normal_force(contact, r * sin(q[4]) - q[3], u[3] - side * u[4])
+            if not (part := grip(normal)):
+                return [0.0] * 6
             # A contact that pulls is no load.
-            load, part = weight if by_weight else max(0.0, normal), grip(normal)
+            load = weight if by_weight else max(0.0, normal)
             forces = [part * each for each in friction(system, time, item, q, u)]
             forces[3] = normal
             forces[4] -= side * normal

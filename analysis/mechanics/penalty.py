@@ -298,6 +298,8 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         return weight * grip(force) if by_weight else max(0.0, force)
 
     def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
+        if not (normal > 0.0 or contact.bilateral):
+            return 0.0, 0.0
         x, y = law.force(along, across, weight if by_weight else max(0.0, normal))
         part = grip(normal)
         return part * x, part * y

@@ -147,12 +147,12 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     if alive.all():
         return []
     ended = np.flatnonzero(alive == 0.0)
-    rows_over = first + ended
-    found.ends[rows_over] = solver.pars[WHEN, ended]
-    found.reasons[rows_over] = solver.pars[REASON, ended]
-    for row in rows_over.tolist():
+    stopped = first + ended
+    found.ends[stopped] = solver.pars[WHEN, ended]
+    found.reasons[stopped] = solver.pars[REASON, ended]
+    for row in stopped.tolist():
         _end(found, row)
-    return [row for row in rows_over.tolist() if _name(found, row) == SINGULAR]
+    return [row for row in stopped.tolist() if _name(found, row) == SINGULAR]
 
 
 def _end(found: Runs, row: int) -> None:

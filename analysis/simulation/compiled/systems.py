@@ -202,9 +202,9 @@ def build(structure: Structure) -> System:
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
     if feedback:
         endings[SINGULAR] = 1.0 - feedback[0]
-    state_of_paper = SimpleNamespace(coordinates=coordinates, rates=rates)
+    paper_state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
-        endings[reason] = _expressed(f"stop_when {reason!r}", condition, state_of_paper)
+        endings[reason] = _expressed(f"stop_when {reason!r}", condition, paper_state)
     # The kink does no harm here, but 0 / 0 would.
     _, forces, single, _ = _index_1(structure, scenario, state, _size(1e-150))
     return System(
