@@ -20,7 +20,7 @@ STUDIES = (CASES, CHOSEN, *(each.STUDY for each in _BESIDE))
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
 
-LEFT = 3
+LEFT = 2
 """Most of the cases as chosen that may be left without an accurate result."""
 
 
