@@ -30,7 +30,7 @@ class FrictionLaw(Described):
     load : {"weight", "contact"}
         What presses the disk on the table: its weight m g, Eq. (81), whatever the contact does
         while it is closed, or the actual normal contact force, Eq. (79), and nothing where that
-        pulls.
+        pulls. On a penalty contact that lets go, see `PenaltyContact`.
 
     Raises
     ------
@@ -361,8 +361,8 @@ class PowerLawCoulomb(_Regularised):
 class LubricatedCoulomb(_Regularised):
     """Smooth Coulomb friction and a viscous film that does not know the load.
 
-    The force is -(coefficient * load / (‖slip‖ + smoothing) + film) * slip, also under no load as
-    long as the disk touches the table.
+    The force is -(coefficient * load / (‖slip‖ + smoothing) + film) * slip, also under no load of
+    an ideal contact; on a penalty contact that lets go, the film does so with it.
 
     Parameters
     ----------
