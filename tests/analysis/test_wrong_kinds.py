@@ -137,6 +137,7 @@ WRONG: dict[str, Callable[[], Any]] = {
         Scenario(), RUN.coordinates, np.zeros((3, 6))
     ),
     "spin must be a finite number, got nan": lambda: _place(0.0, 0.0, 1.5, 1.5, spin=nan),
+    "spin must be a finite number, got True": lambda: analysis.Start(spin=True),
     "spin must lie from -100000 to 100000": lambda: stationary_motions(REDUCED, 1e6),
     "starts must be at most 10000": lambda: stationary_motions(REDUCED, 30.0, 10**9),
     "place must hold x, y, beta and gamma": lambda: _place(1.0, 2.0),
