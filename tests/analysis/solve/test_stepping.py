@@ -38,6 +38,19 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
     assert run_of(right_hand_side, method).evaluations == next(calls)
 
 
+@pytest.mark.parametrize("fraction", [1.0, 0.5, 0.1])
+def test_steps_are_as_long_as_they_may_be_where_nothing_changes(fraction: float) -> None:
+    at_rest = InitialValueProblem(
+        lambda _, state: 0.0 * state, np.ones(2), None, None, 0.01, np.asarray
+    )
+    limited = at_rest.with_steps_up_to(fraction)
+    run = integrate(
+        limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=Watch()
+    )
+    # The first ones have to grow.
+    assert 100 / fraction <= run.steps < 100 / fraction + 10
+
+
 @STEPPED
 def test_a_motion_without_finite_derivative_ends_at_once(method: Method) -> None:
     with pytest.raises(ArithmeticError, match=f"^{method} stopped after t = .* s: "):
