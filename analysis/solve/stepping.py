@@ -209,7 +209,8 @@ def _steps(
 ) -> Iterator[Step]:
     """Steps of a run, none of which goes across a kink of friction.
 
-    A step that does is taken again up to there: its error would be larger than it shows.
+    A step that does is taken again up to there: its error would be larger than it shows. LSODA
+    is begun anew where it has stalled.
 
     Parameters
     ----------
@@ -217,6 +218,11 @@ def _steps(
         From a time, a state, a last time and perhaps a `first_step` to a solver.
     problem : InitialValueProblem
     times : ndarray, shape (n,)
+
+    Raises
+    ------
+    SolverError
+        If the solver fails, or stalls with steps too short to move its time.
     """
     slip = problem.slip or (lambda _: 0.0)
     solver, before = started(times[0], problem.start, times[-1]), slip(problem.start)
@@ -240,6 +246,7 @@ def _steps(
         else:
             yield step
             before = after
+            # As long as the one before, to a hundredth, and not held by the longest step.
             same = abs(solver.step_size - stride) <= 0.01 * stride < 0.009 * problem.longest_step
             stride, equal = solver.step_size, equal + 1 if same else 0
 

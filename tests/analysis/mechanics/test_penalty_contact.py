@@ -90,7 +90,7 @@ def test_friction_that_does_not_follow_the_force_of_the_contact_fades_with_its_l
         assert x_second == pytest.approx(in_house[0], rel=1e-6)
         assert normal == pytest.approx(force, rel=1e-6)
         slipping = law.force(0.2, 0.0, scenario.weight if law.load == "weight" else force)[0]
-        pushed.append(x_second / slipping * (1.0 if fades else part) / part)
+        pushed.append(x_second / (slipping * (part if fades else 1.0)))
     assert pushed[0] == pytest.approx(pushed[1], rel=1e-6)
 
 

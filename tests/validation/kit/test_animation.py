@@ -4,12 +4,9 @@ import html
 import io
 import json
 import re
-import shutil
-import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +34,7 @@ from analysis.problem.checks import Array
 from analysis.problem.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none
+from tests.node import in_node, needs_node
 from validation import play
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import LOOK, in_sight, shape
@@ -64,16 +62,6 @@ def embedded(page: str) -> dict[str, Any]:
     found = re.search(r'<script type="application/json">(.*?)</script>', page, re.DOTALL)
     data: dict[str, Any] = json.loads(not_none(found)[1])
     return data
-
-
-needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
-
-
-def in_node(harness: str, page: str, *words: str) -> Any:
-    """What the code of a page makes of some words."""
-    call = ["node", str(Path(__file__).with_name(harness)), "/dev/stdin", *words]
-    done = subprocess.run(call, input=page, capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)
 
 
 @pytest.mark.parametrize("kind", MOTIONS)

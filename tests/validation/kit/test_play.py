@@ -8,7 +8,7 @@ import pytest
 
 from analysis import Disk, Scenario, SmoothCoulomb, Start, simulate
 from analysis.motion import frames
-from tests.validation.kit.test_animation import in_node, needs_node
+from tests.node import in_node, needs_node
 from validation.kit.animation import play
 
 CHOICES = [
