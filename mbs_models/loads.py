@@ -241,7 +241,7 @@ def grip_of(scenario: Scenario) -> Callable[[float], float]:
     law, whole = scenario.friction, FULL_GRIP * scenario.weight
     if scenario.penalty_contact.bilateral:
         return lambda _: 1.0
-    if law.load == "contact" and law.IS_PROPORTIONAL:
+    if law.follows_contact:
         return lambda normal: float(normal > 0.0)
     return lambda normal: min(1.0, normal / whole)
 

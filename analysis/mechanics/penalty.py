@@ -280,8 +280,7 @@ def friction_of(*, is_simple: bool) -> Friction:
 def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
     """What of a contact may open: spring, spring and damper, and friction with its load."""
     contact, weight, law = scenario.penalty_contact, scenario.weight, scenario.friction
-    by_weight, whole = law.load == "weight", FULL_GRIP * weight
-    fades = not contact.bilateral and (by_weight or not law.IS_PROPORTIONAL)
+    fades = not (contact.bilateral or law.follows_contact)
 
     def spring(gap: Any) -> Any:
         return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
@@ -292,15 +291,18 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         return 0.0 if lifted else force
 
     def grip(force: Any) -> Any:
-        return min(1.0, force / whole) if fades else 1.0
+        return min(1.0, force / (FULL_GRIP * weight)) if fades else 1.0
+
+    def pressing(force: Any) -> Any:
+        return weight if law.load == "weight" else max(0.0, force)
 
     def load(force: Any) -> Any:
-        return weight * grip(force) if by_weight else max(0.0, force)
+        return pressing(force) * grip(force)
 
     def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
         if not (normal > 0.0 or contact.bilateral):
             return 0.0, 0.0
-        x, y = law.force(along, across, weight if by_weight else max(0.0, normal))
+        x, y = law.force(along, across, pressing(normal))
         part = grip(normal)
         return part * x, part * y
 

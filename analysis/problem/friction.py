@@ -105,6 +105,11 @@ class FrictionLaw(Described):
         """Whether `per_speed` says it all, isotropic and in proportion to the load."""
         return type(self).force is FrictionLaw.force
 
+    @property
+    def follows_contact(self) -> bool:
+        """Whether the force is in proportion to that of the contact, and vanishes with it."""
+        return self.load == "contact" and self.IS_PROPORTIONAL
+
     def slope(self, load: float) -> float:
         """Slope of the force at no slip in N s/m under a load in N, in the steepest direction."""
         if self.is_simple:

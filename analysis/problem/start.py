@@ -222,9 +222,9 @@ class Start(Described):
                 raise ArgumentError(field, f"{fault}, got {wanted:g}")
         x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height
-        height, per_tilt, per_turn = disk.clearance(beta, gamma, half_thickness)
+        clearance, per_tilt, per_turn = disk.clearance(beta, gamma, half_thickness)
         rise = per_tilt * beta_rate + per_turn * gamma_rate
         return State(
-            coordinates=(x, y, height + lift, self.alpha, self.beta, self.gamma),
+            coordinates=(x, y, clearance + lift, self.alpha, self.beta, self.gamma),
             rates=(x_rate, y_rate, rise, self.spin, beta_rate, gamma_rate),
         )

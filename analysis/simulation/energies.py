@@ -142,8 +142,8 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
     parts = np.column_stack((slip, loads)).tolist()
     force = np.array([law.force(along, across, load) for along, across, load in parts])
     force *= is_free
-    is_proportional = law.load == "contact" and law.IS_PROPORTIONAL
-    if scenario.contact is not None and not (scenario.contact.bilateral or is_proportional):
+    contact = scenario.contact
+    if not (contact is None or contact.bilateral or law.follows_contact):
         force *= np.clip(normal[:, None] / (FULL_GRIP * scenario.weight), 0.0, 1.0)
     return slip, force
 

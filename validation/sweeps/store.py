@@ -91,8 +91,8 @@ class Store:
         self._committed = time.monotonic()
 
     def _create(self) -> None:
-        about = {"name": "TEXT PRIMARY KEY", "value": "TEXT"}
-        for table, kinds in {**self._tables, "sweep": about, "code": about}.items():
+        pairs = {"name": "TEXT PRIMARY KEY", "value": "TEXT"}
+        for table, kinds in {**self._tables, "sweep": pairs, "code": pairs}.items():
             columns = ", ".join(f'"{name}" {kind}' for name, kind in kinds.items())
             self._file.execute(f"CREATE TABLE {table} ({columns})")
         about = {"format": str(FORMAT), "sweep": self.sweep.to_text()}

@@ -245,7 +245,7 @@ def cause(row: Row) -> str:
         _, right, _ = within(row)
         return "angles accurate, energy or constraint not" if right else "wrong angles or ending"
     said = str(row["reason"]) if verdict == "diverged" else verdict
-    return next((cause for words, cause in _CAUSES.items() if words in said), said)
+    return next((meant for words, meant in _CAUSES.items() if words in said), said)
 
 
 # --- The studies --------------------------------------------------------------------------------
