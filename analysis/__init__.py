@@ -16,14 +16,18 @@ else:  # A type checker would take any name for one that is there.
 
     def __dir__() -> list[str]:
         # What completes names in a notebook asks for them before any is used.
-        return sorted(import_module("analysis.api").__all__)
+        return sorted(_public())
 
     def __getattr__(name: str) -> Any:
         if name.startswith("__") and name != "__all__":
             raise AttributeError(name)
-        api = import_module("analysis.api")
-        globals().update({each: getattr(api, each) for each in api.__all__}, __all__=api.__all__)
+        public = _public()
+        globals().update(public, __all__=sorted(public))
         try:
             return globals()[name]
         except KeyError:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}") from None
+
+    def _public() -> dict[str, Any]:
+        api = vars(import_module("analysis.api"))
+        return {name: each for name, each in api.items() if not name.startswith("_")}

@@ -1,151 +1,83 @@
-"""The public names of `analysis`."""
+"""The public names of `analysis`: what is imported here, as itself for type checkers."""
 
-from analysis.motion.endings import CONDITIONS, Condition, Ending, StopWhen
-from analysis.motion.inversion import Inversion, Inversions
-from analysis.motion.outcomes import OutcomeTable
-from analysis.motion.spatial_motion import Phases, SpatialMotion
-from analysis.motion.stored_runs import StoredRun, load_run
-from analysis.motion.trajectory import Trajectory
-from analysis.problem.bodies import BODIES, EllipticDisk, Sphere
-from analysis.problem.body import Body
-from analysis.problem.checks import TimeLimitError, ToleranceError
-from analysis.problem.choices import FORMULATIONS, METHODS, Formulation, Method
-from analysis.problem.constraints import (
-    MODELS,
-    MULTIPLIERS,
-    POSSIBLE_SETS,
-    ConstraintSet,
-    multiplier_names,
-)
-from analysis.problem.contact import (
-    CAUSES,
-    GRAVITY,
-    Dissipation,
-    PenaltyContact,
-    RestCriterion,
-    Table,
-)
-from analysis.problem.disk import (
-    CENTRED_DISK,
-    DISKS,
-    ROUNDED_STEEL_DISK,
-    STEEL_DISK,
-    Disk,
-    Hole,
-    Plate,
-    PointMass,
-)
-from analysis.problem.friction import (
-    LAWS,
-    AnisotropicCoulomb,
-    FrictionLaw,
-    LubricatedCoulomb,
-    PowerLawCoulomb,
-    SmoothCoulomb,
-    Stribeck,
-    TanhCoulomb,
-    ViscousFriction,
-)
-from analysis.problem.quantities import CONSTRAINTS, LEVELS, LOADS, Constraint, Level, Load
-from analysis.problem.scenario import Scenario
-from analysis.problem.scenario_file import load_scenario, scenario_text
-from analysis.problem.start import COORDINATES, MOTIONS, FlatError, Motion, Start, State
-from analysis.problem.variations import Ensemble
-from analysis.simulation.energies import (
-    constraint_drift,
-    contact_forces,
-    energies,
-    energy_residual,
-    power,
-)
-from analysis.simulation.ensemble import Outcome, simulate_many
-from analysis.simulation.formulations import formulations
-from analysis.simulation.outcomes import outcomes
-from analysis.simulation.simulate import simulate
-from analysis.simulation.to_rest import REST_METHODS, RestMethod, simulate_to_rest
-from analysis.simulation.trajectories import Trajectories
-from analysis.solve.watch import Progress
-
-__all__ = [
-    "BODIES",
-    "CAUSES",
-    "CENTRED_DISK",
-    "CONDITIONS",
-    "CONSTRAINTS",
-    "COORDINATES",
-    "DISKS",
-    "FORMULATIONS",
-    "GRAVITY",
-    "LAWS",
-    "LEVELS",
-    "LOADS",
-    "METHODS",
-    "MODELS",
-    "MOTIONS",
-    "MULTIPLIERS",
-    "POSSIBLE_SETS",
-    "REST_METHODS",
-    "ROUNDED_STEEL_DISK",
-    "STEEL_DISK",
-    "AnisotropicCoulomb",
-    "Body",
-    "Condition",
-    "Constraint",
-    "ConstraintSet",
-    "Disk",
-    "Dissipation",
-    "EllipticDisk",
-    "Ending",
-    "Ensemble",
-    "FlatError",
-    "Formulation",
-    "FrictionLaw",
-    "Hole",
-    "Inversion",
-    "Inversions",
-    "Level",
-    "Load",
-    "LubricatedCoulomb",
-    "Method",
-    "Motion",
-    "Outcome",
-    "OutcomeTable",
-    "PenaltyContact",
-    "Phases",
-    "Plate",
-    "PointMass",
-    "PowerLawCoulomb",
-    "Progress",
-    "RestCriterion",
-    "RestMethod",
-    "Scenario",
-    "SmoothCoulomb",
-    "SpatialMotion",
-    "Sphere",
-    "Start",
-    "State",
-    "StopWhen",
-    "StoredRun",
-    "Stribeck",
-    "Table",
-    "TanhCoulomb",
-    "TimeLimitError",
-    "ToleranceError",
-    "Trajectories",
-    "Trajectory",
-    "ViscousFriction",
-    "constraint_drift",
-    "contact_forces",
-    "energies",
-    "energy_residual",
-    "formulations",
-    "load_run",
-    "load_scenario",
-    "multiplier_names",
-    "outcomes",
-    "power",
-    "scenario_text",
-    "simulate",
-    "simulate_many",
-    "simulate_to_rest",
-]
+from analysis.motion.endings import CONDITIONS as CONDITIONS
+from analysis.motion.endings import Condition as Condition
+from analysis.motion.endings import Ending as Ending
+from analysis.motion.endings import StopWhen as StopWhen
+from analysis.motion.inversion import Inversion as Inversion
+from analysis.motion.inversion import Inversions as Inversions
+from analysis.motion.outcomes import OutcomeTable as OutcomeTable
+from analysis.motion.spatial_motion import Phases as Phases
+from analysis.motion.spatial_motion import SpatialMotion as SpatialMotion
+from analysis.motion.stored_runs import StoredRun as StoredRun
+from analysis.motion.stored_runs import load_run as load_run
+from analysis.motion.trajectory import Trajectory as Trajectory
+from analysis.problem.bodies import BODIES as BODIES
+from analysis.problem.bodies import EllipticDisk as EllipticDisk
+from analysis.problem.bodies import Sphere as Sphere
+from analysis.problem.body import Body as Body
+from analysis.problem.checks import TimeLimitError as TimeLimitError
+from analysis.problem.checks import ToleranceError as ToleranceError
+from analysis.problem.choices import FORMULATIONS as FORMULATIONS
+from analysis.problem.choices import METHODS as METHODS
+from analysis.problem.choices import Formulation as Formulation
+from analysis.problem.choices import Method as Method
+from analysis.problem.constraints import MODELS as MODELS
+from analysis.problem.constraints import MULTIPLIERS as MULTIPLIERS
+from analysis.problem.constraints import POSSIBLE_SETS as POSSIBLE_SETS
+from analysis.problem.constraints import ConstraintSet as ConstraintSet
+from analysis.problem.constraints import multiplier_names as multiplier_names
+from analysis.problem.contact import CAUSES as CAUSES
+from analysis.problem.contact import GRAVITY as GRAVITY
+from analysis.problem.contact import Dissipation as Dissipation
+from analysis.problem.contact import PenaltyContact as PenaltyContact
+from analysis.problem.contact import RestCriterion as RestCriterion
+from analysis.problem.contact import Table as Table
+from analysis.problem.disk import CENTRED_DISK as CENTRED_DISK
+from analysis.problem.disk import DISKS as DISKS
+from analysis.problem.disk import ROUNDED_STEEL_DISK as ROUNDED_STEEL_DISK
+from analysis.problem.disk import STEEL_DISK as STEEL_DISK
+from analysis.problem.disk import Disk as Disk
+from analysis.problem.disk import Hole as Hole
+from analysis.problem.disk import Plate as Plate
+from analysis.problem.disk import PointMass as PointMass
+from analysis.problem.friction import LAWS as LAWS
+from analysis.problem.friction import AnisotropicCoulomb as AnisotropicCoulomb
+from analysis.problem.friction import FrictionLaw as FrictionLaw
+from analysis.problem.friction import LubricatedCoulomb as LubricatedCoulomb
+from analysis.problem.friction import PowerLawCoulomb as PowerLawCoulomb
+from analysis.problem.friction import SmoothCoulomb as SmoothCoulomb
+from analysis.problem.friction import Stribeck as Stribeck
+from analysis.problem.friction import TanhCoulomb as TanhCoulomb
+from analysis.problem.friction import ViscousFriction as ViscousFriction
+from analysis.problem.quantities import CONSTRAINTS as CONSTRAINTS
+from analysis.problem.quantities import LEVELS as LEVELS
+from analysis.problem.quantities import LOADS as LOADS
+from analysis.problem.quantities import Constraint as Constraint
+from analysis.problem.quantities import Level as Level
+from analysis.problem.quantities import Load as Load
+from analysis.problem.scenario import Scenario as Scenario
+from analysis.problem.scenario_file import load_scenario as load_scenario
+from analysis.problem.scenario_file import scenario_text as scenario_text
+from analysis.problem.start import COORDINATES as COORDINATES
+from analysis.problem.start import MOTIONS as MOTIONS
+from analysis.problem.start import FlatError as FlatError
+from analysis.problem.start import Motion as Motion
+from analysis.problem.start import Start as Start
+from analysis.problem.start import State as State
+from analysis.problem.variations import Ensemble as Ensemble
+from analysis.simulation.energies import constraint_drift as constraint_drift
+from analysis.simulation.energies import contact_forces as contact_forces
+from analysis.simulation.energies import energies as energies
+from analysis.simulation.energies import energy_residual as energy_residual
+from analysis.simulation.energies import power as power
+from analysis.simulation.ensemble import Outcome as Outcome
+from analysis.simulation.ensemble import simulate_many as simulate_many
+from analysis.simulation.formulations import formulations as formulations
+from analysis.simulation.outcomes import outcomes as outcomes
+from analysis.simulation.simulate import simulate as simulate
+from analysis.simulation.to_rest import REST_METHODS as REST_METHODS
+from analysis.simulation.to_rest import RestMethod as RestMethod
+from analysis.simulation.to_rest import simulate_to_rest as simulate_to_rest
+from analysis.simulation.trajectories import Trajectories as Trajectories
+from analysis.solve.watch import Progress as Progress
