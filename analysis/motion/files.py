@@ -56,12 +56,11 @@ def readable_archive(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
         raise ValueError(f"{path} is not a readable motion: {cause}") from error
 
 
-def read_array(archive: zipfile.ZipFile, name: str) -> AnyArray:
+def read_array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> AnyArray:
     """One array of an `.npz` file, without pickle; none that is larger than `LARGEST_STORAGE`.
 
     Memory for what a header claims is filled only as far as the file goes.
     """
-    info = archive.getinfo(f"{name}.npy")
     if info.file_size > LARGEST_STORAGE:
         raise ValueError(
             f"{info.filename} has {info.file_size:.3g} bytes, and at most {LARGEST_STORAGE:.3g} "

@@ -17,9 +17,6 @@ from analysis.problem.user_modules import foreign_names
 StoredRun = Trajectory | SpatialMotion
 """What a result file holds."""
 
-_OLDER = {"t": "times", "q": "coordinates", "u": "rates", "spatial_meta": "meta"}
-"""What format 2, which is otherwise the present one, called some arrays."""
-
 _OLDER_SETTINGS = {"form": "formulation"}
 """What files called some settings before."""
 
@@ -60,13 +57,12 @@ def load_run(path: str | os.PathLike[str], kind: Any = None) -> Any:
     """
     choice("kind", kind, (None, Trajectory, SpatialMotion))
     with readable_archive(path_like("path", path)) as archive:
-        held = [name.removesuffix(".npy") for name in archive.namelist()]
-        names = {_OLDER.get(name, name): name for name in held}
-        found = SpatialMotion if "quaternions" in names else Trajectory
+        held = {each.filename.removesuffix(".npy"): each for each in archive.infolist()}
+        found = SpatialMotion if "quaternions" in held else Trajectory
         if kind not in (None, found):
             raise ValueError(f"kind must be {kind.__name__}, got {found.__name__}")
-        given = _description(str(read_array(archive, names["meta"])), found)
-        given |= {name: read_array(archive, names[name]) for name in filled(found)}
+        given = _description(str(read_array(archive, held["meta"])), found)
+        given |= {name: read_array(archive, held[name]) for name in filled(found)}
         return found(**given)
 
 
@@ -76,7 +72,7 @@ def _description(text: str, kind: type[StoredRun]) -> dict[str, Any]:
     if not isinstance(meta, dict):
         raise ValueError(f"meta must be a mapping, got {type(meta).__name__}")
     written = meta.pop("format", 1)
-    if written not in (2, FORMAT):
+    if written != FORMAT:
         age = "a newer" if isinstance(written, int) and written > FORMAT else "an older"
         raise ValueError(
             f"format must be {FORMAT}, got {written!r}: the file comes from {age} version of "
