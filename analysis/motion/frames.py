@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
 from analysis.problem.checks import Array
 
@@ -152,36 +153,18 @@ def _turn(angle: Array, expected: Array) -> Array:
 def quaternions(rotations: Array) -> Array:
     """Unit quaternions, scalar part first, shape (n, 4), of rotation matrices, shape (n, 3, 3).
 
-    Each comes from the largest of its squares, which is regular in every attitude; signs are
-    such that neighbours are close.
+    Signs are such that neighbours are close.
     """
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(rotations, 0, -1)
-    products = np.array(
-        (
-            (1 + xx + yy + zz, zy - yz, xz - zx, yx - xy),
-            (zy - yz, 1 + xx - yy - zz, yx + xy, xz + zx),
-            (xz - zx, yx + xy, 1 - xx + yy - zz, zy + yz),
-            (yx - xy, xz + zx, zy + yz, 1 - xx - yy + zz),
-        )
-    )
-    largest = np.argmax(np.einsum("iin->ni", products), axis=1)
-    chosen = products[largest, :, np.arange(len(rotations))]
-    chosen = chosen / np.linalg.norm(chosen, axis=1)[:, None]
-    turned = np.sum(chosen[1:] * chosen[:-1], axis=1) < 0.0
-    chosen[1:][np.cumsum(turned) % 2 == 1] *= -1.0
-    result: Array = chosen
-    return result
+    found: Array = Rotation.from_matrix(rotations).as_quat(scalar_first=True)
+    turned = np.sum(found[1:] * found[:-1], axis=1) < 0.0
+    found[1:][np.cumsum(turned) % 2 == 1] *= -1.0
+    return found
 
 
 def rotations(quaternions: Array) -> Array:
-    """Rotation matrices, shape (n, 3, 3), of unit quaternions, scalar part first, shape (n, 4)."""
-    w, x, y, z = quaternions.T
-    rows = (
-        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    )
-    return np.moveaxis(np.array(rows), -1, 0)
+    """Rotation matrices, shape (n, 3, 3), of quaternions, scalar part first, shape (n, 4)."""
+    result: Array = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
+    return result
 
 
 def quaternion_rates(quaternions: Array, angular: Array) -> Array:
