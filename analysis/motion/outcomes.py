@@ -12,7 +12,7 @@ from analysis.motion.sampled import optional
 from analysis.problem.checks import TimeLimitError
 from analysis.problem.constraints import PRESCRIBED
 from analysis.problem.contact import CAUSES
-from analysis.problem.values import unit
+from analysis.problem.quantities import declared
 
 Column = npt.NDArray[Any]
 Cell = float | str | bytes | None
@@ -106,7 +106,7 @@ class OutcomeTable:
     def units(self) -> dict[str, str]:
         """Units of the columns that hold numbers; empty for plain ones."""
         return {
-            name: self.KNOWN.get(name, unit(name)) or ""
+            name: self.KNOWN.get(name, declared(name).unit) or ""
             for name, column in self.columns.items()
             if column.dtype.kind in "fi"
         }

@@ -29,11 +29,11 @@ from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import (
     Array,
     function,
-    in_range,
     instance,
     number,
     real_array,
     several,
+    within,
 )
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Progress
@@ -137,7 +137,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     before = hopf_cycle(scenario)
     low, high = 0.5 * before.spin, 1.5 * before.spin
     why = "within half the critical speed of it, where cycles are looked for"
-    in_range("spin", spin, low, high, is_above=True, is_below=True, why=why)
+    within("spin", spin, low, high, is_above=True, is_below=True, why=why)
     spins = [before.spin]
     for cycle in followed(continue_to, before, _amplitudes(scenario)):
         fraction = (spin - before.spin) / (cycle.spin - before.spin)

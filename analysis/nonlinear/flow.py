@@ -14,7 +14,7 @@ import numpy as np
 from analysis.mechanics.dual import Dual, dual, per_speed_and_slope
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.reduced import acceleration_from
-from analysis.problem.checks import Array, in_range
+from analysis.problem.checks import Array, within
 from analysis.problem.elementary import cos, sin
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import require_spinning
@@ -54,7 +54,7 @@ def require_cycles(scenario: Scenario, steepest: float = np.inf) -> None:
 def open_amplitude(value: float) -> float:
     """Return an amplitude in rad; `ValueError` unless it lies between 0 and pi, both excluded."""
     why = "between the Hopf point and the connection"
-    return in_range("amplitude", value, 0.0, np.pi, is_above=True, is_below=True, why=why)
+    return within("amplitude", value, 0.0, np.pi, is_above=True, is_below=True, why=why)
 
 
 def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:

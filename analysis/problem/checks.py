@@ -66,7 +66,7 @@ def _finite(name: str, members: Members) -> float:
     return cast("float", members)
 
 
-def in_range(
+def within(
     name: str,
     value: Any,
     least: float = -inf,
@@ -111,22 +111,17 @@ def in_range(
 
 def positive(name: str, value: Any) -> float:
     """Return `value` as a float above zero; `ValueError` otherwise."""
-    return in_range(name, value, 0.0, is_above=True)
+    return within(name, value, 0.0, is_above=True)
 
 
 def not_negative(name: str, value: Any) -> float:
     """Return `value` as a float not below zero; `ValueError` otherwise."""
-    return in_range(name, value, 0.0)
-
-
-def within(name: str, value: Any, least: float, most: float) -> float:
-    """Return `value` as a float from `least` to `most`; `ValueError` otherwise."""
-    return in_range(name, value, least, most)
+    return within(name, value, 0.0)
 
 
 def local_tolerance(name: str, value: Any, least: float) -> float:
     """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
-    return in_range(name, positive(name, value), least, 1.0, is_below=True)
+    return within(name, positive(name, value), least, 1.0, is_below=True)
 
 
 def whole(name: str, value: Any, least: int = 1, most: float = inf) -> int:
@@ -203,7 +198,8 @@ def float_array(name: str, values: npt.ArrayLike) -> Array:
         If they are complex, text, truth values or objects, if rows differ in length, or if one is
         masked.
     """
-    unmasked(name, values)
+    if np.ma.is_masked(values):
+        raise ArgumentError(name, f"must hold no masked values, got {values!r}")
     try:
         given = np.asarray(values)
     except (TypeError, ValueError):
@@ -225,16 +221,11 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
     # Its size is not finite if one of its numbers is not: one pass, for the shortest runs.
     largest = np.abs(result).max(initial=0.0)
     if not isfinite(largest):
-        raise ArgumentError(name, "must be finite")
+        worst = result[~np.isfinite(result)][0]
+        raise ArgumentError(name, f"must be finite, got {worst}")
     if largest > LARGEST_VALUE:
         raise ArgumentError(name, f"must not exceed {LARGEST_VALUE:g} in size")
     return result
-
-
-def unmasked(name: str, values: Any) -> None:
-    """Raise `ValueError` if any value is masked."""
-    if np.ma.is_masked(values):
-        raise ArgumentError(name, f"must hold no masked values, got {values!r}")
 
 
 _PLAIN = (str, float, int, Real)
@@ -268,11 +259,7 @@ def increasing_times(times: npt.ArrayLike) -> Array:
     ValueError
         If it is not one-dimensional, too short, not finite or not increasing.
     """
-    result = real_array("times", times)
-    if result.ndim != 1 or result.size < 2:
-        raise ArgumentError(
-            "times", f"must be one-dimensional with at least 2 entries, got shape {result.shape}"
-        )
+    result = finite_row("times", times, 2)
     steps = result[1:] - result[:-1]
     if not (steps > 0.0).all():
         worst = int(np.argmax(steps <= 0.0))
@@ -291,22 +278,21 @@ def spin_array(spins: npt.ArrayLike) -> Array:
         If it holds no real numbers, is empty, has more than one dimension, is not finite or
         exceeds `FASTEST_TURN`.
     """
-    result = finite_row("spins", spins, " in rad/s")
+    result = finite_row("spins", spins)
     fastest = float(result[np.argmax(np.abs(result))])
     within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
     return result
 
 
-def finite_row(name: str, values: npt.ArrayLike, unit: str = "") -> Array:
-    """Return finite numbers as an array, shape (n,), n >= 1; `ValueError` otherwise."""
-    result = np.atleast_1d(float_array(name, values))
-    if result.ndim != 1 or result.size == 0:
-        raise ValueError(
-            f"{name} must be one-dimensional with at least 1 entry, got shape {result.shape}"
-        )
-    if not np.all(np.isfinite(result)):
-        worst = result[~np.isfinite(result)][0]
-        raise ValueError(f"{name} must be finite numbers{unit}, got {worst}")
+def finite_row(name: str, values: npt.ArrayLike, least: int = 1) -> Array:
+    """Return real numbers as an array, shape (n,), n >= `least`; `ValueError` otherwise.
+
+    A single number gives n = 1; what else is refused is that of `real_array`.
+    """
+    result = np.atleast_1d(real_array(name, values))
+    if result.ndim != 1 or result.size < least:
+        fault = f"must be one-dimensional with {least} or more entries, got shape {result.shape}"
+        raise ArgumentError(name, fault)
     return result
 
 
@@ -322,7 +308,7 @@ def checked(quantity: Quantity, value: Any) -> Any:
         if quantity.is_switch:
             return switch(quantity.name, value)
         return choice(quantity.name, value, quantity.choices)
-    return in_range(
+    return within(
         quantity.name,
         value,
         quantity.least,

@@ -144,6 +144,11 @@ class Quantity(NamedTuple):
         return "ANGLE" if self.is_angle else name or "NUMBER"
 
     @property
+    def is_word(self) -> bool:
+        """Whether it takes one of a few words or marks, between which nothing lies."""
+        return self.unit is None
+
+    @property
     def is_switch(self) -> bool:
         """Whether it is true or false."""
         return self.choices == (True, False)
@@ -151,7 +156,7 @@ class Quantity(NamedTuple):
     @property
     def is_text(self) -> bool:
         """Whether it takes words."""
-        return self.unit is None and isinstance(self.choices[0], str)
+        return self.is_word and isinstance(self.choices[0], str)
 
     @property
     def is_angle(self) -> bool:
@@ -344,6 +349,12 @@ _DECLARED = (
 
 QUANTITIES: dict[str, Quantity] = {each.key: each for each in _DECLARED}
 """By key, in the order of a file."""
+
+
+def declared(key: str) -> Quantity:
+    """Quantity of a key; a plain number for a parameter of a law or body of one's own."""
+    return QUANTITIES.get(key) or Quantity(key, "of one's own")
+
 
 PLATE = ("radius", "thickness", "density")
 """Keys of a disk of uniform density; further round holes and masses are lists."""

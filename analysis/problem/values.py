@@ -7,7 +7,7 @@ from typing import Any
 
 from analysis.problem.checks import choice, number
 from analysis.problem.names import ArgumentError
-from analysis.problem.quantities import LEVELS, QUANTITIES, Quantity
+from analysis.problem.quantities import Quantity, declared
 
 Value = float | str | bool
 """What a quantity may be set to."""
@@ -26,21 +26,6 @@ class UnitWarning(UserWarning):
     """A number is taken as it stands, but looks as if it were meant in another unit."""
 
 
-def is_text(key: str) -> bool:
-    """Whether a quantity takes words instead of numbers."""
-    return key in QUANTITIES and QUANTITIES[key].is_text
-
-
-def is_word(key: str) -> bool:
-    """Whether a quantity takes one of a few words or marks, between which nothing lies."""
-    return unit(key) is None
-
-
-def unit(key: str) -> str | None:
-    """Unit of a quantity, empty for a plain number; None for what is no number."""
-    return QUANTITIES[key].unit if key in QUANTITIES else ""
-
-
 def read_value(key: str, value: Any, name: str = "") -> Value:
     """Value of a quantity from text, as on the command line, or as TOML has it.
 
@@ -57,25 +42,22 @@ def read_value(key: str, value: Any, name: str = "") -> Value:
     ArgumentError
         If it is of the wrong kind.
     """
-    name, about = name or key, QUANTITIES.get(key)
-    if key == "model":
-        return int(choice(name, str(value).strip(), map(str, LEVELS)))
-    if about is not None and about.is_switch:
-        return bool(choice(name, str(value).strip().lower(), ("true", "false")) == "true")
-    if about is not None and about.is_text:
+    name, about, result = name or key, declared(key), value
+    if about.is_text:
         if not isinstance(value, str):
             raise ArgumentError(name, f"must be text, got {value!r}")
         return value.strip()
-    result = value
-    if isinstance(value, str) and not (about and about.is_angle):
+    if about.is_word:
+        words: dict[str, Value] = {str(each).lower(): each for each in about.choices}
+        return words[choice(name, str(value).strip().lower(), words)]
+    if isinstance(value, str) and not about.is_angle:
         try:
             result = float(value)
         except ValueError:
-            what = f"number in {about.unit}" if about and about.unit else "number"
+            what = f"number in {about.unit}" if about.unit else "number"
             raise ArgumentError(name, f"must be a {what}, got {value!r}") from None
     result = angle(name, result)
-    if about is not None and about.unit is not None:
-        _warn_of_unit(about, value, result)
+    _warn_of_unit(about, value, result)
     return result
 
 

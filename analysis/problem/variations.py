@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.problem.body import Body
-from analysis.problem.checks import choice, instance, unmasked
+from analysis.problem.checks import choice, float_array, instance, several
 from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import DISKS, Disk
@@ -18,10 +18,10 @@ from analysis.problem.elementary import DividedError, Members, Rows
 from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError, full_name
 from analysis.problem.plain_data import KINDS, fields_of, made_part, maker
-from analysis.problem.quantities import RING, SIX
+from analysis.problem.quantities import RING, SIX, declared
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Start
-from analysis.problem.values import Value, is_word, read_value
+from analysis.problem.values import Value, read_value
 
 T = TypeVar("T")
 Numbers = dict[str, Any]
@@ -302,18 +302,11 @@ def one_by_one(
 
 def _values(name: str, given: npt.ArrayLike) -> Values:
     """Clean values of a field, shape (m,), that nobody can change."""
-    unmasked(name, given)
-    try:
-        values = np.array(given)
-    except (TypeError, ValueError):
-        raise ArgumentError(name, f"must be an array, got {given!r}") from None
+    if declared(name).is_word:
+        values = np.array([read_value(name, each) for each in several(name, given, "values")])
+    else:
+        values = float_array(name, given)
     if values.ndim != 1 or not values.size:
         raise ValueError(f"{name} must have shape (m,), m > 0, got {values.shape}")
-    if is_word(name):
-        values = np.array([read_value(name, value) for value in values.tolist()])
-    elif values.dtype.kind not in "fiu":
-        raise ValueError(f"{name} must be an array of real numbers, got {values.dtype} values")
-    else:
-        values = values.astype(float)
     values.setflags(write=False)
     return values

@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from analysis.motion import frames
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, in_range, increasing_times, number, positive
+from analysis.problem.checks import Array, increasing_times, number, positive, within
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import Start
 
@@ -151,7 +151,7 @@ def _precession(precession: float) -> float:
 
 def _inclination(beta: float) -> float:
     why = "where a disk leans"
-    return in_range("beta", beta, 0.0, pi, is_above=True, is_below=True, why=why)
+    return within("beta", beta, 0.0, pi, is_above=True, is_below=True, why=why)
 
 
 class PowerLaw(NamedTuple):

@@ -15,7 +15,7 @@ from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.problem.choices import Source
 from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
-from analysis.problem.values import is_text, unit
+from analysis.problem.quantities import declared
 from analysis.problem.variations import changed, check_fields
 from validation.commands.options import Problem, checked_end, parse_spins
 from validation.kit.figures import STYLES, legend_above, new_figure
@@ -256,7 +256,7 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
     except ValueError as error:
         raise ArgumentError("over", f"tells no axis: {error}") from None
     field, size = axis.field, Design(axes=(axis,)).size
-    if is_text(field) or field.partition(".")[0] not in ("disk", "friction", "table"):
+    if declared(field).is_text or field.partition(".")[0] not in ("disk", "friction", "table"):
         raise ValueError(
             f"axis must be a number of disk, friction or table, such as mu=0.1:1:10, got {field}"
         )
@@ -270,7 +270,7 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
 
 def _head(axis: Any) -> str:
     """Heading of the axis's values."""
-    name, measure = axis.field.rpartition(".")[2].replace("_", " "), unit(axis.field)
+    name, measure = axis.field.rpartition(".")[2].replace("_", " "), declared(axis.field).unit
     return f"{name} in {measure}" if measure else name
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import analysis
 from analysis import MODELS, Scenario
 from analysis.problem.checks import Array, whole, within
-from analysis.problem.values import unit
+from analysis.problem.quantities import declared
 from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
@@ -79,7 +79,7 @@ _LABELS = {
 
 def label(field: str) -> str:
     """What stands at the axis of a field, with its unit."""
-    name, measure = field.replace("_", " ").replace(".", ": "), unit(field)
+    name, measure = field.replace("_", " ").replace(".", ": "), declared(field).unit
     return _LABELS.get(field, f"{name} in {measure}" if measure else name)
 
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from analysis.problem.values import is_word
+from analysis.problem.quantities import declared
 from validation.kit import figures as kit
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
@@ -87,7 +87,7 @@ def _scale(axis: Axis) -> str:
 
 def _is_named(axis: Axis) -> bool:
     """Whether values are names or marks, which are drawn at the places they have in their list."""
-    return is_word(axis.field) or axis.field == "model"
+    return declared(axis.field).is_word
 
 
 def _mark(axes: Axes, way: str, axis: Axis) -> None:

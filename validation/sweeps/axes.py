@@ -11,7 +11,8 @@ import numpy as np
 from analysis.problem.checks import Array, choice, whole
 from analysis.problem.limits import LARGEST_STORAGE
 from analysis.problem.names import full_name
-from analysis.problem.values import Value, is_text, is_word, read_value
+from analysis.problem.quantities import declared
+from analysis.problem.values import Value, read_value
 from validation.parser.runs import LAYOUTS, Layout
 
 _RANGE = re.compile(r"([^:]+):([^:]+?)(?:\s*:\s*(\d+)\s*)?(:\s*log\s*)?")
@@ -64,7 +65,7 @@ class Axis:
             self._check_range(field)
 
     def _check_range(self, field: str) -> None:
-        if is_word(field):
+        if declared(field).is_word:
             raise ValueError(f"axis {field} takes a list, such as {field}=a,b, and no range")
         ends = [float(read_value(field, each)) for each in (self.first, self.last)]
         if self.count is not None:
@@ -236,7 +237,7 @@ def axis_from(field: str, given: Any) -> Axis:
         return Axis(field=field, values=tuple(given) if isinstance(given, list) else (given,))
     name = full_name(field)
     # A friction law of one's own is called module:Class.
-    if ":" not in given or is_text(name):
+    if ":" not in given or declared(name).is_text:
         return Axis(field=name, values=tuple(given.split(",")))
     parts: Any = _RANGE.fullmatch(given)
     if parts is None:
