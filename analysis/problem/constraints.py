@@ -130,31 +130,6 @@ FOLLOWING = ("x", "y", "x_rate", "y_rate", "beta_rate", "gamma_rate")
 """Fields of a `Start` that constraints may demand, in the order of `demanded`."""
 
 
-def independent_coordinates(constraints: ConstraintSet) -> tuple[str, ...]:
-    """Fields of a `Start` that are free under constraints, the spin and alpha left out.
-
-    Positions, and then the rates that the constraints leave; a start follows from them.
-
-    Parameters
-    ----------
-    constraints : tuple of str
-    """
-    held, along, across = (
-        name in constraints for name in ("fixed-cog", "no-slip-along", "no-slip-across")
-    )
-    free = {
-        "x": not held,
-        "y": not held,
-        "beta": True,
-        "gamma": True,
-        "x_rate": not held and not along,
-        "y_rate": not held and not across,
-        "beta_rate": not (held and across),
-        "gamma_rate": not (held and along),
-    }
-    return tuple(name for name, is_free in free.items() if is_free)
-
-
 def demanded(
     constraints: ConstraintSet,
     disk: Body,
@@ -192,3 +167,21 @@ def demanded(
         if across:
             y_rate = -x * spin - r * sb * beta_rate
     return x, y, x_rate, y_rate, beta_rate, gamma_rate
+
+
+def independent_coordinates(constraints: ConstraintSet, disk: Body) -> tuple[str, ...]:
+    """Fields of a `Start` that are free under constraints, the spin and alpha left out.
+
+    Positions, and then the rates that the constraints leave; a start follows from them.
+
+    Parameters
+    ----------
+    constraints : tuple of str
+    disk : Body
+    """
+    given = tuple(float(place) for place in range(len(FOLLOWING)))
+    found = zip(FOLLOWING, given, demanded(constraints, disk, (1.0, 1.0, 1.0), given), strict=True)
+    # What is free comes back as the very object that it was.
+    followed = [name for name, before, after in found if after is not before]
+    names = ("x", "y", "beta", "gamma", *FOLLOWING[2:])
+    return tuple(name for name in names if name not in followed)
