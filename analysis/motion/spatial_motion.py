@@ -55,24 +55,6 @@ class Phases:
     rest: float | None
 
 
-def phases_of(motion: "SpatialMotion") -> Phases:
-    """When the phases of a motion begin."""
-    scenario, times, leaning = motion.scenario, motion.times, motion.leaning
-    contact, disk = scenario.penalty_contact, scenario.disk
-    limit = np.arctan(FLAT * contact.half_thickness / disk.radius) if contact.lies(disk) else 0.0
-    flat = _from_here_on(times, leaning < limit)
-    upto = times <= (np.inf if flat is None else flat)
-    slip, contour = (_running_mean(times, s) for s in (motion.slip_speeds, motion.contour_speeds))
-    inversion = motion.inversion
-    return Phases(
-        inversion=inversion.time,
-        inversion_lost=inversion.lost,
-        rolling=_from_here_on(times[upto], (slip < ROLLING * contour)[upto]),
-        flat=flat,
-        rest=motion.rest_time,
-    )
-
-
 def _from_here_on(times: Array, condition: Flags) -> float | None:
     """First time from which on the condition holds to the end."""
     if not condition[-1]:
@@ -187,7 +169,19 @@ class SpatialMotion(SampledMotion):
     @property
     def phases(self) -> Phases:
         """When each phase of the motion until rest begins."""
-        return phases_of(self)
+        times, leaning, inversion = self.times, self.leaning, self.inversion
+        contact, disk = self.scenario.penalty_contact, self.scenario.disk
+        limit = FLAT * contact.half_thickness / disk.radius if contact.lies(disk) else 0.0
+        flat = _from_here_on(times, np.tan(leaning) < limit)
+        upto = times <= (np.inf if flat is None else flat)
+        slip, contour = (_running_mean(times, s) for s in (self.slip_speeds, self.contour_speeds))
+        return Phases(
+            inversion=inversion.time,
+            inversion_lost=inversion.lost,
+            rolling=_from_here_on(times[upto], (slip < ROLLING * contour)[upto]),
+            flat=flat,
+            rest=self.rest_time,
+        )
 
     def energy_taken(self, cause: str) -> Array:
         """Energy in J taken by this one of `CAUSES` over time, shape (n,)."""

@@ -12,7 +12,7 @@ import numpy as np
 from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import InCoordinates
 from analysis.motion.sampled import SampledMotion, Setting
-from analysis.problem.checks import Array, choice, not_negative, number, several, whole
+from analysis.problem.checks import Array, choice, not_negative, real_array, whole
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.names import ArgumentError
 from analysis.problem.start import COORDINATES, State
@@ -79,11 +79,14 @@ class Trajectory(InCoordinates, SampledMotion):
 
     def __post_init__(self) -> None:
         self._check()
-        pulling = tuple(_interval(each) for each in several("pulling", self.pulling, "intervals"))
+        pulling = real_array("pulling", self.pulling)
+        if pulling.size and pulling.shape[1:] != (2,):
+            fault = f"must hold first and last times, got {self.pulling!r}"
+            raise ArgumentError("pulling", fault)
         for first, last in pulling:
             if first > last:
                 raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
-        object.__setattr__(self, "pulling", pulling)
+        object.__setattr__(self, "pulling", tuple(map(tuple, pulling.tolist())))
         if self.solver_seconds is not None:
             not_negative("solver_seconds", self.solver_seconds)
 
@@ -138,14 +141,6 @@ def versions(*packages: str) -> dict[str, str]:
 # Reading one takes as long as the shortest runs.
 _version = cache(version)
 _python_version = cache(platform.python_version)
-
-
-def _interval(given: Any) -> tuple[float, float]:
-    """First and last time in s, or `ArgumentError`."""
-    ends = tuple(number("pulling", each) for each in several("pulling", given, "intervals"))
-    if len(ends) != 2:
-        raise ArgumentError("pulling", f"must hold first and last times, got {given!r}")
-    return ends
 
 
 def _column(name: str) -> int:
