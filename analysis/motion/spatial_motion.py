@@ -12,7 +12,7 @@ from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import filled, quantities
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import Array, choice, instance, within
+from analysis.problem.checks import Array, choice, instance, positive, within
 from analysis.problem.contact import CAUSES
 
 ROLLING = 0.1
@@ -294,7 +294,7 @@ class SpatialMotion(SampledMotion):
         end : float, optional
             In s; the last sample by default.
         least_leaning : float
-            How close to flat in rad the disk may come; Euler angles end there.
+            How close to flat in rad the disk may come, positive; Euler angles end there.
 
         Raises
         ------
@@ -302,7 +302,10 @@ class SpatialMotion(SampledMotion):
             If fewer than two samples lie before `end`, or the disk comes too close to flat, or
             so close between two samples that alpha and gamma may turn unseen.
         """
-        count = int(np.searchsorted(self.times, np.inf if end is None else end, side="right"))
+        least_leaning, count = positive("least_leaning", least_leaning), self.times.size
+        if end is not None:
+            end = within("end", end, float(self.times[1]))
+            count = int(np.searchsorted(self.times, end, side="right"))
         leaning = self.leaning[:count]
         if np.any(leaning < least_leaning):
             first = self.times[np.argmax(leaning < least_leaning)]

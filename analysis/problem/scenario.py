@@ -232,7 +232,7 @@ class Scenario(Described):
         ValueError
             If a key or a value is unknown, of the wrong kind or out of range.
         """
-        for name in values:
+        for name in instance("scenario", values, Mapping):
             choice("scenario", name, ("constraints", *KINDS, "start"))
         made = {name: made_part(name, each) for name, each in values.items()}
         return cls(**made)

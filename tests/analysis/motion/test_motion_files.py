@@ -139,6 +139,7 @@ TRAJECTORIES: list[tuple[Stored, str]] = [
     ({"meta": {"error_estimate": -1.0}}, "error_estimate must not be negative"),
     ({"meta": {"source": "me"}}, "source must be one of engine, in-house"),
     ({"meta": {"scenario": {"wind": 3}}}, "scenario must be one of"),
+    ({"meta": {"scenario": 3}}, "scenario must be a Mapping, got 3"),
     ({"meta": {"pulling": [[2, 1]]}}, "pulling must hold rising times"),
     ({"meta": {"ending": ENDED | {"reason": 3}}}, "reason must be text, got 3"),
     ({"meta": {"colour": "red"}}, "meta must be one of .*colour"),

@@ -248,6 +248,21 @@ def test_time_outside_the_samples_is_refused(motion: StoredRun) -> None:
             motion.at(time)
 
 
+@pytest.mark.parametrize(
+    ("message", "how"),
+    [
+        ("end must lie from 0.0005 to inf, got 0.0004", {"end": 4e-4}),
+        ("end must be a finite number, got 'x'", {"end": "x"}),
+        ("least_leaning must be positive, got 0", {"least_leaning": 0.0}),
+    ],
+)
+def test_part_that_has_no_angles_is_refused_by_name(
+    message: str, how: Any, falling: SpatialMotion
+) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        falling.to_trajectory(**how)
+
+
 # --- Out of Python -------------------------------------------------------------------------------
 
 
