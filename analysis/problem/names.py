@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
-from analysis.problem.quantities import QUANTITIES
+from analysis.problem.quantities import KEYS, QUANTITIES
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -104,16 +104,12 @@ def full_name(name: str, argument: str = "axis") -> str:
     # A friction law of one's own has parameters of its own.
     if name in QUANTITIES or (table == "friction" and key):
         return name
-    if name in OTHERWISE:
-        return OTHERWISE[name]
-    for quantity in QUANTITIES.values():
-        if quantity.name == name:
-            return quantity.key
-    known = [each.name for each in QUANTITIES.values()]
+    if found := OTHERWISE.get(name) or KEYS.get(name):
+        return found
     raise ArgumentError(
         argument,
         "must be a field of a scenario, as `tippedisk scenario` lists them, such as start.spin, "
-        f"got {name!r}{nearest(key, known)}",
+        f"got {name!r}{nearest(key, KEYS)}",
     )
 
 

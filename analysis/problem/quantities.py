@@ -350,6 +350,9 @@ _DECLARED = (
 QUANTITIES: dict[str, Quantity] = {each.key: each for each in _DECLARED}
 """By key, in the order of a file."""
 
+KEYS: dict[str, str] = {each.name: each.key for each in _DECLARED}
+"""By the last part of the key, which no two quantities have in common."""
+
 
 def declared(key: str) -> Quantity:
     """Quantity of a key; a plain number for a parameter of a law or body of one's own."""

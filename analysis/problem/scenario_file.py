@@ -17,7 +17,7 @@ from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import STEEL_RING
 from analysis.problem.names import ArgumentError, nearest
 from analysis.problem.plain_data import made_part
-from analysis.problem.quantities import CONSTRAINTS, QUANTITIES, SECTIONS, SIX, of_table
+from analysis.problem.quantities import CONSTRAINTS, KEYS, QUANTITIES, SECTIONS, SIX, of_table
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from analysis.problem.values import read_value, spelled_angle
@@ -251,11 +251,10 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
 
 def _stray(key: str) -> tuple[str, str]:
     """What is wrong with an unknown key outside of the tables, and what to call it."""
-    for quantity in QUANTITIES.values():
-        if key == quantity.name:
-            return f"must stand in the table [{quantity.table}]", key
-    known = [*_TOP, *(quantity.name for quantity in QUANTITIES.values())]
-    return f"a scenario holds {', '.join(_TOP)}{nearest(key, known)}", f"unknown key {key!r};"
+    if key in KEYS:
+        return f"must stand in the table [{QUANTITIES[KEYS[key]].table}]", key
+    known = nearest(key, [*_TOP, *KEYS])
+    return f"a scenario holds {', '.join(_TOP)}{known}", f"unknown key {key!r};"
 
 
 def _constraints(values: Mapping[str, Any]) -> Any:
