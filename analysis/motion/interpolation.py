@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.integrate import cumulative_trapezoid
 
 from analysis.problem.checks import Array
 
@@ -145,6 +146,23 @@ def extremes(times: Array, values: Array, rates: Array) -> tuple[Array, Array]:
         value += width * part * rest * (rest * rates[:, :-1] - part * rates[:, 1:])
         low, high = np.minimum(low, value), np.maximum(high, value)
     return low + 0.5 * (low - least), high + 0.5 * (high - most)
+
+
+def running_mean(times: Array, values: Array, window: float | Array) -> Array:
+    """Mean of sampled values over a window about each sample, shape (n,), shorter at the ends.
+
+    Parameters
+    ----------
+    times, values : ndarray, shape (n,)
+    window : float or ndarray, shape (n,)
+        Its whole width.
+    """
+    total = cumulative_trapezoid(values, times, initial=0.0)
+    left = np.maximum(times - 0.5 * window, times[0])
+    right = np.minimum(times + 0.5 * window, times[-1])
+    sums = np.interp(right, times, total) - np.interp(left, times, total)
+    result: Array = sums / (right - left)
+    return result
 
 
 def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:

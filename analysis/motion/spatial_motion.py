@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.motion import frames
 from analysis.motion.frames import Flags, Poses
-from analysis.motion.interpolation import interpolate
+from analysis.motion.interpolation import interpolate, running_mean
 from analysis.motion.quantities import filled, quantities
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.trajectory import Trajectory
@@ -61,18 +61,6 @@ def _from_here_on(times: Array, condition: Flags) -> float | None:
         return None
     broken = np.flatnonzero(~condition)
     return float(times[broken[-1] + 1 if broken.size else 0])
-
-
-def _running_mean(times: Array, values: Array) -> Array:
-    """Mean over `MEAN_TIME` around each sample; over what there is of it at the ends."""
-    integral = np.concatenate(
-        ([0.0], np.cumsum(0.5 * np.diff(times) * (values[1:] + values[:-1])))
-    )
-    low = np.maximum(times - 0.5 * MEAN_TIME, times[0])
-    high = np.minimum(times + 0.5 * MEAN_TIME, times[-1])
-    difference = np.interp(high, times, integral) - np.interp(low, times, integral)
-    result: Array = difference / (high - low)
-    return result
 
 
 _WITH_RATES = ("times", "positions", "quaternions", "velocities", "angular_velocities")
@@ -174,7 +162,8 @@ class SpatialMotion(SampledMotion):
         limit = FLAT * contact.half_thickness / disk.radius if contact.lies(disk) else 0.0
         flat = _from_here_on(times, np.tan(leaning) < limit)
         upto = times <= (np.inf if flat is None else flat)
-        slip, contour = (_running_mean(times, s) for s in (self.slip_speeds, self.contour_speeds))
+        speeds = self.slip_speeds, self.contour_speeds
+        slip, contour = (running_mean(times, each, MEAN_TIME) for each in speeds)
         return Phases(
             inversion=inversion.time,
             inversion_lost=inversion.lost,
