@@ -178,8 +178,7 @@ def angular_velocities(quaternions: Array, rates: Array) -> Array:
     """Inertial angular velocities in rad/s, shape (n, 3), from quaternions and their rates."""
     scalar, vector = quaternions[:, :1], quaternions[:, 1:]
     turning = scalar * rates[:, 1:] - rates[:, :1] * vector
-    result: Array = 2.0 * (turning - np.cross(rates[:, 1:], vector))
-    return result
+    return 2.0 * (turning - np.cross(rates[:, 1:], vector))
 
 
 def tilts(rotations: Array) -> Array:

@@ -75,7 +75,7 @@ class Quantities(ABC):
         """Pose and twist at every sample."""
 
     @property
-    def _eccentricity(self) -> Any:
+    def _eccentricity(self) -> Array | float:
         """In m; shape (m, 1) of many motions."""
         return self.scenario.disk.eccentricity
 
@@ -91,8 +91,7 @@ class Quantities(ABC):
     def cog_direction_rate(self) -> Array:
         """Rate of `cog_direction` in 1/s, shape (n,)."""
         axis, angular = self.poses.rotations[..., 0], self.poses.angular_velocities
-        result: Array = angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
-        return result
+        return angular[..., 0] * axis[..., 1] - angular[..., 1] * axis[..., 0]
 
     @property
     def face(self) -> Array:
@@ -113,14 +112,12 @@ class Quantities(ABC):
     def leaning(self) -> Array:
         """Angle in rad between the disk and the table, 0 flat on either face, shape (n,)."""
         tilt = self.tilt
-        result: Array = np.minimum(tilt, np.pi - tilt)
-        return result
+        return np.minimum(tilt, np.pi - tilt)
 
     @property
     def cog_height(self) -> Array:
         """Height of the centre of gravity over the table in m, shape (n,)."""
-        result: Array = self.poses.positions[..., 2] + self._eccentricity * self.cog_direction
-        return result
+        return self.poses.positions[..., 2] + self._eccentricity * self.cog_direction
 
     @property
     def contact_speed(self) -> Array:

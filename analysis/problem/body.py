@@ -123,8 +123,7 @@ class Body(Described):
     def _tensor(self, moments: tuple[float, float, float]) -> Array:
         xx, yy, zz, xy, xz, yz = np.broadcast_arrays(*moments, *self.products)
         rows = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-        result: Array = np.moveaxis(rows, (0, 1), (-2, -1))
-        return result
+        return np.moveaxis(rows, (0, 1), (-2, -1))
 
     @property
     def principal_moments(self) -> tuple[float, float, float]:
