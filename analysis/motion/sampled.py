@@ -141,7 +141,8 @@ class SampledMotion(Quantities):
         What has rates goes through the samples and these by polynomials of degree 11, whose
         derivatives the rates are; constraint forces in the paper's coordinates by cubic ones
         through the samples alone; everything else is linear between samples. The error of beta
-        and gamma, or of the attitude, is estimated, and added to the run's error estimate.
+        and gamma, or of the attitude, is estimated, and added to the run's error estimate. The
+        motion keeps its ending if the last of the times is its own.
 
         Parameters
         ----------
@@ -160,6 +161,7 @@ class SampledMotion(Quantities):
         wanted = increasing_times(times)
         arrays, error = self._found(wanted, tolerance)
         arrays |= self._beside(wanted)
+        arrays["ending"] = self.ending if wanted[-1] == self.times[-1] else None
         estimate = None if self.error_estimate is None else self.error_estimate + error
         same: Any = self
         found: Self = replace(same, times=wanted, **arrays, error_estimate=estimate)

@@ -227,6 +227,13 @@ def test_samples_too_far_apart_for_the_runs_own_tolerance_are_refused(fine: Traj
     assert unknown.resampled([0.0, 0.005], tolerance=1.0).error_estimate is None
 
 
+def test_ending_is_that_of_the_last_sample_alone(motion: StoredRun) -> None:
+    last, ending = float(motion.times[-1]), Ending(reason="low", time=1.0, value=0.0)
+    ended = replace(motion, ending=ending)
+    for end, kept in ((last, ending), (0.9 * last, None)):
+        assert ended.resampled([0.0, end], tolerance=1.0).ending == kept
+
+
 def test_extremes_between_samples_are_those_of_a_parabola_and_half_as_much_again() -> None:
     # Up by a quarter of a unit between samples of the same height, and down by as much.
     rates = np.array([[1.0, -1.0], [-1.0, 1.0]])
