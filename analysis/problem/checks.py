@@ -259,14 +259,17 @@ def increasing_times(times: npt.ArrayLike) -> Array:
     ValueError
         If it is not one-dimensional, too short, not finite or not increasing.
     """
-    result = finite_row("times", times, 2)
-    steps = result[1:] - result[:-1]
+    return increasing("times", finite_row("times", times, 2))
+
+
+def increasing(name: str, row: Array) -> Array:
+    """Return finite numbers, shape (n,), if they increase strictly; `ValueError` otherwise."""
+    steps = row[1:] - row[:-1]
     if not (steps > 0.0).all():
         worst = int(np.argmax(steps <= 0.0))
-        raise ArgumentError(
-            "times", f"must increase strictly, got {result[worst]:g} before {result[worst + 1]:g}"
-        )
-    return result
+        fault = f"must increase strictly, got {row[worst]:g} before {row[worst + 1]:g}"
+        raise ArgumentError(name, fault)
+    return row
 
 
 def spin_array(spins: npt.ArrayLike) -> Array:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from analysis.mechanics import paper
-from analysis.problem.checks import Array, choice, instance, spin_array
+from analysis.problem.checks import Array, choice, increasing, instance, spin_array
 from analysis.problem.quantities import Level
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import MOTIONS, Motion
@@ -223,12 +223,7 @@ def branches(
         If spins are not finite or do not increase, the system or the motion is unknown, or the
         scenario none of this system.
     """
-    wanted = spin_array(spins)
-    if np.any(np.diff(wanted) <= 0.0):
-        worst = int(np.argmax(np.diff(wanted) <= 0.0))
-        raise ValueError(
-            f"spins must increase strictly, got {wanted[worst]:g} before {wanted[worst + 1]:g}"
-        )
+    wanted = increasing("spins", spin_array(spins))
     # There is a step even where no other spin than 0 is asked for.
     first, last = min(0.0, wanted[0]), max(_LARGEST_STEP, wanted[-1])
     below, above = (helper_spins(scenario, *each) for each in ((first, 0.0), (0.0, last)))
