@@ -314,7 +314,7 @@ _DECLARED = (
     Quantity("contact.stiffness", "the disk may sink in by 1 % of its radius", "N/m",
              None, 0.0, 1e12, is_above=True),
     Quantity("contact.damping", "of the damper", "N s/m", 0.0, 0.0, 1e9,
-             usual="half of the critical one"),
+             usual="0 in a file; by options half of the critical one"),
     Quantity("contact.half_thickness", "of a rounded rim, at most the radius; 0: thin disk",
              "m", 0.0, 0.0),
     Quantity("contact.bilateral", "whether the contact may pull", None, False,
