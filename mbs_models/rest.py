@@ -192,8 +192,7 @@ def largest_step(scenario: Scenario, leaning: float = 1.0) -> float:
 
 def spatial(states: Array) -> Poses:
     """Poses and how they move, in inertial components."""
-    attitudes = states[:, POSE]
-    rotation = frames.rotations(attitudes / np.linalg.norm(attitudes, axis=1)[:, None])
+    rotation = frames.rotations(states[:, POSE])
     angular = np.einsum("nij,nj->ni", rotation, states[:, TURNING])
     return Poses(states[:, :3], rotation, states[:, 7:10], angular)
 

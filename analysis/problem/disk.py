@@ -47,11 +47,12 @@ class PointMass(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """What a disk is made of; places are in axes of the plate."""
+    """What a disk is made of; places are in axes of the plate, and so is the body's x axis."""
 
     plate: Plate
-    holes: tuple[Hole, ...] = ()
-    masses: tuple[PointMass, ...] = ()
+    holes: tuple[Hole, ...]
+    masses: tuple[PointMass, ...]
+    ahead: tuple[float, float] = (1.0, 0.0)
 
     @property
     def ring(self) -> dict[str, float] | None:
@@ -110,15 +111,10 @@ class Disk(Body):
     is_round_disk: ClassVar[bool] = True
     has_edge: ClassVar[bool] = True
 
-    @property
+    @cached_property
     def parts(self) -> Parts | None:
         """What it was made of by `of_parts` or `ring`; None where only its numbers are known."""
-        return self._made_of[0]
-
-    @cached_property
-    def _made_of(self) -> tuple[Parts | None, tuple[float, float]]:
-        """Parts, and the x axis of the body in axes of the plate; those that `of_parts` knows."""
-        return None, (1.0, 0.0)
+        return None
 
     @property
     def least_moment(self) -> float:
@@ -167,7 +163,7 @@ class Disk(Body):
         """Holes and masses in axes of the body; none of a disk that is told by its numbers."""
         if self.parts is None:
             return [], []
-        c, s = self._made_of[1]
+        c, s = self.parts.ahead
 
         def turned(part: Any) -> Any:
             return part._replace(x=c * part.x + s * part.y, y=c * part.y - s * part.x)
@@ -226,7 +222,7 @@ class Disk(Body):
             inertia_z=zz,
             inertia_xy=_product(c * s * (yy - xx) + (c * c - s * s) * xy, zz),
         )
-        vars(disk)["_made_of"] = parts, (c, s)
+        vars(disk)["parts"] = parts._replace(ahead=(c, s))
         return disk
 
     @classmethod
