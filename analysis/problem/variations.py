@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import InitVar, dataclass, fields, replace
 from numbers import Integral
 from typing import Any, TypeVar
 
@@ -153,6 +153,9 @@ class Ensemble:
         From the dotted name of a field, as a scenario's file has it ("start.spin"), or its last
         part alone where that is enough ("spin"), to its values, each shape (m,), m > 0. Fields
         are those that a sweep may vary.
+    check : bool
+        Whether all members are checked at once; those that are no scenarios else fail alone,
+        where they are run.
 
     Raises
     ------
@@ -171,8 +174,9 @@ class Ensemble:
 
     scenario: Scenario
     fields: Mapping[str, Values]
+    check: InitVar[bool] = True
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, check: bool) -> None:
         instance("scenario", self.scenario, Scenario)
         if not isinstance(self.fields, Mapping) or not self.fields:
             raise ArgumentError("fields", f"must map names to arrays, got {self.fields!r}")
@@ -190,28 +194,12 @@ class Ensemble:
                     f"fields must have one shape, got {shape} of {first} and {other} of {name}"
                 )
         object.__setattr__(self, "fields", found)
+        if not check:
+            return
         check_fields(self.scenario, self._values(0))
         for rows, made in self.map_groups(lambda scenario: scenario):
             if isinstance(made, Exception):
                 raise ValueError(f"member {rows[0]} of fields: {made}") from None
-
-    @classmethod
-    def without_validation(
-        cls, scenario: Scenario, fields: Mapping[str, npt.ArrayLike]
-    ) -> "Ensemble":
-        """Ensemble whose members may be no scenarios: each of these fails where it is run.
-
-        Parameters
-        ----------
-        scenario : Scenario
-        fields : mapping
-            Arrays of one shape by dotted names of fields that may vary.
-        """
-        whole = object.__new__(cls)
-        object.__setattr__(whole, "scenario", scenario)
-        found = {name: _values(name, values) for name, values in fields.items()}
-        object.__setattr__(whole, "fields", found)
-        return whole
 
     def __len__(self) -> int:
         return len(next(iter(self.fields.values())))
@@ -236,7 +224,7 @@ class Ensemble:
     def subset(self, rows: Rows | slice) -> "Ensemble":
         """Ensemble of some of the members, which need no further check."""
         fields = {name: values[rows] for name, values in self.fields.items()}
-        return self.without_validation(self.scenario, fields)
+        return Ensemble(scenario=self.scenario, fields=fields, check=False)
 
     def map_groups(
         self, function: Callable[[Scenario], T]

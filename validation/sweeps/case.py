@@ -111,7 +111,7 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     begin, plan = time.process_time(), sweep.plan
     cases = [sweep.design.values_of(number) for number in numbers]
     fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
-    ensemble = Ensemble.without_validation(sweep.scenario, fields)
+    ensemble = Ensemble(scenario=sweep.scenario, fields=fields, check=False)
     how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
     runs = simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
     found = list(outcomes(runs).rows())
