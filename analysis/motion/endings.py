@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from analysis.problem.checks import choice, number
 from analysis.problem.elementary import sin
@@ -104,9 +105,8 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
         If a name is unknown or stands for two of them, something is neither a name nor callable,
         or says no number of the state.
     """
-    given = stop_when if isinstance(stop_when, Iterable) else (stop_when,)
-    if isinstance(given, str):
-        given = (given,)
+    is_one = isinstance(stop_when, str) or not isinstance(stop_when, Iterable)
+    given: Any = (stop_when,) if is_one else stop_when
     found: dict[str, Condition] = {}
     for each in given:
         name, condition = _named(each)

@@ -41,29 +41,24 @@ def number(name: str, value: Any) -> float:
     # To ask an abstract class takes longer than all the rest.
     if type(value) is float and isfinite(value):
         return value
-    if not isinstance(value, Real) or isinstance(value, bool):
-        if isinstance(value, Members):
-            return _finite(name, value)
-        raise ArgumentError(name, f"must be a finite number, got {value!r}{_in_numbers(value)}")
-    try:
-        result = float(value)
-    except OverflowError:
-        raise ArgumentError(name, "must be a finite number, got one too large") from None
-    if not isfinite(result):
-        raise ArgumentError(name, f"must be a finite number, got {result}")
-    return result
+    result = value
+    if not isinstance(value, Members):
+        if not isinstance(value, Real) or isinstance(value, bool):
+            fault = f"must be a finite number, got {value!r}{_in_numbers(value)}"
+            raise ArgumentError(name, fault)
+        try:
+            result = float(value)
+        except OverflowError:
+            raise ArgumentError(name, "must be a finite number, got one too large") from None
+    if not np.isfinite(result):
+        raise ArgumentError(name, f"must be a finite number, got {result:g}")
+    return cast("float", result)
 
 
 def _in_numbers(value: Any) -> str:
     """How to write an angle that is given as text."""
     angle = re.fullmatch(r"\s*([-+.\d]+)\s*(deg|°)\s*", value) if isinstance(value, str) else None
     return f"; write np.radians({angle[1]})" if angle else ""
-
-
-def _finite(name: str, members: Members) -> float:
-    if not np.isfinite(members):
-        raise ArgumentError(name, f"must be a finite number, got {members:g}")
-    return cast("float", members)
 
 
 def within(

@@ -8,12 +8,12 @@ from typing import Literal, get_args
 import numpy as np
 
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, Described, choice, number
+from analysis.problem.checks import Array, Described, checked, choice, number
 from analysis.problem.constraints import FOLLOWING, ConstraintSet, demanded, set_name
 from analysis.problem.elementary import cos
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.names import ArgumentError
-from analysis.problem.quantities import default
+from analysis.problem.quantities import QUANTITIES, default
 
 COORDINATES = ("x", "y", "z", "alpha", "beta", "gamma")
 """The paper's co-rotating coordinates, Eq. (8), in order."""
@@ -53,12 +53,7 @@ class State:
                 for name, value in zip(COORDINATES, values, strict=True)
             )
             object.__setattr__(self, field, clean)
-        if not 0.0 < self.coordinates[4] < pi:
-            raise ArgumentError(
-                "beta",
-                "must lie in the open interval (0, pi), where the Euler angles are regular, "
-                f"got {self.coordinates[4]:g}",
-            )
+        checked(QUANTITIES["start.beta"], self.coordinates[4])
 
     @property
     def vector(self) -> Array:
