@@ -19,6 +19,7 @@ from analysis.motion.quantities import Columns, Quantities, filled, quantities
 from analysis.problem.checks import (
     Array,
     ToleranceError,
+    checked,
     choice,
     increasing_times,
     instance,
@@ -31,6 +32,7 @@ from analysis.problem.checks import (
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.names import ArgumentError
+from analysis.problem.quantities import QUANTITIES
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 
@@ -132,7 +134,10 @@ class SampledMotion(Quantities):
             If the samples lie too far apart for the tolerance.
         """
         arrays, _ = self._found(number("time", time), tolerance)
-        coordinates, rates = (each[0].tolist() for each in self._state_of(arrays))
+        # Of a flat disk rates are none, which is not what is wrong with it.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            coordinates, rates = (each[0].tolist() for each in self._state_of(arrays))
+        checked(QUANTITIES["start.beta"], coordinates[4])
         return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
     def resampled(self, times: npt.ArrayLike, *, tolerance: float | None = None) -> Self:
