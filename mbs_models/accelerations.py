@@ -82,8 +82,7 @@ class AccelerationProblem:
         self.probe.check_start()
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
-            others = independent_coordinates(scenario.constraints, scenario.disk)
-            free = ("alpha", *others, "alpha_rate")
+            free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")
             kept = [f"{name}_rate" for name in prescribed(scenario.constraints).values()]
             names = tuple(name for name in free if name not in kept)
         self.names = names

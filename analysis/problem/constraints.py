@@ -6,6 +6,7 @@ Kinematics of the paper's coordinates alone: both sides start and step from it.
 from collections.abc import Iterable
 from contextlib import suppress
 from itertools import combinations
+from types import SimpleNamespace
 from typing import Any
 
 from analysis.problem.body import Body
@@ -169,7 +170,7 @@ def demanded(
     return x, y, x_rate, y_rate, beta_rate, gamma_rate
 
 
-def independent_coordinates(constraints: ConstraintSet, disk: Body) -> tuple[str, ...]:
+def independent_coordinates(constraints: ConstraintSet) -> tuple[str, ...]:
     """Fields of a `Start` that are free under constraints, the spin and alpha left out.
 
     Positions, and then the rates that the constraints leave; a start follows from them.
@@ -177,11 +178,11 @@ def independent_coordinates(constraints: ConstraintSet, disk: Body) -> tuple[str
     Parameters
     ----------
     constraints : tuple of str
-    disk : Body
     """
+    # Any disk in any place tells; what is free comes back as the very object that it was.
+    disk: Any = SimpleNamespace(radius=1.0, eccentricity=0.5)
     given = tuple(float(place) for place in range(len(FOLLOWING)))
     found = zip(FOLLOWING, given, demanded(constraints, disk, (1.0, 1.0, 1.0), given), strict=True)
-    # What is free comes back as the very object that it was.
     followed = [name for name, before, after in found if after is not before]
     names = ("x", "y", "beta", "gamma", *FOLLOWING[2:])
     return tuple(name for name in names if name not in followed)

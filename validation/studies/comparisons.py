@@ -179,7 +179,7 @@ SIZES = {"gamma_rate": 60, "beta_rate": 20, "x": 0.05, "y": 0.05, "x_rate": 1, "
 
 def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
     """State that meets the constraints of a scenario and is random in all else."""
-    free = independent_coordinates(scenario.constraints, scenario.disk)
+    free = independent_coordinates(scenario.constraints)
     start = Start(
         beta=rng.uniform(0.2, np.pi - 0.2),
         gamma=rng.uniform(-np.pi, np.pi),
