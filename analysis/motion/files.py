@@ -12,8 +12,8 @@ from shutil import copyfileobj
 from stat import S_IMODE, S_ISREG
 from typing import Any, BinaryIO, cast
 
-import numpy as np
 import numpy.typing as npt
+from numpy.lib.npyio import NpzFile
 
 from analysis.problem.checks import path_like
 from analysis.problem.limits import LARGEST_STORAGE
@@ -35,8 +35,11 @@ _UNREADABLE = (
 
 
 @contextmanager
-def readable_archive(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
-    """Open the `.npz` file of a motion; whatever goes wrong with it is told with its path.
+def stored_arrays(path: str | os.PathLike[str]) -> Iterator[dict[str, AnyArray]]:
+    """Arrays of the `.npz` file of a motion by name; whatever is wrong is told with its path.
+
+    They are read without pickle, and none that is larger than `LARGEST_STORAGE`. Memory for what
+    a header claims is filled only as far as the file goes.
 
     Raises
     ------
@@ -45,29 +48,23 @@ def readable_archive(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
     ValueError
         If the file is damaged, or what is done with its contents fails.
     """
+    path_like("path", path)
     try:
-        with zipfile.ZipFile(path) as archive:
-            yield archive
+        with Path(path).open("rb") as stream:
+            archive: Any = NpzFile(stream)
+            for info in archive.zip.infolist():
+                if info.file_size > LARGEST_STORAGE:
+                    raise ValueError(
+                        f"{info.filename} has {info.file_size:.3g} bytes, and at most "
+                        f"{LARGEST_STORAGE:.3g} are read"
+                    )
+            yield dict(archive)
     except FileNotFoundError:
         raise
     except _UNREADABLE as error:
         cause = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         cause = " ".join(cause.split()) or type(error).__name__
         raise ValueError(f"{path} is not a readable motion: {cause}") from error
-
-
-def read_array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> AnyArray:
-    """One array of an `.npz` file, without pickle; none that is larger than `LARGEST_STORAGE`.
-
-    Memory for what a header claims is filled only as far as the file goes.
-    """
-    if info.file_size > LARGEST_STORAGE:
-        raise ValueError(
-            f"{info.filename} has {info.file_size:.3g} bytes, and at most {LARGEST_STORAGE:.3g} "
-            "are read"
-        )
-    with archive.open(info) as stream:
-        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
 
 
 @contextmanager

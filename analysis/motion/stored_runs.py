@@ -5,12 +5,12 @@ import os
 from typing import Any, TypeVar, overload
 
 from analysis.motion.endings import Ending
-from analysis.motion.files import read_array, readable_archive
+from analysis.motion.files import stored_arrays
 from analysis.motion.quantities import filled
 from analysis.motion.sampled import FORMAT, described
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import choice, path_like, settings
+from analysis.problem.checks import choice, settings
 from analysis.problem.scenario import Scenario
 from analysis.problem.user_modules import foreign_names
 
@@ -56,13 +56,12 @@ def load_run(path: str | os.PathLike[str], kind: Any = None) -> Any:
     ('in-house', 2)
     """
     choice("kind", kind, (None, Trajectory, SpatialMotion))
-    with readable_archive(path_like("path", path)) as archive:
-        held = {each.filename.removesuffix(".npy"): each for each in archive.infolist()}
+    with stored_arrays(path) as held:
         found = SpatialMotion if "quaternions" in held else Trajectory
         if kind not in (None, found):
             raise ValueError(f"kind must be {kind.__name__}, got {found.__name__}")
-        given = _description(str(read_array(archive, held["meta"])), found)
-        given |= {name: read_array(archive, held[name]) for name in filled(found)}
+        given = _description(str(held["meta"]), found)
+        given |= {name: held[name] for name in filled(found)}
         return found(**given)
 
 
