@@ -277,7 +277,7 @@ _DECLARED = (
     Quantity("disk.inertia_yz", "the same of -y z dm", "kg m²", 0.0),
     _size("disk.other_radius", "ellipse: smaller semi-axis", "m", default=0.04),
     _angle("disk.long_axis", "ellipse: its larger semi-axis from the line G to S"),
-    Quantity("friction.law", "one of the above or own module:Class", None, "smooth-coulomb",
+    Quantity("friction.law", "by name, or own module:Class", None, "smooth-coulomb",
              choices=("smooth-coulomb", "stribeck", "tanh", "viscous", "anisotropic",
                       "power-law", "lubricated")),
     Quantity("friction.load", "what presses the disk down: m g, or the contact's force", None,
