@@ -280,7 +280,7 @@ _DECLARED = (
     Quantity("friction.law", "by name, or own module:Class", None, "smooth-coulomb",
              choices=("smooth-coulomb", "stribeck", "tanh", "viscous", "anisotropic",
                       "power-law", "lubricated")),
-    Quantity("friction.load", "what presses the disk down: m g, or the contact's force", None,
+    Quantity("friction.load", "what presses: m g cos(inclination), or the contact's force", None,
              "weight", choices=LOADS),
     _coefficient("friction.coefficient", "friction coefficient", 0.3, "mu"),
     _slip("friction.smoothing", "slip speed over which it sets in", 0.1, "eps"),
