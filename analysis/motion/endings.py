@@ -1,6 +1,6 @@
 """Why a motion ends, and what a run can be told to end at."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -90,7 +90,30 @@ class Ending:
         return f"ended at t = {self.time:.9g} s: {saying}"
 
 
-def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Condition]:
+LEAST = 1e-300
+"""What lies below all numbers that a condition says but zero."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """A condition to which zero is negative.
+
+    A motion may start on one, such as that the tilt rate turns negative, on which it ends when it
+    comes back.
+
+    Parameters
+    ----------
+    condition : callable
+    """
+
+    condition: Condition
+
+    def __call__(self, state: State) -> float:
+        """What it says of a state."""
+        return self.condition(state) - LEAST
+
+
+def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Turning]:
     """Conditions by the reason they give.
 
     Parameters
@@ -107,24 +130,25 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
     """
     is_one = isinstance(stop_when, str) or not isinstance(stop_when, Iterable)
     given: Any = (stop_when,) if is_one else stop_when
-    found: dict[str, Condition] = {}
+    found: dict[str, Turning] = {}
     for each in given:
         name, condition = _named(each)
-        if found.setdefault(name, condition) is not condition:
+        if found.setdefault(name, Turning(condition)).condition is not condition:
             fault = f"must hold functions of different names, got {name} twice"
             raise ArgumentError("stop_when", fault)
-        if state is not None:
-            _try(name, condition, state)
+    if state is not None:
+        try_conditions(found, state)
     return found
 
 
-def _try(name: str, condition: Condition, state: State) -> None:
-    """Raise if a condition says no number of a state."""
-    try:
-        number("it", condition(state))
-    except (Exception, SystemExit) as error:
-        fault = f"must say a number of a State: {error_text(error, ValueError)}"
-        raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
+def try_conditions(conditions: Mapping[str, Turning], state: State) -> None:
+    """Raise `ValueError` if one of some conditions says no number of a state."""
+    for name, each in conditions.items():
+        try:
+            number("it", each.condition(state))
+        except (Exception, SystemExit) as error:
+            fault = f"must say a number of a State: {error_text(error, ValueError)}"
+            raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
 
 
 def check_condition_name(name: str) -> str:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from analysis.problem.body import Body, Triple
 from analysis.problem.checks import number, within
 from analysis.problem.disk import Disk
@@ -114,18 +116,38 @@ def check_surface(body: Body) -> None:
             point = [number(f"lowest_point({up})", each) for each in body.lowest_point(up)]
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
             within(f"depth of lowest_point({up})", depth, 0.0, deepest)
-            for axis in range(3):
-                _check_slope(body, up, axis)
+            slopes = [_slope(body, up, axis) for axis in range(3)]
+            _check_level(body, up, slopes)
 
 
-def _check_slope(body: Body, up: tuple[float, ...], axis: int) -> None:
-    """Raise if complex numbers, by which slopes are told, find another one than differences."""
+def _check_level(body: Body, up: tuple[float, ...], slopes: list[list[float]]) -> None:
+    """Raise if the point moves up or down as the vertical turns: it is then not the lowest."""
+    vertical = np.array(up)
+    rises = np.array(slopes) @ vertical
+    # The vertical is of unit length: of its changes those count that turn it.
+    rise = float(np.abs(rises - (rises @ vertical) * vertical).max())
+    if rise > 0.01 * body.radius:
+        raise ArgumentError(
+            f"lowest_point({up})",
+            "must be where the surface is level: as the vertical turns from there, the point "
+            f"moves along it by {rise:.3g} m/rad",
+        )
+
+
+def _slope(body: Body, up: tuple[float, ...], axis: int) -> list[float]:
+    """Slope of the lowest point by a part of the vertical in m.
+
+    Raises
+    ------
+    ArgumentError
+        If complex numbers, by which slopes are told, find another one than differences.
+    """
 
     def moved(by: complex) -> list[complex]:
         vertical = [each + by * (place == axis) for place, each in enumerate(up)]
         return [complex(each) for each in body.lowest_point(vertical)]
 
-    pairs = zip(moved(_LITTLE), moved(-_LITTLE), moved(1e-20j), strict=True)
+    slopes, pairs = [], zip(moved(_LITTLE), moved(-_LITTLE), moved(1e-20j), strict=True)
     for ahead, back, exact in pairs:
         by_difference, slope = (ahead - back).real / (2.0 * _LITTLE), exact.imag / 1e-20
         if not abs(by_difference - slope) <= 0.01 * (body.radius + abs(slope)):
@@ -134,3 +156,5 @@ def _check_slope(body: Body, up: tuple[float, ...], axis: int) -> None:
                 "must be told by the four operations and `analysis.problem.elementary`: its slope "
                 f"by complex numbers is {slope:.3g} m, and by differences {by_difference:.3g} m",
             )
+        slopes.append(slope)
+    return slopes

@@ -28,9 +28,10 @@ class FrictionLaw(Described):
     Parameters
     ----------
     load : {"weight", "contact"}
-        What presses the disk on the table: its weight m g, Eq. (81), whatever the contact does
-        while it is closed, or the actual normal contact force, Eq. (79), and nothing where that
-        pulls. On a penalty contact that lets go, see `PenaltyContact`.
+        What presses the disk on the table: its weight m g, Eq. (81), times the cosine of the
+        table's inclination, whatever the contact does while it is closed; or the actual normal
+        contact force, Eq. (79), and nothing where that pulls. On a penalty contact that lets go,
+        see `PenaltyContact`.
 
     Raises
     ------

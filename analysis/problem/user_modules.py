@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
+from pathlib import Path
+from traceback import extract_tb
 from typing import Any, TypeVar
 
 from analysis.problem.names import ArgumentError, Named, nearest
@@ -46,7 +48,16 @@ def user_object(what: str, name: str, argument: str = "") -> Any:
         return getattr(import_module(module), attribute)
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
         fault = f"cannot be loaded: {error_text(error, ImportError, AttributeError)}"
+        fault += _place(error, module.rpartition(".")[2])
         raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
+
+
+def _place(error: BaseException, module: str) -> str:
+    """Where in the file of a module an error was raised, in words; empty if it was not there."""
+    frames = extract_tb(error.__traceback__)
+    files = ((Path(each.filename), each.lineno) for each in frames)
+    lines = [line for file, line in files if file.stem == module]
+    return f", in line {lines[-1]} of {module}.py" if lines else ""
 
 
 @contextmanager

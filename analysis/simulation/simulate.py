@@ -5,7 +5,7 @@ from math import inf
 
 import numpy.typing as npt
 
-from analysis.motion.endings import StopWhen, named_conditions
+from analysis.motion.endings import StopWhen, try_conditions
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import instance
 from analysis.problem.choices import Formulation, Method
@@ -115,7 +115,7 @@ def simulate(
 def run_member(scenario: Scenario, request: Request, method: Method | None) -> Trajectory:
     """Trajectory of one scenario; parameters and errors are those of `simulate`."""
     check_slipping(scenario.friction)
-    named_conditions(request.conditions.values(), scenario.initial_state)
+    try_conditions(request.conditions, scenario.initial_state)
     if method != "taylor":
         return _stepped(scenario, request, method or request.usual_method(scenario))
     compiled, failures = simulate_compiled([scenario], request)

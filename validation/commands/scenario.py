@@ -46,8 +46,11 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
     """
     chosen, end = problem.scenario(), checked_end(end)
     whole("states", states)
+    from mbs_models.scene import Scene
     from validation.studies import comparisons
 
+    # What no formulation can build is refused: no check of it would be one that holds.
+    Scene(scenario=chosen)
     checks = comparisons.compare_scenario(chosen, states=states, end=end)
     failed = sum(each.agrees is False for each in checks)
     held = sum(each.agrees is True for each in checks)

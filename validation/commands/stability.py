@@ -84,7 +84,7 @@ def critical(
 
     For each model the spins at which inverted spinning is stable, all of its eigenvalues together;
     then the spins at which one of them, or a pair, becomes stable or unstable, with its frequency,
-    beside the closed form of the reduced system, Eq. (126).
+    beside the closed form of the reduced system, Eq. (126). Other bodies have Model 1 alone.
 
     Parameters
     ----------
@@ -96,8 +96,9 @@ def critical(
     spins, motion = parse_spins(spin), spectrum["motion"]
     ends = spin_interval((spins[0], spins[-1]), "spin")
     found = critical_speeds(scenario, ends, **spectrum)
-    closed = critical_speed(scenario, motion)
-    crossings = _critical_table(found, _closed_form(closed))
+    # Of other bodies the reduced system, Model 4 and a closed form know nothing.
+    closed = critical_speed(scenario, motion) if scenario.disk.is_plain else None
+    crossings = _critical_table(found, _closed_form(closed) if closed else "")
 
     def picture() -> Any:
         helpers = spectra.helper_spins(scenario, *ends)
@@ -111,7 +112,7 @@ def critical(
             "crossings": [asdict(each) for each in found.crossings],
             "pair_changes": [asdict(each) for each in found.pair_changes],
             "reason": found.reason,
-            "closed_form": asdict(closed),
+            "closed_form": asdict(closed) if closed else None,
         },
         csv=partial(write, crossings),
         draw=picture,
@@ -119,9 +120,9 @@ def critical(
 
 
 def _stable_table(found: CriticalSpeeds) -> Table:
-    """Where spinning is stable under these constraints and those of the four models."""
+    """Where spinning is stable under these constraints and those of the models of the body."""
     scenario, interval, motion = found.scenario, found.interval, found.motion
-    sets = [MODELS[level] for level in LEVELS]
+    sets = [MODELS[level] for level in (LEVELS if scenario.disk.is_round_disk else LEVELS[:1])]
     if scenario.model is None:
         sets.append(scenario.constraints)
     compared = (replace(scenario, constraints=each, start=Start()) for each in sets)

@@ -154,17 +154,27 @@ def _part(number: object, limit: object, holds: bool) -> float:
 
 
 def angle_axis(axes: "Axes") -> None:
-    """Mark the vertical axis at multiples of a quarter of pi."""
+    """Mark the vertical axis, on which all is drawn, at multiples of a quarter of pi.
+
+    A disk that falls turns round many times, and one that does not hardly moves: then the marks
+    lie farther apart, or are the usual ones.
+    """
     from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-    axes.yaxis.set_major_locator(MultipleLocator(np.pi / 4))
+    low, high = axes.get_ylim()
+    quarters = (high - low) / (np.pi / 4)
+    if quarters < 2.0:
+        return
+    spacing = 2.0 ** max(0.0, np.ceil(np.log2(quarters / 8.0)))
+    axes.yaxis.set_major_locator(MultipleLocator(spacing * np.pi / 4))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: pi_label(value)))
 
 
 def pi_label(value: float) -> str:
     """Label such as −π/2 for a multiple of a quarter of pi."""
     part = Fraction(round(4.0 * value / np.pi), 4)
-    top = f"{abs(part.numerator)}π".removeprefix("1") if part else "0"
+    count = abs(part.numerator)
+    top = f"{'' if count == 1 else count}π" if count else "0"
     under = f"/{part.denominator}" if part.denominator > 1 else ""
     return f"{'−' if part < 0 else ''}{top}{under}"
 

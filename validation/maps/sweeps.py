@@ -35,6 +35,9 @@ MOST_PAIRED = 8
 _LETTERS = 22
 """Of a label in a line beside a panel of a pair."""
 
+_TITLED = 11
+"""Letters of a title in a line for each inch of a figure."""
+
 _BINS = 10
 """In which cases that lie on no grid are counted over an axis."""
 
@@ -145,9 +148,8 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
         else:
             image = _scatter(each, table.groupby([right.field, up.field])["hit"].mean())
             _mark(each, "y", up)
-        if not (_is_named(right) or right.log):
-            # More would run into each other in so narrow a panel.
-            each.xaxis.set_major_locator(MaxNLocator(3, steps=(1, 2, 5, 10)))
+            _thin(each, "y", up)
+        _thin(each, "x", right)
         each.tick_params(labelsize=7, labelleft=column in (0, row))
         if row == count - 1:
             each.set_xlabel(fill(label(right.field), _LETTERS), fontsize=8)
@@ -157,8 +159,19 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
     figure.colorbar(image, ax=axes, label=f"share of cases: {counted}", shrink=0.6)
     title = f"Sweep of {sweep.scenario.name}: {decided.sum()} cases"
     without = f", × {(~decided).sum()} without a motion or not decided" * (not decided.all())
-    figure.suptitle(title + without, fontsize=10)
+    figure.suptitle(fill(title + without, int(_TITLED * figure.get_figwidth())), fontsize=10)
     return figure
+
+
+def _thin(axes: Axes, way: str, axis: Axis) -> None:
+    """Leave as many marks along "x" or "y" as do not run into each other in so small a panel."""
+    along: Any = getattr(axes, f"{way}axis")
+    if axis.log:
+        ends = (axis.first, axis.last)
+        along.set_ticks(ends, labels=[f"{each:g}" for each in ends])
+        along.set_ticks((), minor=True)
+    elif way == "x" and not _is_named(axis):
+        along.set_major_locator(MaxNLocator(3, steps=(1, 2, 5, 10)))
 
 
 def _scatter(axes: Axes, shares: pd.Series) -> Any:

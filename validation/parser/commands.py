@@ -225,7 +225,9 @@ class Command:
         if self._outputs:
             self._outputs.add_to(parser)
         names = "".join(
-            f" {each.metavar}{' ...' if each.nargs else ''}"
+            f" [{each.metavar}]"
+            if each.nargs == "?"
+            else f" {each.metavar}{' ...' if each.nargs else ''}"
             for each in parser.actions
             if not each.option_strings
         )
@@ -242,11 +244,14 @@ def _how(quantity: Quantity) -> dict[str, Any]:
     """Option of a quantity; its value stays text until it is read."""
     unit = f", in {quantity.unit}" if quantity.unit else ""
     usual = f" ({quantity.shown_default})" if quantity.shown_default else ""
-    about = f"{quantity.meaning}{unit}{usual}".replace("%", "%%")
+    # Others than these may be given, or several of them, so that nothing else lists them.
+    is_open = quantity.key in ("constraints", "friction.law", "disk.body")
+    names = f"; names: {quantity.allowed}" if is_open else ""
+    about = f"{quantity.meaning}{names}{unit}{usual}".replace("%", "%%")
     how: dict[str, Any] = {"dest": quantity.key, "help": about}
     if quantity.is_switch:
         return how | {"action": argparse.BooleanOptionalAction}
-    if quantity.choices and quantity.key not in ("constraints", "friction.law", "disk.body"):
+    if quantity.choices and not is_open:
         return how | {"choices": list(map(str, quantity.choices))}
     return how | {"metavar": quantity.metavar}
 

@@ -181,6 +181,14 @@ class _Flat(Egg):
         return up
 
 
+class _NotLowest(Egg):
+    """Its point lies on an ellipsoid, and elsewhere than where that is level."""
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        x, y, z = (-self.radius * each for each in up)
+        return x, 0.5 * y, 0.5 * z
+
+
 class _Folded(Egg):
     """Its slope is lost where a size is taken of a complex number."""
 
@@ -212,6 +220,7 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "cannot be made": made(body="sphere"),
     r"depth of lowest_point\(.*\) must not be negative": scenario(disk=_Flat(**NUMBERS)),
     r"lowest_point\(.*\) must be told by the four": scenario(disk=_Folded(**NUMBERS)),
+    r"lowest_point\(.*\) must be where the surface is": scenario(disk=_NotLowest(**NUMBERS)),
     "half_thickness must be 0 for a Sphere": scenario(disk=TIPPE_TOP, contact=ROUNDED),
     "must be those of Model 1 for a Sphere": scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
     "air_drag acts on the faces of a round disk alone": scenario(disk=ELLIPSE, **DRAG),

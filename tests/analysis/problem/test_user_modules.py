@@ -36,7 +36,8 @@ def written(folder: Path) -> list[str]:
 
 
 SAID = {
-    "--law exits_on_import:Law": "--law: friction law 'exits_on_import:Law' cannot be loaded",
+    "--law exits_on_import:Law": "--law: friction law 'exits_on_import:Law' cannot be loaded: "
+    "SystemExit: , in line 2 of exits_on_import.py",
     WAYWARD.format(EXITS_AT_ONCE): "law:Wayward' cannot be made: SystemExit",
     "--stop-when exits_on_import:Law": "--stop-when: stop_when 'exits_on_import:Law' cannot be lo",
     "--stop-when os:getcwd": "--stop-when: stop_when getcwd must say a number of a State: Type",

@@ -87,6 +87,26 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     assert ending.value == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("method", EITHER_METHOD)
+def test_a_run_may_start_on_a_condition_and_ends_where_it_comes_back(method: Method) -> None:
+    # From Table 3, with a tilt rate of zero, the disk at first tilts in one direction.
+    def ahead(state: State) -> float:
+        return state.rates[4]
+
+    def back(state: State) -> float:
+        return -state.rates[4]
+
+    runs = [
+        simulate(Scenario(), TIMES, tolerance=1e-8, method=method, stop_when=each)
+        for each in (ahead, back)
+    ]
+    runs += [
+        mbs_models.simulate(Scene(Scenario()), TIMES, stop_when=each) for each in (ahead, back)
+    ]
+    for run, time in zip(runs, 2 * (0.395551676, 0.565391838), strict=True):
+        assert not_none(run.ending).time == pytest.approx(time, abs=2e-8)
+
+
 @pytest.mark.parametrize(
     ("start", "tolerance", "time"),
     [

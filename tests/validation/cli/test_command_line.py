@@ -103,11 +103,17 @@ def test_help_says_what_every_option_means(command: Command, capsys: Capture) ->
     shown = printed(capsys, command.name, "--help")
     usage = shown.partition("\n")[0].partition("[OPTION ...]")[2]
     arguments = [each for each in command.parser().actions if not each.option_strings]
-    assert usage.replace(" ...", "").split() == [each.metavar for each in arguments]
+    assert usage.replace(" ...", "").replace("[", "").replace("]", "").split() == [
+        each.metavar for each in arguments
+    ]
+    assert usage.count("[") == sum(each.nargs == "?" for each in arguments)
     for action in options_of(command):
         assert action.option_strings[0] in shown
         assert action.help
         assert not action.help.startswith(" (")
+        if action.dest in QUANTITIES and not isinstance(action, BooleanOptionalAction):
+            names = action.choices or QUANTITIES[action.dest].choices
+            assert all(str(each) in shown for each in names)
         if isinstance(action, BooleanOptionalAction):
             assert f"--no-{action.option_strings[0][2:]}" in shown
 

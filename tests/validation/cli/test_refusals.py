@@ -35,6 +35,7 @@ REFUSED = {
     SWEEP + "spin=1,2 --spin 3": "--spin: spin must be left out where it varies, got 3",
     SWEEP + "model=1,2 --constraints contact": "--constraints: constraints must be left out",
     "map basins --model 2": "--model: model must be left out where it varies, got 2",
+    "check --body ellipse": "needs a penalty contact, which takes any body",
     "critical --spin 30": "--spin: spin must have 0 <= lowest < highest spin, got 30 to 30",
     "simulate --stop-when math:pi": "--stop-when: stop_when must hold names or functions",
     "simulate --csv - --plot -": "--plot: plot must lead elsewhere: standard output takes one",

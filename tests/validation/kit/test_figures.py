@@ -3,13 +3,36 @@
 from math import inf, nan, pi
 
 import numpy as np
+import pytest
 
-from validation.kit.figures import against_limits, pi_label
+from validation.kit.figures import against_limits, angle_axis, new_figure, pi_label
 
 
 def test_multiples_of_a_quarter_of_pi_are_told_as_fractions() -> None:
-    told = [pi_label(quarters * pi / 4) for quarters in (-4, -3, -1, 0, 1, 2, 3, 4, 6, 8)]
-    assert told == ["−π", "−3π/4", "−π/4", "0", "π/4", "π/2", "3π/4", "π", "3π/2", "2π"]
+    told = [pi_label(quarters * pi / 4) for quarters in (-64, -4, -3, -1, 0, 1, 2, 3, 4, 6, 8, 13)]
+    assert told == [
+        *("−16π", "−π", "−3π/4", "−π/4", "0"),
+        *("π/4", "π/2", "3π/4", "π", "3π/2", "2π", "13π/4"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("turned", "labels"),
+    [
+        (0.6, ["0.0", "0.2", "0.4"]),
+        (pi, ["0", "π/4", "π/2", "3π/4", "π"]),
+        (100.0 * pi, ["0", "16π", "32π", "96π"]),
+    ],
+    ids=["hardly", "half a turn", "many turns"],
+)
+def test_angles_have_some_labels_however_far_they_turn(turned: float, labels: list[str]) -> None:
+    axes = new_figure()[1]
+    axes.plot([0.0, 1.0], [0.0, turned])
+    angle_axis(axes)
+    axes.figure.canvas.draw()
+    seen = [each.get_text() for each in axes.get_yticklabels()]
+    assert set(labels) <= set(seen)
+    assert len(seen) < 14
 
 
 def test_what_fails_stands_right_of_its_limit_and_what_tells_of_none_is_not_drawn() -> None:

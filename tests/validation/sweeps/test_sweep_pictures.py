@@ -82,6 +82,18 @@ def test_names_are_drawn_at_their_places(tmp_path: Path) -> None:
     assert {*points[:, 0]} == {0.0, 1.0}
 
 
+def test_pictures_of_pairs_have_no_text_over_or_outside_of_another(tmp_path: Path) -> None:
+    wanted = sweep("mu=0.05:0.5:2:log", "law=smooth-coulomb,tanh", end=0.1, tolerance=1e-2)
+    figure, _ = drawn(wanted, tmp_path)
+    figure.canvas.draw()
+    below = figure.axes[2]
+    assert [each.get_text() for each in below.get_xticklabels()] == ["0.05", "0.5"]
+    assert not below.get_xticklabels(minor=True)
+    box = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.width
+
+
 def test_what_is_not_decided_counts_in_no_share(tmp_path: Path) -> None:
     figure, results = drawn(
         sweep("spin=25,40", "mu=0.29,0.3", "alpha=0,0.1", end=1.3, tolerance=1e-3), tmp_path

@@ -212,9 +212,9 @@ def _lost(followed: pd.DataFrame) -> Verdict:
     return Verdict(
         statement="A disk whose spin decays by itself falls at the critical speed.",
         answer="yes" if soon.all() else "partly" if soon.any() else "no",
-        numbers=f"It passes the Hopf point at {followed.hopf.iloc[0]:.2f} rad/s and is lost "
-        f"{late.min():.1f} to {late.max():.1f} s later, at {low.min():.1f} to {low.max():.1f} "
-        "rad/s.",
+        numbers="From Table 3 it passes the Hopf point at "
+        f"{followed.hopf.iloc[0]:.2f} rad/s and is lost {late.min():.1f} to {late.max():.1f} s "
+        f"later, at {low.min():.1f} to {low.max():.1f} rad/s.",
         criterion=f"lost within {SOON:g} s of the crossing.",
         good=not soon.any(),
     )
