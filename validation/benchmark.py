@@ -37,9 +37,9 @@ from analysis.stability.chart import stability_chart
 from mbs_models import Scene
 from mbs_models.rest import largest_step
 from validation import by_hand
+from validation.kit.differences import deviation
 from validation.kit.limits import holds
 from validation.kit.progress import counted
-from validation.kit.references import deviation
 from validation.kit.timing import clocked, in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices

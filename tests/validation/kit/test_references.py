@@ -13,8 +13,9 @@ from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start,
 from analysis.motion.endings import CONTACT_WOULD_PULL, Ending
 from analysis.problem.checks import Array
 from tests.helpers import not_none
+from validation.kit.differences import deviation, ending_error, energy_error
 from validation.kit.located import up_to_ending
-from validation.kit.references import Reference, deviation, ending_error, energy_error, reference
+from validation.kit.references import Reference, reference
 from validation.kit.ways import StepLimit, Way, WorkLimitError
 
 TREE = Way("engine", "contact-tree", "RK67")
