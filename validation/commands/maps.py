@@ -70,7 +70,6 @@ def map(  # noqa: A001 - the command's name
     mapped = PROBLEMS[name]
     whole("pairs", pairs, least=0)
     problem.check_fixed([mapped.right.field, mapped.up.field, *["model"] * mapped.basins])
-    problem.check_survived()
     scenario, witnesses = problem.scenario(), how["witnesses"]
     how = {
         "end": checked_end(how.get("end", mapped.end), _SHORTEST),

@@ -19,7 +19,6 @@ from scipy.spatial import QhullError
 
 from analysis.problem.checks import Array
 from validation.kit.figures import new_figure
-from validation.kit.processes import fatal
 from validation.maps.panel import Panel
 from validation.maps.problems import critical_points, label
 
@@ -128,9 +127,7 @@ def _mark(panel: Panel, axes: Axes) -> None:
         for each in (seen[alike], seen[~alike])
     ]
     rim = [withStroke(linewidth=2.5, foreground="white")]
-    sweep = panel.sweep
-    if not (sweep.runs_user_code and fatal(critical_points, sweep)):
-        points.append(critical_points(sweep))
+    points.append(critical_points(panel.sweep))
     for (name, look), places in zip(MARKS.items(), points, strict=False):
         if len(places):
             axes.plot(*places.T, label=name, path_effects=rim, **look)
