@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
@@ -30,7 +30,9 @@ def map(  # noqa: A001 - the command's name
     out: kinds.Folder = "maps",
     cells: int = 8,
     levels: int = 2,
-    how: kinds.Cells,
+    end: float | None = None,
+    witnesses: int = 8,
+    time_limit: float = 60.0,
     compiled: bool = False,
     pairs: int = 0,
     problem: kinds.AnyProblem,
@@ -61,7 +63,10 @@ def map(  # noqa: A001 - the command's name
     end
         End of each motion in s (4; rest: 20).
     witnesses
-        On the coarse grid, and as large a part of the other cases.
+        Cases of the coarse grid, evenly spread, that the other side runs as well, and as large a
+        part of the others.
+    time_limit
+        Of each run, processor time in s.
     compiled
         Run compiled, in batches, to 1e-6 rad; needs tippedisk[fast].
     pairs
@@ -70,10 +75,10 @@ def map(  # noqa: A001 - the command's name
     mapped = PROBLEMS[name]
     whole("pairs", pairs, least=0)
     problem.check_fixed([mapped.right.field, mapped.up.field, *["model"] * mapped.basins])
-    scenario, witnesses = problem.scenario(), how["witnesses"]
-    how = {
-        "end": checked_end(how.get("end", mapped.end), _SHORTEST),
-        "time_limit": how["time_limit"],
+    scenario = problem.scenario()
+    how: dict[str, Any] = {
+        "end": checked_end(mapped.end if end is None else end, _SHORTEST),
+        "time_limit": time_limit,
         "compiled": compiled,
     }
     if compiled:
