@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.problem.checks import Array, choice, whole
+from analysis.problem.checks import Array, choice, several, whole
 from analysis.problem.limits import LARGEST_STORAGE
 from analysis.problem.names import full_name
 from analysis.problem.values import Value, is_text, is_word, read_value
@@ -52,10 +52,11 @@ class Axis:
 
     def __post_init__(self) -> None:
         field = full_name(self.field)
+        given = several(f"values of axis {field}", self.values, "values")
         is_range = self.first is not None
-        if is_range != (self.last is not None) or is_range == bool(self.values):
+        if is_range != (self.last is not None) or is_range == bool(given):
             raise ValueError(f"axis {field} must have either values, or first and last")
-        values = tuple(read_value(field, value) for value in self.values)
+        values = tuple(read_value(field, value) for value in given)
         if len(set(values)) < len(values):
             raise ValueError(f"axis {field} must hold each value once, got {values}")
         object.__setattr__(self, "field", field)
@@ -140,6 +141,7 @@ class Design:
     def __post_init__(self) -> None:
         choice("layout", self.layout, LAYOUTS)
         whole("seed", self.seed, least=0)
+        object.__setattr__(self, "axes", tuple(several("axes", self.axes, "Axis")))
         names = [axis.field for axis in self.axes]
         if not names:
             raise ValueError("axes must be at least one, such as spin=0:60:61")
