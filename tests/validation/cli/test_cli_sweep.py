@@ -34,7 +34,9 @@ def test_axes_come_from_a_file_as_well() -> None:
     )
     call = "sweep --axes axes.toml gamma=0,1 --seed 6 --end 0.01 --workers 1 --out a.db"
     assert run(call, "--keep beta,tilt") == 0
-    wanted = Results.load(Path("a.db")).sweep
+    results = Results.load(Path("a.db"))
+    wanted, models = results.sweep, results.columns["model"]
+    assert (models.dtype.kind, {*models.tolist()} <= {1, 4}) == ("i", True)
     assert wanted.plan.keep == ("beta", "tilt")
     design = wanted.design
     assert (design.layout, design.number, design.seed) == ("sobol", 3, 6)
