@@ -1,5 +1,6 @@
 """The commands on linear stability: `eigenvalues` and `critical`."""
 
+from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
@@ -84,7 +85,7 @@ def critical(
 
     For each model the spins at which inverted spinning is stable, all of its eigenvalues together;
     then the spins at which one of them, or a pair, becomes stable or unstable, with its frequency,
-    beside the closed form of the reduced system, Eq. (126).
+    beside the closed form of the reduced system, Eq. (126), which is that of a round disk.
 
     Parameters
     ----------
@@ -96,8 +97,10 @@ def critical(
     spins, motion = parse_spins(spin), spectrum["motion"]
     ends = spin_interval((spins[0], spins[-1]), "spin")
     found = critical_speeds(scenario, ends, **spectrum)
-    closed = critical_speed(scenario, motion)
-    crossings = _critical_table(found, _closed_form(closed))
+    closed = None
+    with suppress(ValueError):  # it is that of a round disk
+        closed = critical_speed(scenario, motion)
+    crossings = _critical_table(found, _closed_form(closed) if closed else None)
 
     def picture() -> Any:
         helpers = spectra.helper_spins(scenario, *ends)
@@ -111,7 +114,7 @@ def critical(
             "crossings": [asdict(each) for each in found.crossings],
             "pair_changes": [asdict(each) for each in found.pair_changes],
             "reason": found.reason,
-            "closed_form": asdict(closed),
+            "closed_form": asdict(closed) if closed else None,
         },
         csv=partial(write, crossings),
         draw=picture,
@@ -124,7 +127,10 @@ def _stable_table(found: CriticalSpeeds) -> Table:
     sets = [MODELS[level] for level in LEVELS]
     if scenario.model is None:
         sets.append(scenario.constraints)
-    compared = (replace(scenario, constraints=each, start=Start()) for each in sets)
+    compared = []
+    for each in sets:
+        with suppress(ArgumentError):  # other bodies take the contact alone
+            compared.append(replace(scenario, constraints=each, start=Start()))
     return Table(
         title=f"{scenario.name}: {motion} spinning is stable {found.where}. By model, all "
         f"eigenvalues together, from {interval[0]:g} to {interval[1]:g} rad/s:",
@@ -135,7 +141,7 @@ def _stable_table(found: CriticalSpeeds) -> Table:
     )
 
 
-def _critical_table(found: CriticalSpeeds, note: str) -> Table:
+def _critical_table(found: CriticalSpeeds, note: str | None) -> Table:
     """Critical speeds; each row says what becomes of one eigenvalue or pair."""
     what = {"hopf": "pair", "static": "real eigenvalue"}
     side = {"above": "stable", "below": "unstable"}

@@ -46,6 +46,15 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     assert "no friction: undamped" in printed(capsys, "critical --system full --mu 0")
 
 
+def test_critical_speeds_of_another_body_are_told_without_a_closed_form(capsys: Capture) -> None:
+    shown = printed(capsys, "critical --body sphere --eccentricity 0.003")
+    assert "\nModel 1 " in shown
+    assert not re.search("Model [234]|Closed form", shown)
+    found = json.loads(printed(capsys, "critical --body ellipse --json"))
+    assert found["closed_form"] is None
+    assert found["crossings"]
+
+
 def test_spins_are_taken_in_any_order(capsys: Capture) -> None:
     call = "eigenvalues --system reduced --json --spin "
     expected = printed(capsys, call, "30.2 30.5 30.8")
