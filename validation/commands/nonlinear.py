@@ -15,7 +15,7 @@ from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.problem.choices import Source
 from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
-from analysis.problem.values import is_text, unit
+from analysis.problem.values import is_text
 from analysis.problem.variations import changed, check_fields
 from validation.commands.options import Problem, checked_end, parse_spins
 from validation.kit.figures import STYLES, legend_above, new_figure
@@ -153,7 +153,7 @@ def _cycles_over(
         {axis.field: value, **each.as_row()}
         for value, each in zip(axis.grid, found.motions, strict=False)
     ]
-    first = (axis.field, _head(axis))
+    first = (axis.field, axis.label)
     names = ("spin" if spins is None else "amplitude", "multiplier")
     return _motions(
         rows,
@@ -210,7 +210,7 @@ def _connections_over(over: str, scenario: Scenario) -> Result:
     table = Table.of(
         rows,
         {
-            _head(axis): lambda row: row[axis.field],
+            axis.label: lambda row: row[axis.field],
             "Hopf point in rad/s": lambda row: row["hopf"],
             "connection in rad/s": lambda row: (row["connection"] or {}).get("spin"),
             "first-order prediction in rad/s": lambda row: row["prediction"],
@@ -266,12 +266,6 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
         )
     check_fields(scenario, {field: axis.at(0)})
     return axis, [changed(scenario, {field: value}) for value in axis.grid]
-
-
-def _head(axis: Any) -> str:
-    """Heading of the axis's values."""
-    name, measure = axis.field.rpartition(".")[2].replace("_", " "), unit(axis.field)
-    return f"{name} in {measure}" if measure else name
 
 
 # --- Passage ------------------------------------------------------------------------------------

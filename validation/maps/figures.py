@@ -20,7 +20,7 @@ from scipy.spatial import QhullError
 from analysis.problem.checks import Array
 from validation.kit.figures import new_figure
 from validation.maps.panel import Panel
-from validation.maps.problems import critical_points, label
+from validation.maps.problems import critical_points
 
 OUTCOMES = {
     "not inverted": ("#f2f2f2", "not inverted"),
@@ -70,7 +70,7 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
     for (title, panel), inverted, each in zip(panels.items(), times, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, each)
-        up, right = (label(axis.field) for axis in panel.sweep.design.axes)
+        up, right = (axis.label for axis in panel.sweep.design.axes)
         each.set(xlabel=right, ylabel=up)
         if len(panels) > 1:
             each.set_title(fill(title, _LINE), fontsize=10, loc="left")

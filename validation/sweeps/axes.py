@@ -11,10 +11,20 @@ import numpy as np
 from analysis.problem.checks import Array, choice, several, whole
 from analysis.problem.limits import LARGEST_STORAGE
 from analysis.problem.names import full_name
-from analysis.problem.values import Value, is_text, is_word, read_value
+from analysis.problem.values import Value, is_text, is_word, read_value, unit
 from validation.parser.runs import LAYOUTS, Layout
 
 _RANGE = re.compile(r"([^:]+):([^:]+?)(?:\s*:\s*(\d+)\s*)?(:\s*log\s*)?")
+
+_LABELS = {
+    "start.spin": "spinning speed at the start in rad/s",
+    "start.beta": "β at the start in rad",
+    "start.gamma": "γ at the start in rad",
+    "start.beta_rate": "rate of β at the start in rad/s",
+    "friction.coefficient": "friction coefficient μ",
+    "disk.eccentricity": "eccentricity in m",
+}
+"""What stands at the axis of a field, where that is not its name."""
 
 _BLOCK = 4096
 """Cases that are drawn at once; a power of 2, as Sobol points want it."""
@@ -91,6 +101,12 @@ class Axis:
         """Value of an index on a grid."""
         last = (self.size or 1) - 1
         return self.values[index] if self.values else self.between(index / max(1, last))
+
+    @property
+    def label(self) -> str:
+        """What stands at its axis in a picture, and above its values, with their unit."""
+        name, measure = self.field.replace("_", " ").replace(".", ": "), unit(self.field)
+        return _LABELS.get(self.field, f"{name} in {measure}" if measure else name)
 
     @property
     def grid(self) -> list[Any]:
