@@ -15,6 +15,7 @@ from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import kinds
 from validation.parser.files import PICTURES, Result, save
 from validation.sweeps.pools import Pool, open_pool
+from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -112,10 +113,15 @@ def _run_panels(
     runs: Sequence[tuple[Sweep, int, int]], place: Path, pool: Pool, *, to_rest: bool
 ) -> list[Panel]:
     """Panels of sweeps, each halved so often and of about so many cases, in stores by number."""
+    stores = [place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1)]
+    for (sweep, *_), store in zip(runs, stores, strict=True):
+        if store.exists():
+            # One of another sweep is refused before anything is said or run.
+            with Store(store, sweep):
+                pass
     seconds = sum(count * look_ahead(sweep)[0] for sweep, _, count in runs)
     some = f"some {sum(count for *_, count in runs)}"
     announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
-    stores = (place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1))
     return [
         run_panel(sweep, store, pool, to_rest=to_rest, levels=halved)
         for (sweep, halved, _), store in zip(runs, stores, strict=True)

@@ -13,6 +13,7 @@ from tests.calls import Capture, refusal, run
 from tests.sweeps import sweep
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_sweep
+from validation.sweeps.store import Store
 
 SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1 --out a.db"
 CALL = f"sweep spin=30:40:5 {SHORT}"
@@ -55,6 +56,15 @@ def test_what_cannot_run_here_is_refused_before_anything_is_kept(
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
     assert "5 cases may take" in refusal(capsys, CALL)
     assert not Path("a.db").exists()
+
+
+def test_map_is_refused_before_any_panel_if_one_store_is_of_another(capsys: Capture) -> None:
+    Path("maps").mkdir()
+    with Store("maps/basins-2.db", sweep("spin=30,31")):
+        pass
+    said = refusal(capsys, "map basins --cells 1 --levels 0 --workers 1 --out maps")
+    assert "basins-2.db holds results of another sweep" in said
+    assert [each.name for each in Path("maps").iterdir()] == ["basins-2.db"]
 
 
 @pytest.mark.parametrize("call", [CALL, "map attitude --workers 1 --out maps"])
