@@ -256,5 +256,5 @@ PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
 def measured_parts(repeats: int) -> dict[str, list[Check]]:
     """What is measured by so many calls each, by what it is about."""
     return {
-        str(part.__doc__).splitlines()[0]: list(part(repeats)) for part in counted(PARTS, "parts")
+        part.__name__.replace("_", " "): list(part(repeats)) for part in counted(PARTS, "parts")
     }
