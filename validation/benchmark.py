@@ -36,10 +36,9 @@ from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene
 from mbs_models.rest import largest_step
-from validation import by_hand
+from validation.kit.differences import deviation
 from validation.kit.limits import holds
 from validation.kit.progress import counted
-from validation.kit.references import deviation
 from validation.kit.timing import clocked, in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
@@ -112,10 +111,7 @@ COMPILED: tuple[tuple[Scenario, Formulation, int], ...] = (
 """Scenario and formulation of a system that is compiled, and members of its ensemble."""
 
 
-LOCAL = 1e-9
-"""Local tolerance of compiled runs."""
-
-COMPILED_RUN: How = {"method": "taylor", "local_tolerance": LOCAL}
+COMPILED_RUN: How = {"method": "taylor", "local_tolerance": 1e-9}
 
 
 @cache
@@ -177,38 +173,33 @@ def to_rest(_: int) -> Iterator[Check]:
 
 
 def compiled_runs(repeats: int) -> Iterator[Check]:
-    """Single runs with an error of 1e-9 rad: compiled, and heyoka driven by hand.
+    """Single compiled runs with an error of 1e-9 rad.
 
     One run of each, without the second one that a tolerance takes. Compiled code is warm.
     """
     for scenario, formulation, _ in COMPILED:
-        label, how = (
-            f"{scenario.name}, {formulation}",
-            {**COMPILED_RUN, "formulation": formulation},
-        )
-        ours = partial(analysis.simulate, scenario, TIMES, **how)
-        error = deviation(ours(), _truth(scenario))
+        label = f"{scenario.name}, {formulation}"
+        how = COMPILED_RUN | {"formulation": formulation}
+        call = partial(analysis.simulate, scenario, TIMES, **how)
+        error = deviation(call(), _truth(scenario))
         yield measured(f"{label}, compiled: error", error, "rad", 1e-9)
-        hand = by_hand.single(scenario, formulation, LOCAL, TIMES)
+
+        def ten(call: Timed = call) -> None:
+            for _ in range(10):
+                call()
+
         # Ten in a row, as in a loop: alone, a call waits for memory longer than it computes. By
         # the clock, since heyoka reads many states off on several threads, which wait for work.
-        ten = (partial(_ten, ours), partial(_ten, hand))
-        both = milliseconds(*ten, repeats=repeats, clock=time.perf_counter)
-        for name, taken in zip(("compiled", "by hand"), both, strict=True):
-            yield measured(f"{label}: {name}", 0.1 * taken, "ms")
-
-
-def _ten(call: Timed) -> None:
-    for _ in range(10):
-        call()
+        (taken,) = milliseconds(ten, repeats=repeats, clock=time.perf_counter)
+        yield measured(f"{label}: compiled", 0.1 * taken, "ms")
 
 
 def ensembles(repeats: int) -> Iterator[Check]:
-    """Runs per second: pure, compiled in batches, and batches by hand.
+    """Runs per second: pure, and compiled in batches.
 
     Compiled: an `Ensemble`, made and checked anew each time, and the arrays that come out; from a
     list: a Scenario and a Trajectory for each. To 1e-6 rad: with the second run that checks it.
-    One run each: local tolerance 1e-9. By hand, nothing is made of the sampled states.
+    One run each: local tolerance 1e-9.
     """
     for scenario, formulation, size in COMPILED:
         base, spins = replace(scenario, start=Start(beta=1.5)), np.linspace(34.0, 50.0, size)
@@ -230,7 +221,6 @@ def ensembles(repeats: int) -> Iterator[Check]:
             ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
             ("one run each, from a list", partial(many, members, **COMPILED_RUN), size),
             ("one run each", partial(many, **COMPILED_RUN), size),
-            ("one run each, by hand", by_hand.batches(members, formulation, LOCAL, TIMES), size),
         )
         times = milliseconds(*(call for _, call, _ in calls), repeats=repeats)
         for (label, _, count), taken in zip(calls, times, strict=True):
@@ -266,5 +256,5 @@ PARTS: tuple[Callable[[int], Iterator[Any]], ...] = (
 def measured_parts(repeats: int) -> dict[str, list[Check]]:
     """What is measured by so many calls each, by what it is about."""
     return {
-        str(part.__doc__).splitlines()[0]: list(part(repeats)) for part in counted(PARTS, "parts")
+        part.__name__.replace("_", " "): list(part(repeats)) for part in counted(PARTS, "parts")
     }

@@ -4,7 +4,6 @@ Importing this module and building the parser loads neither NumPy nor the engine
 and wrong calls answer at once; each subcommand imports what it needs when it runs.
 """
 
-import logging
 import os
 import sys
 import warnings
@@ -66,7 +65,6 @@ def _run(arguments: Sequence[str] | None) -> int:
     try:
         # Laws, bodies and conditions of one's own may lie in the working directory.
         sys.path.append("")
-        logging.getLogger("matplotlib").addFilter(_is_of_no_folder)
         # Imported late: the commands bring NumPy, SciPy and the engine along.
         module = import_module(f"validation.commands.{command.module}")
         with _warnings_in_a_line(name), _text_beside(given):
@@ -126,11 +124,6 @@ def _text_beside(given: Mapping[str, Any]) -> Iterator[None]:
         raise ArgumentError(taking[-1], fault)
     with redirect_stdout(sys.stderr if taking else sys.stdout):
         yield
-
-
-def _is_of_no_folder(record: logging.LogRecord) -> bool:
-    """Let Matplotlib take a temporary folder, where it can make no other, without a word."""
-    return record.funcName != "_get_config_or_cache_dir"
 
 
 def _deliver(text: str) -> bool:

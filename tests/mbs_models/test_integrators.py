@@ -13,7 +13,7 @@ from mbs_models.integrators import STAGES, largest_step, stability_polynomial
 from mbs_models.runs import force_rounding
 from mbs_models.scene import build
 from tests.scenes import LOADED, SHORT, TIMES, scene_of, truth
-from validation.kit.references import deviation
+from validation.kit.differences import deviation
 
 HELD: list[Formulation] = ["euler-tree", "floating", "floating-lie"]
 

@@ -30,7 +30,7 @@ from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
-from validation.kit.references import deviation
+from validation.kit.differences import deviation
 
 # --- To a tolerance ------------------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
@@ -15,6 +15,7 @@ from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
 from validation.parser import kinds
 from validation.parser.files import PICTURES, Result, save
 from validation.sweeps.pools import Pool, open_pool
+from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -30,7 +31,9 @@ def map(  # noqa: A001 - the command's name
     out: kinds.Folder = "maps",
     cells: int = 8,
     levels: int = 2,
-    how: kinds.Cells,
+    end: float | None = None,
+    witnesses: int = 8,
+    time_limit: float = 60.0,
     compiled: bool = False,
     pairs: int = 0,
     problem: kinds.AnyProblem,
@@ -61,7 +64,10 @@ def map(  # noqa: A001 - the command's name
     end
         End of each motion in s (4; rest: 20).
     witnesses
-        On the coarse grid, and as large a part of the other cases.
+        Cases of the coarse grid, evenly spread, that the other side runs as well, and as large a
+        part of the others.
+    time_limit
+        Of each run, processor time in s.
     compiled
         Run compiled, in batches, to 1e-6 rad; needs tippedisk[fast].
     pairs
@@ -70,11 +76,10 @@ def map(  # noqa: A001 - the command's name
     mapped = PROBLEMS[name]
     whole("pairs", pairs, least=0)
     problem.check_fixed([mapped.right.field, mapped.up.field, *["model"] * mapped.basins])
-    problem.check_survived()
-    scenario, witnesses = problem.scenario(), how["witnesses"]
-    how = {
-        "end": checked_end(how.get("end", mapped.end), _SHORTEST),
-        "time_limit": how["time_limit"],
+    scenario = problem.scenario()
+    how: dict[str, Any] = {
+        "end": checked_end(mapped.end if end is None else end, _SHORTEST),
+        "time_limit": time_limit,
         "compiled": compiled,
     }
     if compiled:
@@ -108,10 +113,15 @@ def _run_panels(
     runs: Sequence[tuple[Sweep, int, int]], place: Path, pool: Pool, *, to_rest: bool
 ) -> list[Panel]:
     """Panels of sweeps, each halved so often and of about so many cases, in stores by number."""
+    stores = [place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1)]
+    for (sweep, *_), store in zip(runs, stores, strict=True):
+        if store.exists():
+            # One of another sweep is refused before anything is said or run.
+            with Store(store, sweep):
+                pass
     seconds = sum(count * look_ahead(sweep)[0] for sweep, _, count in runs)
     some = f"some {sum(count for *_, count in runs)}"
     announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
-    stores = (place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1))
     return [
         run_panel(sweep, store, pool, to_rest=to_rest, levels=halved)
         for (sweep, halved, _), store in zip(runs, stores, strict=True)

@@ -153,7 +153,7 @@ def _cycles_over(
         {axis.field: value, **each.as_row()}
         for value, each in zip(axis.grid, found.motions, strict=False)
     ]
-    first = (axis.field, _head(axis))
+    first = (axis.field, axis.label)
     names = ("spin" if spins is None else "amplitude", "multiplier")
     return _motions(
         rows,
@@ -210,7 +210,7 @@ def _connections_over(over: str, scenario: Scenario) -> Result:
     table = Table.of(
         rows,
         {
-            _head(axis): lambda row: row[axis.field],
+            axis.label: lambda row: row[axis.field],
             "Hopf point in rad/s": lambda row: row["hopf"],
             "connection in rad/s": lambda row: (row["connection"] or {}).get("spin"),
             "first-order prediction in rad/s": lambda row: row["prediction"],
@@ -266,12 +266,6 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
         )
     check_fields(scenario, {field: axis.at(0)})
     return axis, [changed(scenario, {field: value}) for value in axis.grid]
-
-
-def _head(axis: Any) -> str:
-    """Heading of the axis's values."""
-    name, measure = axis.field.rpartition(".")[2].replace("_", " "), declared(axis.field).unit
-    return f"{name} in {measure}" if measure else name
 
 
 # --- Passage ------------------------------------------------------------------------------------

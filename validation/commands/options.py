@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
@@ -13,12 +12,8 @@ from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run
 from analysis.problem.checks import Array, positive, within
 from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
 from analysis.problem.names import ArgumentError
-from analysis.problem.scenario_file import read_toml
-from analysis.problem.user_modules import is_user_name
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
-from validation.kit.differences import flat
-from validation.kit.processes import fatal
 from validation.kit.progress import duration, say
 from validation.sweeps.axes import axis_from
 
@@ -69,22 +64,9 @@ class Problem:
         if self.file is None:
             base = _to_rest(given) if rest else Scenario()
         else:
-            base = load_run(self.file).scenario if self._is_run else load_scenario(self.file)
+            is_run = self.file.suffix.lower() == ".npz"
+            base = load_run(self.file).scenario if is_run else load_scenario(self.file)
         return changed(base, given)
-
-    @property
-    def _is_run(self) -> bool:
-        """Whether the file is a stored run, which does not show whether it names own code."""
-        return self.file is not None and self.file.suffix.lower() == ".npz"
-
-    def check_survived(self, *, rest: bool = False) -> None:
-        """Raise `ValueError` if own code ends the process that makes the scenario with it."""
-        values = list(self.named.values())
-        if self.file is not None and not self._is_run:
-            values.extend(flat(read_toml(self.file)[0]).values())
-        runs_user_code = self._is_run or any(map(is_user_name, values))
-        if runs_user_code and (fault := fatal(partial(self.scenario, rest=rest))):
-            raise ValueError(f"making the scenario, with a law or body of your own, {fault}")
 
     def check_fixed(self, varied: Collection[str]) -> None:
         """Raise `ArgumentError` if an option tells what varies.

@@ -9,7 +9,7 @@ from analysis import StoredRun
 from validation.commands.options import stored_runs
 from validation.kit.differences import difference_table, fields_table
 from validation.kit.figures import comparison
-from validation.parser.files import CsvOut, PictureOut, Result, name_of, write
+from validation.parser.files import CsvOut, PictureOut, Result, names_of, write
 from validation.parser.kinds import AnimationOut, PageOut, Run, Runs, UserClasses
 
 
@@ -34,7 +34,7 @@ def show(
     files
         Written by simulate or rest.
     """
-    runs = list(zip(map(name_of, files), stored_runs(files, **classes), strict=True))
+    runs = list(zip(names_of(files), stored_runs(files, **classes), strict=True))
     apart, alone = fields_table(runs), len(runs) == 1
     notes = [f"{name}: {run!r}" for name, run in runs] if csv is None else []
     if not json and csv is None and plot is None and not _opened(runs):
@@ -100,7 +100,7 @@ def animate(
     out = out or file.with_suffix(".html")
     of_gif = {"fps": fps, "width": width}
     (run,) = stored_runs([file], **classes)
-    title = f"The tippedisk: {name_of(file)}"
+    title = f"The tippedisk: {names_of([file])[0]}"
     shown = run.animate(begin=begin, end=end, speed=speed, title=title)
     given = {name: value for name, value in of_gif.items() if value is not None}
     detail, poses = shown.save(out, **given), shown.poses

@@ -1,12 +1,12 @@
 """The commands `simulate` and `rest`: one run of a scenario."""
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Annotated, Any
 
 import numpy as np
 
-from analysis import CAUSES, Dissipation, SpatialMotion, StoredRun, multiplier_names
+from analysis import Dissipation, SpatialMotion, StoredRun, multiplier_names
+from analysis.motion.outcomes import OUTCOMES
 from analysis.problem.checks import whole
 from analysis.problem.limits import REST_SPACING, check_storage
 from analysis.problem.names import ArgumentError
@@ -14,13 +14,14 @@ from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
 from validation.kit.figures import comparison
 from validation.kit.progress import progress_bar
-from validation.kit.tables import Cell, Table
+from validation.kit.tables import Table
 from validation.parser.commands import Group
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, MotionOut
 from validation.parser.runs import RunOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
 from validation.studies.rest.figures import draw_story
+from validation.sweeps.case import outcome
 
 
 def simulate(
@@ -36,7 +37,7 @@ def simulate(
     The file holds t (N,), q and u (N, 6) in the order x, y, z, alpha, beta, gamma of the co-
     rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers (N, k), and
     meta, a JSON string with the scenario, versions and the error estimate. The table of --csv has
-    the samples.
+    the samples, --json what a sweep keeps of a case.
 
     Parameters
     ----------
@@ -64,15 +65,7 @@ def simulate(
         for first, last in motion.pulling
     )
     return Result(
-        values={
-            "samples": motion.times.size,
-            "error_estimate": estimate,
-            "inversion": motion.inversion.outcome,
-            "inversion_time": motion.inversion_time,
-            "ending": None if motion.ending is None else motion.ending.reason,
-            "end": float(motion.times[-1]),
-            "pulling": motion.pulling,
-        },
+        values=outcome(motion) | {"samples": motion.times.size, "pulling": motion.pulling},
         csv=motion.to_csv,
         files=[(out, motion.save)],
         draw=lambda: comparison([(scenario.name, motion)]),
@@ -91,10 +84,10 @@ def rest(
 ) -> Result:
     """Simulate the disk from the paper's start until it lies still.
 
-    Simulate the disk on a stiff unilateral contact until it lies still, and print when each phase
-    began and where the energy went. By default the rim is rounded, friction knows the contact
-    force, and nothing but sliding friction and the contact's damper takes energy; then the disk
-    does not lie flat.
+    Simulate the disk on a stiff unilateral contact until it lies still, and print what a sweep
+    keeps of a case: when each phase began, where the energy went, and so on. By default the rim is
+    rounded, friction knows the contact force, and nothing but sliding friction and the contact's
+    damper takes energy; then the disk does not lie flat.
 
     The disk is inverted from the first time at which its centre of gravity has risen to 90% of its
     largest height above the geometric centre and from which it stays above that centre for 1 s; if
@@ -122,11 +115,9 @@ def rest(
     announce("rest", rest_effort(scenario, end, **how), how.get("time_limit"))
     with progress_bar() as progress:
         motion = run_to_rest(scenario, end, **how, progress=progress)
-    table = _story(motion)
     return Result(
-        tables=[table],
-        values={str(name): value for name, value, _ in table.rows}
-        | {"ending": None if motion.ending is None else motion.ending.reason},
+        tables=[_story(motion)],
+        values=outcome(motion),
         files=[(out, motion.save)],
         draw=lambda: draw_story(motion),
         notes=list(_remarks(motion)),
@@ -134,27 +125,16 @@ def rest(
 
 
 def _story(motion: SpatialMotion) -> Table:
-    """When each phase began, where the energy went, and how far that can be relied on."""
-    energies, phases = motion.energies.sum(axis=1), motion.phases
-    rows: list[tuple[str, Cell, str]] = [
-        (field.name.replace("_", " "), getattr(phases, field.name), "s")
-        for field in fields(phases)
-    ]
-    rows += [("energy at first", float(energies[0]), "J")]
-    rows += [
-        # Below the error it may come out negative; no -0.
-        (f"taken by {cause.replace('_', ' ')}", round(float(taken), 9) + 0.0, "J")
-        for cause, taken in zip(CAUSES, motion.dissipated[-1], strict=True)
-        if taken
-    ]
-    rows += [
-        ("energy left", float(energies[-1]), "J"),
-        ("estimated error", motion.error_estimate, "rad and parts of the energy"),
-    ]
+    """What became of the disk: when each phase began, where the energy went, how sure that is."""
+    found: dict[str, Any] = outcome(motion)
     return Table(
         title=f"The way to rest of {motion.scenario.name}, {motion.source}",
         columns=("what", "value", "unit"),
-        rows=rows,
+        rows=[
+            (name, value, OUTCOMES[name] or "")
+            for name, value in found.items()
+            if value is not None
+        ],
     )
 
 

@@ -136,7 +136,7 @@ def _stable_table(found: CriticalSpeeds) -> Table:
     )
 
 
-def _critical_table(found: CriticalSpeeds, note: str) -> Table:
+def _critical_table(found: CriticalSpeeds, note: str | None) -> Table:
     """Critical speeds; each row says what becomes of one eigenvalue or pair."""
     what = {"hopf": "pair", "static": "real eigenvalue"}
     side = {"above": "stable", "below": "unstable"}

@@ -147,24 +147,17 @@ def benchmark(*, repeats: int = 7) -> Result:
     whole("repeats", repeats)
     from validation.benchmark import measured_parts
 
-    parts = measured_parts(repeats)
-    heads = ("measured", "value", "at most", "reached")
-    found: dict[str, list[Any]] = {
+    rows: list[Any] = [
         # Of what is only told, nothing is asked.
-        title: [
-            (*each[:2], *((None, None) if each.limit == inf else (each.limit, each.holds)))
-            for each in checks
-        ]
-        for title, checks in parts.items()
-    }
-    rows = [row for some in found.values() for row in some]
-    every = Table(title="", columns=heads, rows=rows)
+        (part, *each[:2], *((None, None) if each.limit == inf else (each.limit, each.holds)))
+        for part, checks in measured_parts(repeats).items()
+        for each in checks
+    ]
+    heads = ("part", "measured", "value", "at most", "reached")
     missed = sum(row[-1] is False for row in rows)
     return Result(
-        tables=[Table(title=title, columns=heads, rows=some) for title, some in found.items()],
-        values=every.records(),
-        csv=partial(write, every),
-        draw=lambda: against_limits([row for row in rows if row[-1] is not None]),
-        notes=[f"Machine: {machine()}; {missed} of these miss what they should reach."],
+        tables=[Table(title=f"Machine: {machine()}", columns=heads, rows=rows)],
+        draw=lambda: against_limits([row[1:] for row in rows if row[-1] is not None]),
+        notes=[f"{missed} of these miss what they should reach."],
         code=1 if missed else 0,
     )

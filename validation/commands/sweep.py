@@ -74,7 +74,6 @@ def sweep(
     """
     design = _design(varied, axes, drawing)
     problem.check_fixed([axis.field for axis in design.axes])
-    problem.check_survived(rest=rest)
     wanted = Sweep(
         scenario=problem.scenario(rest=rest),
         design=design,

@@ -1,21 +1,79 @@
-"""How far stored motions are from each other, quantity by quantity."""
+"""How far motions are from each other: as a whole, and quantity by quantity."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
 
-from analysis import StoredRun
+from analysis import SpatialMotion, StoredRun, Trajectory, energies
+from analysis.motion.endings import FLAT
 from analysis.motion.spatial_motion import SAME_TIME
 from analysis.problem.checks import Array, ToleranceError
+from analysis.solve.to_tolerance import error_at_ending
+from validation.kit.limits import largest
 from validation.kit.tables import Cell, Table, show
+
+ANGLES = slice(4, 6)
+"""Columns of beta and gamma."""
 
 COARSEST = 1e-3
 """Error in rad that interpolation between samples may have for motions to be compared at all."""
 
 _SIGNED_AT_WILL = "quaternion_"
 """The two signs of a quaternion are the same attitude, so its parts tell no difference."""
+
+
+# --- As a whole ---------------------------------------------------------------------------------
+
+
+def deviation(run: StoredRun, other: StoredRun) -> float:
+    """Largest difference of beta and gamma in rad over what two runs of a kind have in common.
+
+    Where both end for the same reason, also at one time there, but for a disk that lies flat,
+    whose gamma has no meaning. Infinite if a number is none. Of motions to rest it is
+    `SpatialMotion.deviation`.
+    """
+    if isinstance(run, SpatialMotion) and isinstance(other, SpatialMotion):
+        return run.deviation(other)
+    assert isinstance(run, Trajectory)
+    assert isinstance(other, Trajectory)
+    rows = _common(run, other)
+    apart = np.abs(run.coordinates[:rows] - other.coordinates[:rows])[:, ANGLES]
+    found = apart.ravel().tolist()
+    if isfinite(late := ending_error(run, other)) and run.ending and run.ending.reason != FLAT:
+        last = run.coordinates[-1, ANGLES] - other.coordinates[-1, ANGLES]
+        found.append(float(error_at_ending(last, late, other.rates[-1, ANGLES])))
+    return largest(found)
+
+
+def ending_error(run: Trajectory, other: Trajectory) -> float:
+    """Difference in s of the times at which two runs end; infinite if one alone ends early."""
+    if run.ending is None and other.ending is None:
+        return 0.0
+    if run.ending is None or other.ending is None or run.ending.reason != other.ending.reason:
+        return inf
+    return abs(run.ending.time - other.ending.time)
+
+
+def energy_error(run: Trajectory, other: Trajectory) -> float:
+    """Largest deviation of the energy over what two runs have in common, relative."""
+    rows = _common(run, other)
+    total, expected = (
+        np.sum(energies(each.scenario, each.coordinates, each.rates), axis=0)[:rows]
+        for each in (run, other)
+    )
+    return float(np.max(np.abs(total - expected)) / np.max(expected))
+
+
+def _common(run: Trajectory, other: Trajectory) -> int:
+    """Number of samples that two runs of the same times share; the ending of one is none."""
+    early = run.ending is not None or other.ending is not None
+    return min(run.times.size, other.times.size) - early
+
+
+# --- Quantity by quantity -----------------------------------------------------------------------
 
 
 def difference_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:

@@ -22,8 +22,8 @@ from analysis.problem.checks import Array
 PARTS = 16
 """Parts of an interval that is looked at again."""
 
-STRAIGHT = 1e-11
-"""Time in s that is left at last, in which a line is a motion, and even a kink is none."""
+FINEST = 1e-12
+"""Time in s to which an ending is located."""
 
 Plain = Callable[[Scenario, Array], Trajectory]
 """Runs a scenario over some times, whatever pulls or is met on the way."""
@@ -72,14 +72,16 @@ def _first_ending(
     values = _values(run, conditions)
     places = {place for found in values.values() for place in _suspects(found)}
     for begin, end in sorted(places):
-        if run.times[end] - run.times[begin] <= STRAIGHT:
-            endings = [_crossing(run, begin, name, found) for name, found in values.items()]
-            if found := [each for each in endings if each is not None]:
-                return min(found, key=lambda each: each[0].time)
-            continue
-        again = replace(run.scenario, start=run.state(begin))
-        times = np.linspace(run.times[begin], run.times[end], PARTS + 1)
-        if (met := _first_ending(plain, plain(again, times), conditions)) is not None:
+        met = None
+        if run.times[end] - run.times[begin] > FINEST:
+            again = replace(run.scenario, start=run.state(begin))
+            times = np.linspace(run.times[begin], run.times[end], PARTS + 1)
+            met = _first_ending(plain, plain(again, times), conditions)
+        negative = [name for name, found in values.items() if found[end] < 0.0]
+        if met is None and negative:
+            row = {name: getattr(run, name)[end] for name in _SAMPLED}
+            met = Ending(reason=negative[0], time=float(row["times"]), value=0.0), row
+        if met is not None:
             return met
     return None
 
@@ -103,14 +105,3 @@ def _suspects(values: Array) -> Iterator[tuple[int, int]]:
     near = middle < (before - middle) + (after - middle)
     for row in np.flatnonzero(lowest & near).tolist():
         yield row, row + 2
-
-
-def _crossing(run: Trajectory, begin: int, reason: str, values: Array) -> Met | None:
-    """An ending behind a row, on the straight line to the next one."""
-    first, last = values[begin : begin + 2].tolist()
-    if not first >= 0.0 > last:
-        return None
-    part = first / (first - last)
-    pairs = {name: getattr(run, name)[begin : begin + 2] for name in _SAMPLED}
-    row = {name: before + part * (after - before) for name, (before, after) in pairs.items()}
-    return Ending(reason=reason, time=float(row["times"]), value=0.0), row

@@ -1,12 +1,10 @@
 """Worker processes of this machine, of which one that ends or hangs fails its own call alone."""
 
-import warnings
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from contextlib import suppress
 from typing import Any
 
-from pebble import ProcessExpired, ProcessPool
+from pebble import ProcessPool
 
 from analysis.solve.workers import Spawning
 
@@ -59,27 +57,3 @@ class Processes(Executor):
     def __exit__(self, kind: object, *_: object) -> None:
         """End the processes at once if something was raised."""
         self.shutdown(cancel_futures=kind is not None)
-
-
-def fatal(function: Callable[..., Any], *arguments: Any, limit: float = 30.0) -> str:
-    """Why a call must not be made in this process, as tried in another; empty if it may be.
-
-    Parameters
-    ----------
-    function : callable
-        It may raise, as it will here, too.
-    *arguments
-    limit : float
-        Time in s for which it is waited for.
-    """
-    with Processes(1) as pool:
-        error = pool.submit(_tried, function, *arguments, limit=limit).exception()
-        if isinstance(error, ProcessExpired):
-            pool.check_begun()
-            return f"ends its process with code {error.exitcode}"
-    return f"does not come back within {limit:g} s" if error else ""
-
-
-def _tried(function: Callable[..., Any], *arguments: Any) -> None:
-    with warnings.catch_warnings(action="ignore"), suppress(Exception, SystemExit):
-        function(*arguments)

@@ -1,28 +1,17 @@
-"""What a run is compared with: two runs by other methods, and how far they are apart.
-
-Also what "apart" means: the deviation of beta and gamma, of the time of an ending, of the energy.
-"""
+"""What a run is compared with: two runs by other methods, and how far they are apart."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, isfinite
 from typing import Any
 
-import numpy as np
-
-import analysis
 from analysis import Method, Scenario, Trajectory
-from analysis.motion.endings import FLAT, StopWhen
+from analysis.motion.endings import StopWhen
 from analysis.problem.checks import Array
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
-from analysis.solve.to_tolerance import error_at_ending
 from mbs_models import EngineError, Integrator
-from validation.kit.limits import largest
+from validation.kit.differences import deviation, ending_error
 from validation.kit.located import up_to_ending
 from validation.kit.ways import StepLimit, Way
-
-ANGLES = slice(4, 6)
-"""Columns of beta and gamma."""
 
 STIFF = 1e-3
 """Finest speed of friction in m/s below which explicit in-house methods are not tried."""
@@ -63,46 +52,6 @@ def _method(run: Trajectory) -> tuple[object, ...]:
     """What runs by one method have in common."""
     names = ("formulation", "integrator") if run.source == "engine" else ("method",)
     return run.source, *(run.method[name] for name in names)
-
-
-def deviation(run: Trajectory, other: Trajectory) -> float:
-    """Largest difference of beta and gamma in rad over what two runs have in common.
-
-    Where both end for the same reason, also at one time there, but for a disk that lies flat,
-    whose gamma has no meaning. Infinite if a number is none.
-    """
-    rows = _common(run, other)
-    apart = np.abs(run.coordinates[:rows] - other.coordinates[:rows])[:, ANGLES]
-    found = apart.ravel().tolist()
-    if isfinite(late := ending_error(run, other)) and run.ending and run.ending.reason != FLAT:
-        last = run.coordinates[-1, ANGLES] - other.coordinates[-1, ANGLES]
-        found.append(float(error_at_ending(last, late, other.rates[-1, ANGLES])))
-    return largest(found)
-
-
-def ending_error(run: Trajectory, other: Trajectory) -> float:
-    """Difference in s of the times at which two runs end; infinite if one alone ends early."""
-    if run.ending is None and other.ending is None:
-        return 0.0
-    if run.ending is None or other.ending is None or run.ending.reason != other.ending.reason:
-        return inf
-    return abs(run.ending.time - other.ending.time)
-
-
-def energy_error(run: Trajectory, other: Trajectory) -> float:
-    """Largest deviation of the energy over what two runs have in common, relative."""
-    rows = _common(run, other)
-    total, expected = (
-        np.sum(analysis.energies(each.scenario, each.coordinates, each.rates), axis=0)[:rows]
-        for each in (run, other)
-    )
-    return float(np.max(np.abs(total - expected)) / np.max(expected))
-
-
-def _common(run: Trajectory, other: Trajectory) -> int:
-    """Number of samples that two runs of the same times share; the ending of one is none."""
-    early = run.ending is not None or other.ending is not None
-    return min(run.times.size, other.times.size) - early
 
 
 def reference(scenario: Scenario, times: Array, *, stop_when: StopWhen | None = None) -> Reference:

@@ -19,9 +19,8 @@ from scipy.spatial import QhullError
 
 from analysis.problem.checks import Array
 from validation.kit.figures import new_figure
-from validation.kit.processes import fatal
 from validation.maps.panel import Panel
-from validation.maps.problems import critical_points, label
+from validation.maps.problems import critical_points
 
 OUTCOMES = {
     "not inverted": ("#f2f2f2", "not inverted"),
@@ -71,7 +70,7 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
     for (title, panel), inverted, each in zip(panels.items(), times, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, each)
-        up, right = (label(axis.field) for axis in panel.sweep.design.axes)
+        up, right = (axis.label for axis in panel.sweep.design.axes)
         each.set(xlabel=right, ylabel=up)
         if len(panels) > 1:
             each.set_title(fill(title, _LINE), fontsize=10, loc="left")
@@ -128,9 +127,7 @@ def _mark(panel: Panel, axes: Axes) -> None:
         for each in (seen[alike], seen[~alike])
     ]
     rim = [withStroke(linewidth=2.5, foreground="white")]
-    sweep = panel.sweep
-    if not (sweep.runs_user_code and fatal(critical_points, sweep)):
-        points.append(critical_points(sweep))
+    points.append(critical_points(panel.sweep))
     for (name, look), places in zip(MARKS.items(), points, strict=False):
         if len(places):
             axes.plot(*places.T, label=name, path_effects=rim, **look)

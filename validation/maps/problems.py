@@ -10,7 +10,6 @@ import numpy as np
 import analysis
 from analysis import MODELS, Scenario
 from analysis.problem.checks import Array, whole, within
-from analysis.problem.quantities import declared
 from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
@@ -66,21 +65,6 @@ PROBLEMS = {
     "rest": Problem("Which face is up at rest", _NEAR_CRITICAL, _NEAR_UPRIGHT, 20.0, to_rest=True),
 }
 """By the names of the command."""
-
-_LABELS = {
-    "start.spin": "spinning speed at the start in rad/s",
-    "start.beta": "β at the start in rad",
-    "start.gamma": "γ at the start in rad",
-    "start.beta_rate": "rate of β at the start in rad/s",
-    "friction.coefficient": "friction coefficient μ",
-    "disk.eccentricity": "eccentricity in m",
-}
-
-
-def label(field: str) -> str:
-    """What stands at the axis of a field, with its unit."""
-    name, measure = field.replace("_", " ").replace(".", ": "), declared(field).unit
-    return _LABELS.get(field, f"{name} in {measure}" if measure else name)
 
 
 def panels(

@@ -14,7 +14,6 @@ from analysis.problem.quantities import declared
 from validation.kit import figures as kit
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
-from validation.maps.problems import label
 from validation.sweeps.axes import Axis
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
@@ -118,7 +117,7 @@ def _curves(axis: Axis, table: pd.DataFrame) -> Figure:
             kit.legend_above(axes)
         axes.set(ylabel=text)
     _mark(others[-1], "x", axis)
-    others[-1].set(xlabel=label(axis.field))
+    others[-1].set(xlabel=axis.label)
     return figure
 
 
@@ -152,9 +151,9 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
         _thin(each, "x", right)
         each.tick_params(labelsize=7, labelleft=column in (0, row))
         if row == count - 1:
-            each.set_xlabel(fill(label(right.field), _LETTERS), fontsize=8)
+            each.set_xlabel(fill(right.label, _LETTERS), fontsize=8)
         if column == 0:
-            text = fill(label(up.field), _LETTERS) if row else f"share {counted}"
+            text = fill(up.label, _LETTERS) if row else f"share {counted}"
             each.set_ylabel(text, fontsize=8)
     figure.colorbar(image, ax=axes, label=f"share of cases: {counted}", shrink=0.6)
     title = f"Sweep of {sweep.scenario.name}: {decided.sum()} cases"

@@ -140,20 +140,15 @@ class Group:
     whole : callable
     *names : str
         Of the parameters; by default all.
-    **defaults
-        Where they differ from those of the parameters.
     """
 
-    def __init__(self, whole: Callable[..., Any], *names: str, **defaults: Any) -> None:
+    def __init__(self, whole: Callable[..., Any], *names: str) -> None:
         known = signature(whole).parameters
         # A command may take an output itself; of what a class inherits, it may say more.
         _, self._meanings = described(Result.deliver)
         for each in reversed(getattr(whole, "__mro__", (whole,))):
             self._meanings |= described(each)[1]
-        self._parameters = [
-            known[name].replace(default=defaults.get(name, known[name].default))
-            for name in names or known
-        ]
+        self._parameters = [known[name] for name in names or known]
 
     def add_to(self, parser: Parser, further: Mapping[str, str] = MappingProxyType({})) -> None:
         """Add the options; what a command says of one itself comes first."""

@@ -160,10 +160,16 @@ def _text(table: Table) -> str:
     return "\n".join(part for part in parts if part) + "\n"
 
 
-def name_of(path: Path) -> str:
-    """Name of a file without its suffix, with a mark in place of what cannot be shown."""
-    name = os.fsencode(path.stem).decode("utf-8", "replace")
-    return "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in name)
+def names_of(paths: Sequence[Path]) -> list[str]:
+    """Names of files without suffix, or their paths where some have one name.
+
+    With a mark in place of what cannot be shown.
+    """
+    stems = [path.stem for path in paths]
+    told = stems if len({*stems}) == len(stems) else list(map(str, paths))
+    names = (os.fsencode(each).decode("utf-8", "replace") for each in told)
+    mark = "\N{REPLACEMENT CHARACTER}"
+    return ["".join(each if each.isprintable() else mark for each in name) for name in names]
 
 
 def write(table: Table, path: Path) -> None:

@@ -141,7 +141,4 @@ Cases = Annotated[
         *("stop_when", "time_limit", "end", "spacing", "witnesses", "keep"),
     ),
 ]
-Cells = Annotated[
-    dict[str, Any], Group(CaseOptions, "end", "witnesses", "time_limit", end=None, witnesses=8)
-]
-"""How the cases of a sweep, and those of a map, are run."""
+"""How the cases of a sweep are run."""

@@ -10,7 +10,7 @@ from analysis.problem.choices import (
     METHODS,
     SOURCES,
 )
-from analysis.problem.names import ArgumentError, nearest
+from analysis.problem.names import ArgumentError
 
 Layout = Literal["grid", "random", "latin-hypercube", "sobol"]
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)
@@ -69,10 +69,13 @@ class RunOptions:
     time_limit: float | None = None
 
     def __post_init__(self) -> None:
-        self._choose("source", SOURCES)
+        from analysis.problem.checks import choice
+
+        choice("source", self.source, SOURCES)
         if self.formulation is not None:
             is_engine = self.source == "engine"
-            self._choose("formulation", ENGINE_FORMULATIONS if is_engine else FORMULATIONS)
+            known = ENGINE_FORMULATIONS if is_engine else FORMULATIONS
+            choice("formulation", self.formulation, known)
         foreign = ("method",) if self.source == "engine" else ("step", "integrator")
         for name in foreign:
             self.refuse(name, f"source {self.source!r}, which does not know it")
@@ -87,12 +90,6 @@ class RunOptions:
                     "must be DOPRI5 with a local_tolerance, since the others keep their step, "
                     f"got {name!r}",
                 )
-
-    def _choose(self, name: str, allowed: tuple[str, ...]) -> None:
-        value = getattr(self, name)
-        if value not in allowed:
-            fault = f"must be one of {', '.join(allowed)}, got {value!r}"
-            raise ArgumentError(name, f"{fault}{nearest(value, allowed)}")
 
     def refuse(self, name: str, where: str) -> None:
         """Raise if an option is given that there is no place for."""

@@ -12,7 +12,7 @@ from analysis import Scenario
 from analysis.problem.checks import Array
 from validation.maps import figures
 from validation.maps.panel import Panel, cell
-from validation.maps.problems import PROBLEMS, critical_points, label, panels
+from validation.maps.problems import PROBLEMS, critical_points, panels
 from validation.maps.refinement import refine
 from validation.maps.uncertainty import DISTANCES, Uncertainty, shifted_sweeps, uncertainty
 from validation.page.content import Content, Rows, Verdict
@@ -268,7 +268,7 @@ def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Ro
     for name, least in SPEED_MAPS.items():
         apart = above_critical(found[name], least)
         low, high = apart.min(), apart.max()
-        where = f"from {least:g} on ({label(found[name].sweep.design.axes[0].field)})"
+        where = f"from {least:g} on ({found[name].sweep.design.axes[0].label})"
         yield {
             "map": name,
             "statement": "the least spin at the start that inverts is the second critical speed",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.problem.checks import Array, choice, whole
+from analysis.problem.checks import Array, choice, several, whole
 from analysis.problem.limits import LARGEST_STORAGE
 from analysis.problem.names import full_name
 from analysis.problem.quantities import declared
@@ -16,6 +16,16 @@ from analysis.problem.values import Value, read_value
 from validation.parser.runs import LAYOUTS, Layout
 
 _RANGE = re.compile(r"([^:]+):([^:]+?)(?:\s*:\s*(\d+)\s*)?(:\s*log\s*)?")
+
+_LABELS = {
+    "start.spin": "spinning speed at the start in rad/s",
+    "start.beta": "β at the start in rad",
+    "start.gamma": "γ at the start in rad",
+    "start.beta_rate": "rate of β at the start in rad/s",
+    "friction.coefficient": "friction coefficient μ",
+    "disk.eccentricity": "eccentricity in m",
+}
+"""What stands at the axis of a field, where that is not its name."""
 
 _BLOCK = 4096
 """Cases that are drawn at once; a power of 2, as Sobol points want it."""
@@ -53,10 +63,11 @@ class Axis:
 
     def __post_init__(self) -> None:
         field = full_name(self.field)
+        given = several(f"values of axis {field}", self.values, "values")
         is_range = self.first is not None
-        if is_range != (self.last is not None) or is_range == bool(self.values):
+        if is_range != (self.last is not None) or is_range == bool(given):
             raise ValueError(f"axis {field} must have either values, or first and last")
-        values = tuple(read_value(field, value) for value in self.values)
+        values = tuple(read_value(field, value) for value in given)
         if len(set(values)) < len(values):
             raise ValueError(f"axis {field} must hold each value once, got {values}")
         object.__setattr__(self, "field", field)
@@ -91,6 +102,12 @@ class Axis:
         """Value of an index on a grid."""
         last = (self.size or 1) - 1
         return self.values[index] if self.values else self.between(index / max(1, last))
+
+    @property
+    def label(self) -> str:
+        """What stands at its axis in a picture, and above its values, with their unit."""
+        name, measure = self.field.replace("_", " ").replace(".", ": "), declared(self.field).unit
+        return _LABELS.get(self.field, f"{name} in {measure}" if measure else name)
 
     @property
     def grid(self) -> list[Any]:
@@ -141,6 +158,7 @@ class Design:
     def __post_init__(self) -> None:
         choice("layout", self.layout, LAYOUTS)
         whole("seed", self.seed, least=0)
+        object.__setattr__(self, "axes", tuple(several("axes", self.axes, "Axis")))
         names = [axis.field for axis in self.axes]
         if not names:
             raise ValueError("axes must be at least one, such as spin=0:60:61")

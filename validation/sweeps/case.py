@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Ensemble, SpatialMotion, Trajectory, outcomes, simulate_many
+from analysis import Ensemble, StoredRun, outcomes, simulate_many
 from analysis.motion.outcomes import DONE, OUTCOMES, Row, failure
-from analysis.problem.checks import Array
-from validation.sweeps.plan import TIME, Motion
+from validation.kit.differences import deviation
+from validation.sweeps.plan import TIME
 from validation.sweeps.sweep import Sweep
 
 COLUMNS: Mapping[str, str | None] = {
@@ -27,8 +27,8 @@ COLUMNS: Mapping[str, str | None] = {
 """Columns of a row behind those of the axes, with their units; None for words.
 
 Behind `OUTCOMES` those of the run of the other side, where there is one ("failed" if it gave
-none, with its reason); `difference` is the largest of beta and gamma in rad over the samples of
-both, or `SpatialMotion.deviation`; `code` names commit and sources that the row comes from.
+none, with its reason); `difference` is their `deviation`; `code` names commit and sources that the
+row comes from.
 """
 
 NUMBERS = "<f8"
@@ -127,7 +127,7 @@ def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     return rows
 
 
-def _with_the_rest(sweep: Sweep, row: CaseRow, motion: Motion) -> CaseRow:
+def _with_the_rest(sweep: Sweep, row: CaseRow, motion: StoredRun) -> CaseRow:
     """Row with series of its motion and what its witness says, where they are asked for."""
     plan = sweep.plan
     if row["status"] != DONE:
@@ -150,11 +150,11 @@ def _with_the_rest(sweep: Sweep, row: CaseRow, motion: Motion) -> CaseRow:
         "other_face_end": found["face_end"],
         "other_error_estimate": found["error_estimate"],
         "other_seconds": time.process_time() - begin,
-        "difference": difference(motion, other),
+        "difference": deviation(motion, other),
     }
 
 
-def series(motion: Motion, names: Sequence[str]) -> dict[str, bytes]:
+def series(motion: StoredRun, names: Sequence[str]) -> dict[str, bytes]:
     """Bytes of some series of a motion and of its times; those that it has."""
     held = motion.columns()
     return {
@@ -162,20 +162,7 @@ def series(motion: Motion, names: Sequence[str]) -> dict[str, bytes]:
     }
 
 
-def outcome(motion: Motion) -> Row:
+def outcome(motion: StoredRun) -> Row:
     """What is kept of a motion, without its run time."""
     (row,) = outcomes([motion]).rows()
     return {name: row[name] for name in OUTCOMES}
-
-
-def difference(one: Motion, other: Motion) -> float:
-    """How far two motions of a case differ; see `COLUMNS`."""
-    if isinstance(one, SpatialMotion) and isinstance(other, SpatialMotion):
-        return one.deviation(other)
-    assert isinstance(one, Trajectory)
-    assert isinstance(other, Trajectory)
-    count = min(one.times.size, other.times.size)
-    # Motions that end early do so at times that differ a little.
-    common = np.flatnonzero(one.times[:count] == other.times[:count])
-    angles: list[Array] = [motion.coordinates[common, 4:6] for motion in (one, other)]
-    return float(np.max(np.abs(angles[0] - angles[1])))

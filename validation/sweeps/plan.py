@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, Trajectory
+from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, StoredRun, Trajectory
 from analysis.motion.endings import check_condition_name
 from analysis.motion.quantities import quantities
 from analysis.problem.checks import Array, choice, positive, whole, within
@@ -17,8 +17,6 @@ from analysis.simulation.formulations import default_formulation, pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from validation.parser.runs import ACCURACIES, OPTIONS, CaseOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
-
-Motion = Trajectory | SpatialMotion
 
 TIME = "time"
 """The series that goes with all others: times of the samples in s."""
@@ -138,7 +136,7 @@ class Plan(CaseOptions):
             to_rest=self.to_rest,
         )
 
-    def motion(self, scenario: Scenario) -> Motion:
+    def motion(self, scenario: Scenario) -> StoredRun:
         """Motion of a case."""
         how = self.given(*OPTIONS)
         if self.to_rest:

@@ -182,10 +182,8 @@ class Store:
 def tables(sweep: Sweep) -> dict[str, dict[str, str]]:
     """Columns of the tables of a store with their kinds, as SQLite calls them."""
     kinds = {name: "TEXT" if unit is None else "REAL" for name, unit in COLUMNS.items()}
-    axes = {
-        axis.field: "TEXT" if any(isinstance(each, str) for each in axis.values) else "REAL"
-        for axis in sweep.design.axes
-    }
+    known = {str: "TEXT", int: "INTEGER"}
+    axes = {axis.field: known.get(type(axis.at(0)), "REAL") for axis in sweep.design.axes}
     number = {"number": "INTEGER PRIMARY KEY"}
     found = {"cases": number | axes | kinds}
     if sweep.plan.keep:

@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from analysis import BODIES, CONSTRAINTS, LAWS, Scenario, multiplier_names
+from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.motion.endings import named_conditions
 from analysis.motion.trajectory import versions
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import is_user_name, user_object
 from analysis.problem.variations import changed, check_fields
 from analysis.simulation.compiled.library import require_heyoka
-from validation.kit.processes import fatal
 from validation.kit.sources import behind, digest
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
@@ -89,14 +88,6 @@ class Sweep:
             plan=Plan(**plan),
         )
 
-    @property
-    def runs_user_code(self) -> bool:
-        """Whether a law, a body or a condition is of one's own, which may do anything."""
-        friction, disk = self.scenario.friction, self.scenario.disk
-        names = [self.plan.stop_when, LAWS.name_of(type(friction)), BODIES.name_of(type(disk))]
-        names += [value for axis in self.design.axes for value in axis.values]
-        return any(map(is_user_name, names))
-
     def code(self) -> dict[str, str]:
         """What the results depend on besides: versions, and digests of all sources."""
         # A law, a body and a condition may be of one's own.
@@ -128,7 +119,6 @@ def look_ahead(sweep: Sweep) -> tuple[float, str]:
         Processor time of a case in s, roughly, with the part that the other side has in it.
     str
         How many of those cases are refused, and why the first of them is; empty if none is.
-        Where own code does not survive that, this alone; each case then is a row.
 
     Raises
     ------
@@ -136,12 +126,6 @@ def look_ahead(sweep: Sweep) -> tuple[float, str]:
         If all of them would be refused, there is no such condition to end a run, or what the
         method needs is not installed.
     """
-    if sweep.runs_user_code and (fault := fatal(_looked_ahead, sweep)):
-        return 0.0, f"looking at some cases {fault}; each case that does so will be a row"
-    return _looked_ahead(sweep)
-
-
-def _looked_ahead(sweep: Sweep) -> tuple[float, str]:
     if sweep.plan.stop_when is not None:
         named_conditions(sweep.plan.stop_when, sweep.scenario.initial_state)
     if sweep.plan.runs_in_batches:

@@ -53,7 +53,6 @@ from tests.helpers import (
     random_table,
 )
 from tests.wayward_law import Answering
-from validation import benchmark, by_hand
 
 heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
@@ -308,19 +307,3 @@ def test_members_of_a_batch_pull_when_they_do_alone() -> None:
         pure = simulate(scenario, TIMES, **how)
         np.testing.assert_allclose(run.pulling, pure.pulling, rtol=0.0, atol=1e-9)
     assert runs[1].pulling
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scenario", "formulation", "_"), benchmark.COMPILED, ids=["index-1", "reduced"]
-)
-def test_heyoka_driven_by_hand_samples_the_same_motion(
-    scenario: Any, formulation: Any, _: int
-) -> None:
-    times = benchmark.TIMES
-    run = simulate(scenario, times, formulation=formulation, method="taylor", local_tolerance=1e-9)
-    alone = by_hand.single(scenario, formulation, 1e-9, times)()[-1]
-    many = by_hand.batches([scenario] * 8, formulation, 1e-9, times)()[0][:, :, 0]
-    columns = slice(0, 2) if formulation == "reduced" else slice(4, 6)
-    for sampled in (alone, many):
-        np.testing.assert_allclose(sampled[:, columns], run.coordinates[:, 4:], atol=1e-7)

@@ -21,8 +21,8 @@ def test_command_simulates_stores_and_draws(capsys: Capture) -> None:
     assert motion.source == "in-house"
     assert motion.times[-1] == pytest.approx(1.6)
     assert Path("rest.png").stat().st_size > 1000
-    assert re.search(r"^inversion +0\.4", shown, re.MULTILINE)
-    assert re.search(r"^estimated error +\d", shown, re.MULTILINE)
+    assert re.search(r"^inverted_at +0\.4\d+ +s$", shown, re.MULTILINE)
+    assert re.search(r"^taken_sliding +0\.0\d+ +J$", shown, re.MULTILINE)
     assert "not at rest after 1.6 s" in shown
     assert "not decided" not in shown
 

@@ -1,5 +1,6 @@
 """`tippedisk show`: how far stored motions are apart, and their picture."""
 
+import json
 import os
 import re
 from dataclasses import replace
@@ -91,6 +92,19 @@ def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) 
     assert capsys.readouterr().err == ""
     if "$" in name:
         assert name in Path("made.svg").read_text(encoding="utf-8")
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders(capsys: Capture) -> None:
+    for folder, coefficient in (("one", 0.1), ("other", 0.2)):
+        Path(folder).mkdir()
+        friction = SmoothCoulomb(coefficient=coefficient)
+        one = random_trajectory()
+        replace(one, scenario=replace(one.scenario, friction=friction)).save(f"{folder}/run.npz")
+    found = json.loads(printed(capsys, "show one/run.npz other/run.npz --json"))
+    names = [str(Path(folder) / "run.npz") for folder in ("one", "other")]
+    assert [*found["runs"]] == names
+    (row,) = (each for each in found["fields"] if each["field"] == "friction.coefficient")
+    assert [row[name] for name in names] == ["0.1", "0.2"]
 
 
 def test_problems_and_ways_that_differ_are_told_first(capsys: Capture) -> None:

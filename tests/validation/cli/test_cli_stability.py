@@ -56,6 +56,7 @@ def test_critical_takes_a_body_without_a_closed_form(capsys: Capture) -> None:
     square = 0.02 * 9.81 * 0.003 * 1.15**2 / (1.15 * 3e-6 - across)
     assert found["crossings"][0]["spin"] == pytest.approx(square**0.5, rel=1e-9)
     assert found["closed_form"] is None
+    assert not re.search("Model [234]|Closed form", printed(capsys, f"critical {top}"))
 
 
 def test_spins_are_taken_in_any_order(capsys: Capture) -> None:

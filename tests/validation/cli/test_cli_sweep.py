@@ -7,14 +7,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from analysis import MODELS, Scenario, scenario_text, simulate
-from analysis.motion.outcomes import DONE
+from analysis import MODELS, Scenario
 from analysis.simulation.compiled import library
-from tests.calls import Capture, python, refusal, run
+from tests.calls import Capture, refusal, run
 from tests.sweeps import sweep
-from tests.wayward_law import CRASHES_AT_ONCE, Wayward
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_sweep
+from validation.sweeps.store import Store
 
 SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1 --out a.db"
 CALL = f"sweep spin=30:40:5 {SHORT}"
@@ -36,7 +35,9 @@ def test_axes_come_from_a_file_as_well() -> None:
     )
     call = "sweep --axes axes.toml gamma=0,1 --seed 6 --end 0.01 --workers 1 --out a.db"
     assert run(call, "--keep beta,tilt") == 0
-    wanted = Results.load(Path("a.db")).sweep
+    results = Results.load(Path("a.db"))
+    wanted, models = results.sweep, results.columns["model"]
+    assert (models.dtype.kind, {*models.tolist()} <= {1, 4}) == ("i", True)
     assert wanted.plan.keep == ("beta", "tilt")
     design = wanted.design
     assert (design.layout, design.number, design.seed) == ("sobol", 3, 6)
@@ -57,28 +58,13 @@ def test_what_cannot_run_here_is_refused_before_anything_is_kept(
     assert not Path("a.db").exists()
 
 
-@pytest.mark.slow
-def test_a_law_that_ends_the_interpreter_at_once_is_a_row_or_a_line(folder: Path) -> None:
-    words = f"-m validation sweep {SHORT} --law tests.wayward_law:Wayward".split()
-    axes = f"mu=0.2,{CRASHES_AT_ONCE}", "spin=30,31"
-    done = python(*words, *axes, "--plot", "a.png", folder=folder)
-    assert "sweep: looking at some cases ends its process with code 7; each" in done.stderr
-    assert Results.load(Path("a.db")).columns["status"].tolist() == [*[DONE] * 2, *["crashed"] * 2]
-    assert Path("a.png").exists()
-    text = scenario_text(Scenario(friction=Wayward()))
-    Path("own.toml").write_text(
-        text.replace("coefficient = 0.3", f"coefficient = {CRASHES_AT_ONCE}")
-    )
-    simulate(Scenario(friction=Wayward()), [0.0, 0.01]).save("own.npz")
-    plain = words[: words.index("--law")]
-    for base in (
-        [*words, f"--mu={CRASHES_AT_ONCE}"],
-        [*plain, "--scenario", "own.toml"],
-        [*words, "--scenario", "own.npz", f"--mu={CRASHES_AT_ONCE}"],
-    ):
-        done = python(*base, "spin=1,2", folder=folder, code=2)
-        assert "a law or body of your own, ends its process with code 7\n" in done.stderr
-        assert done.stderr.count("\n") == 1
+def test_map_is_refused_before_any_panel_if_one_store_is_of_another(capsys: Capture) -> None:
+    Path("maps").mkdir()
+    with Store("maps/basins-2.db", sweep("spin=30,31")):
+        pass
+    said = refusal(capsys, "map basins --cells 1 --levels 0 --workers 1 --out maps")
+    assert "basins-2.db holds results of another sweep" in said
+    assert [each.name for each in Path("maps").iterdir()] == ["basins-2.db"]
 
 
 @pytest.mark.parametrize("call", [CALL, "map attitude --workers 1 --out maps"])

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from analysis import load_run
-from tests.calls import Capture, printed, python, run
+from tests.calls import Capture, printed, run
 from tests.helpers import mostly_slow
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
@@ -155,14 +155,3 @@ def test_output_without_greek_letters_gets_the_table_with_replacements(
     assert run(SPINS) == 0
     assert narrow.getvalue().decode("ascii") == whole.replace("λ", "?")
     assert capsys.readouterr().err == ""
-
-
-@pytest.mark.slow
-def test_home_that_cannot_be_written_to_is_not_spoken_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("home").touch()
-    monkeypatch.setenv("HOME", "home")
-    for name in ("MPLCONFIGDIR", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"):
-        monkeypatch.delenv(name, raising=False)
-    words = f"-m validation {SPINS} --plot p.png".split()
-    assert python(*words, folder=Path()).stderr == ""
-    assert Path("p.png").stat().st_size > 100

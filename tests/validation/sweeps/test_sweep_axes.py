@@ -97,6 +97,15 @@ def test_what_is_no_axis_or_no_grid_is_refused(texts: tuple[str, ...]) -> None:
         design(*texts)
 
 
+def test_values_and_axes_may_stand_in_any_list() -> None:
+    spins = Axis(field="spin", values=np.linspace(10.0, 20.0, 3))  # type: ignore[arg-type]
+    found = Design(axes=[spins], layout="random", number=5)  # type: ignore[arg-type]
+    assert {type(each) for each in spins.values} == {float}
+    assert set(points(found).ravel()) <= {10.0, 15.0, 20.0}
+    with pytest.raises(ValueError, match=r"^values of axis start\.spin must be a list of values"):
+        Axis(field="spin", values=5.0)  # type: ignore[arg-type]
+
+
 def test_points_and_axes_of_the_wrong_kind_are_refused() -> None:
     with pytest.raises(ValueError, match="number must be a whole number, got None"):
         design("spin=1:2", layout="sobol")
