@@ -9,7 +9,7 @@ measured on the spot, with what is stored.
 import json
 import os
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -54,16 +54,15 @@ class Study:
     cases : callable
         Returns the cases by label; each is the argument of one call of `measure`.
     measure : callable
-        From a case to its rows, at least one. What may fail by itself has a column `failure`,
-        empty where it did not; anything raised is a crash. Importable by its name, for worker
-        processes.
-    keys : sequence of str
-        Columns that tell the rows of a case apart, numbers by their first six digits.
+        From a case to its rows, at least one, in an order of their own: measured again, a row is
+        compared with that in its place. What may fail by itself has a column `failure`, empty
+        where it did not; anything raised is a crash. Importable by its name, for worker processes.
     sample : sequence of str
         Labels of the cases that are measured again. With some, the table comes with the package;
         without, all cases are measured for each report.
     confirm : mapping
-        From columns to their allowed difference; None if they have to be equal.
+        From columns to their allowed difference; None if they have to be equal, as those that tell
+        the rows of a case apart.
     timed : sequence of str
         Columns of run times: a study with some is measured last, beside its like.
     limit : float, optional
@@ -77,7 +76,6 @@ class Study:
     name: str
     cases: Callable[[], Mapping[str, Any]]
     measure: Callable[[Any], list[Row]]
-    keys: Sequence[str] = ()
     sample: Sequence[str] = ()
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
     timed: Sequence[str] = ()
@@ -285,15 +283,7 @@ def _of_numpy(value: Any) -> Any:
 
 
 def whole_table(study: Study, found: Found) -> pd.DataFrame:
-    """Table of all measurements of a study, with a row for each of its keys.
-
-    Raises
-    ------
-    RuntimeError
-        If a case crashed.
-    ValueError
-        If keys do not tell rows apart.
-    """
+    """Table of all measurements of a study; `RuntimeError` if a case crashed."""
     crashed, table = [], []
     for task in study.tasks(whole=True):
         if isinstance(rows := found[task.key], Exception):
@@ -302,24 +292,11 @@ def whole_table(study: Study, found: Found) -> pd.DataFrame:
             table += [{"case": task.label, **row} for row in rows]
     if crashed:
         raise RuntimeError(f"{study.name}: {len(crashed)} cases crashed:\n" + "\n".join(crashed))
-    _check_keys(study, made := frame(table))
-    return made
-
-
-def frame(rows: Iterable[Row]) -> pd.DataFrame:
-    """Table of rows; what some rows lack is None or NaN there."""
-    return pd.DataFrame(list(rows))
-
-
-def _check_keys(study: Study, table: pd.DataFrame) -> None:
-    keys = ["case", *study.keys]
-    if table.duplicated(keys).any():
-        raise ValueError(f"{study.name}: keys {keys} do not tell rows apart")
+    return pd.DataFrame(table)
 
 
 def write(study: Study, table: pd.DataFrame, provenance: Mapping[str, Any], folder: Path) -> None:
     """Keep a table and what made it, as NAME.csv and NAME.json, whole or not at all."""
-    _check_keys(study, table)
     kinds = {name: _kind(table[name]) for name in table}
     about = {
         "provenance": provenance,
@@ -365,7 +342,6 @@ def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
     for name, kind in kinds.items():
         if kind == "list":
             table[name] = table[name].map(json.loads)
-    _check_keys(study, table)
     return table
 
 
@@ -403,14 +379,8 @@ def _compared(
     study: Study, name: str, fresh: Sequence[Row], stored: Sequence[Row]
 ) -> Iterator[Check]:
     """Checks of the rows of one case; a number that is none holds nothing."""
-    here, there = (
-        {tuple(_key(row[key]) for key in study.keys): row for row in rows}
-        for rows in (fresh, stored)
-    )
-    alone = len(here.keys() ^ there.keys())
-    both = [(row, there[key]) for key, row in here.items() if key in there]
-    missing = f"{alone} on one side only"
-    yield Check(f"{name}: rows", missing, "none", "fresh", alone == 0 < len(both))
+    yield equal(f"{name}: rows", len(fresh), len(stored))
+    both = list(zip(fresh, stored, strict=False))
     if any("failure" in known for _, known in both):
         other = sum(bool(row.get("failure")) != bool(known["failure"]) for row, known in both)
         yield at_most(f"{name}: fail on one side only", other, 0)
@@ -419,11 +389,6 @@ def _compared(
         found = [_apart(row.get(column), known.get(column), known, limit) for row, known in both]
         worst = max(found, key=lambda each: each[0] - each[1], default=(0.0, 0.0))
         yield at_most(f"{name}: {column}", *worst)
-
-
-def _key(value: Any) -> Any:
-    """A value that tells rows apart; numbers may differ in their last digits."""
-    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[float, float]:

@@ -128,7 +128,7 @@ def measure(case: Case) -> list[Row]:
     ]
 
 
-STUDY = Study(name="crosscheck", cases=cases, measure=measure, keys=("formulation", "quantity"))
+STUDY = Study(name="crosscheck", cases=cases, measure=measure)
 
 
 def turn_over(source: Source) -> list[Row]:

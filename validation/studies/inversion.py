@@ -72,7 +72,7 @@ def measure(case: Case) -> list[Row]:
     ]
 
 
-STUDY = Study(name="inversion", cases=cases, measure=measure, keys=("source",))
+STUDY = Study(name="inversion", cases=cases, measure=measure)
 STUDIES = (STUDY,)
 
 

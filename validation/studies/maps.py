@@ -142,9 +142,9 @@ STUDY = Study(
     name="maps",
     cases=cases,
     measure=measure,
-    keys=("number",),
     sample=(*map(_again, REPEATED), _pairs(DISTANCES[0])),
     confirm={
+        "number": None,
         "outcome": None,
         "seen": None,
         "alike": None,

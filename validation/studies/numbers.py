@@ -114,7 +114,7 @@ def misprints(_: Any) -> list[Row]:
     return found
 
 
-MISPRINTS = Study(name="misprints", cases=measured.paper, measure=misprints, keys=("place",))
+MISPRINTS = Study(name="misprints", cases=measured.paper, measure=misprints)
 STUDIES = (measured.NUMBERS, MISPRINTS)
 
 

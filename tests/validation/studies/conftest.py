@@ -7,7 +7,7 @@ import pytest
 from analysis import simulate
 from analysis.problem.choices import SOURCES
 from validation.studies import inversion
-from validation.study import frame, plain
+from validation.study import plain
 
 
 @pytest.fixture(scope="session")
@@ -20,4 +20,4 @@ def inversions() -> pd.DataFrame:
         told = {"case": case, "formulation": "index-1", "error_estimate": 1e-8}
         told |= {name: getattr(run, name) for name in inversion.CURVES}
         rows += [told | {"source": source} for source in SOURCES]
-    return frame(plain(rows))
+    return pd.DataFrame(plain(rows))
