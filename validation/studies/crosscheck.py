@@ -191,7 +191,6 @@ def present(rows: Rows) -> Content:
                 f"and {power(EIGENVALUE_LIMIT)}, in every formulation; both sides share the "
                 "description of the problem and no mechanics, which a test sees to by reading "
                 "the imports.",
-                good=agrees,
             )
         ],
     )

@@ -148,14 +148,12 @@ def _stiff(runs: pd.DataFrame) -> dict[str, Any]:
 def _verdict(ratios: "pd.Series[float]") -> Verdict:
     """Whether closing the contact by topology is the fastest way in the engine, for all goals."""
     faster = int((ratios > 1.0).sum())
-    answer = "yes" if faster == len(ratios) else "partly" if faster else "no"
     return Verdict(
         statement="Closing the contact by topology is the engine's fastest way to run Model 1.",
-        answer=answer,
+        answer="yes" if faster == len(ratios) else "partly" if faster else "no",
         numbers=f"The fastest formulation that keeps a constraint takes {span(ratios)} times as "
         f"long, in {faster} of {len(ratios)} cases of problem and goal more.",
         criterion="yes if it is so for every problem and every goal that both reach.",
-        good=answer == "yes",
     )
 
 
