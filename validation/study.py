@@ -355,7 +355,7 @@ def about(study: Study, folder: Path = RESULTS) -> Row:
 
 
 def confirm(study: Study, found: Found, stored: pd.DataFrame) -> list[Check]:
-    """Compare the sample of a study, as measured on the spot, with what is stored of it.
+    """Compare the sample of a study, as measured on the spot, with what is stored of all cases.
 
     Parameters
     ----------
@@ -364,7 +364,8 @@ def confirm(study: Study, found: Found, stored: pd.DataFrame) -> list[Check]:
         What `measured` returns for its sample.
     stored : DataFrame
     """
-    checks = []
+    other = len(study.cases().keys() ^ set(stored["case"]))
+    checks = [at_most(f"{study.name}: cases missing or too many", other, 0, "stored")]
     for task in study.tasks(whole=False):
         name, rows = f"{study.name}: {task.label}", found.get(task.key)
         if not isinstance(rows, list) or not rows:
