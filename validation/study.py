@@ -199,13 +199,13 @@ def _kept(folder: Path) -> Iterator[sqlite3.Connection]:
     folder.mkdir(parents=True, exist_ok=True)
     # A lock of SQLite's is known on every system and ends with its process, however that ends.
     path = folder / ".kept.db"
-    with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
-        try:
+    try:
+        with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
             file.executescript(_KEEP)
             yield file
-        except sqlite3.DatabaseError as error:
-            reason = "another process works in it" if "locked" in str(error) else error
-            raise OSError(f"{folder} cannot be written to now: {reason}") from error
+    except sqlite3.DatabaseError as error:
+        reason = "another process works in it" if "locked" in str(error) else error
+        raise OSError(f"{folder} cannot be written to now: {reason}") from error
 
 
 def identity(study: Study) -> Row:

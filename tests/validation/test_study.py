@@ -191,6 +191,17 @@ def test_two_reports_do_not_work_in_one_folder(
         make()
 
 
+@pytest.mark.parametrize(
+    "spoil", [Path.mkdir, lambda path: path.write_text("no database" * 99)], ids=["folder", "text"]
+)
+def test_a_folder_in_which_nothing_can_be_kept_is_refused(
+    spoil: Callable[[Path], object], make: Make, tmp_path: Path
+) -> None:
+    spoil(tmp_path / ".kept.db")
+    with pytest.raises(OSError, match="cannot be written to now: "):
+        make()
+
+
 def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
     make: Make, tmp_path: Path
 ) -> None:
