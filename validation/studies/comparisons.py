@@ -215,13 +215,10 @@ def acceleration_differences(scene: Scene, states: int) -> tuple[float, float, i
 def solutions(scene: Scene, state: State) -> list[tuple[Array, Array] | None]:
     """Accelerations and multipliers of engine and in-house equations; None where singular."""
     found: list[tuple[Array, Array] | None] = []
-    sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
-        lambda: mbs_models.acceleration(scene, state),
-        lambda: accelerations(scene.scenario, state.coordinates, state.rates),
-    )
-    for side in sides:
+    here: Any = (accelerations, scene.scenario, state.coordinates, state.rates)
+    for side, *given in ((mbs_models.acceleration, scene, state), here):
         try:
-            found.append(side())
+            found.append(side(*given))
         except ArithmeticError:
             found.append(None)
     return found
