@@ -175,14 +175,6 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(
         report.make(tmp_path, only=("models",))
 
 
-def test_files_of_an_earlier_report_go_and_foreign_ones_stay(make: Make, tmp_path: Path) -> None:
-    for name, text in (("mine.csv", "1\n"), ("old.csv", "1\n"), (".contents", "old.csv\n")):
-        (tmp_path / name).write_text(text)
-    make()
-    assert (tmp_path / "mine.csv").is_file()
-    assert not (tmp_path / "old.csv").is_file()
-
-
 def test_two_reports_do_not_work_in_one_folder(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
