@@ -257,20 +257,22 @@ def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception
 
 
 def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
-    """Rows of a case as plain data; `ValueError` if nothing was measured."""
-    rows = plain(measure(case))
+    """Rows of a case with numbers and lists in place of NumPy's, cut to `DIGITS`.
+
+    Raises
+    ------
+    TypeError
+        If they hold anything else.
+    ValueError
+        If nothing was measured.
+    """
+    text = json.dumps(measure(case), default=_of_numpy)
+    rows: list[Row] = json.loads(
+        text, parse_float=lambda number: float(f"{float(number):.{DIGITS}g}")
+    )
     if not rows:
         raise ValueError("nothing was measured")
     return rows
-
-
-def plain(rows: list[Row]) -> list[Row]:
-    """Rows with numbers and lists in place of NumPy's, cut to `DIGITS`; `TypeError` for others."""
-    text = json.dumps(rows, default=_of_numpy)
-    found: list[Row] = json.loads(
-        text, parse_float=lambda number: float(f"{float(number):.{DIGITS}g}")
-    )
-    return found
 
 
 def _of_numpy(value: Any) -> Any:
