@@ -334,10 +334,9 @@ def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
     """
     kinds = about(study, folder)["kinds"]
     words = {name for name, kind in kinds.items() if kind in {"text", "list"}}
-    kept = {name: "str" if name in words else k for name, k in kinds.items() if k != "object"}
     table = pd.read_csv(
         folder / f"{study.name}.csv",
-        dtype=kept,
+        dtype=dict.fromkeys(words, "str"),
         keep_default_na=False,
         na_values={name: ["", "nan"] for name in kinds.keys() - words},
     )
