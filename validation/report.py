@@ -176,7 +176,8 @@ def make(
     ]
     report = Report(page=folder / str(shown[0]["path"]), sections=list(sections.values()))
     made = f"Made in {time.perf_counter() - begin:.0f} s; {in_a_line(provenance())}."
-    stored = table_html(stored_table(modules, results))
+    table = stored_table(modules, results)
+    stored = "" if table.empty else table_html(table)
     _write(report, {"pages": shown, "stored": stored, "made": made, "whole": not only})
     return report
 

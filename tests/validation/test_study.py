@@ -22,6 +22,9 @@ from validation.study import Row, Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
+STORED = "What comes with the package"
+"""Heading of a page's last part."""
+
 Make = Callable[..., report.Report]
 
 
@@ -171,6 +174,8 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(
     assert [section.name for section in made.sections] == ["toy-section"]
     assert made.page == tmp_path / "report.html"
     assert not (tmp_path / "other.html").exists()
+    assert STORED in made.page.read_text("utf-8")
+    assert STORED not in report.make(tmp_path, only=("modelled",)).page.read_text("utf-8")
     with pytest.raises(ValueError, match=r"^study must be one of modelled, .* got 'models'$"):
         report.make(tmp_path, only=("models",))
 
