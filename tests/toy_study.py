@@ -43,7 +43,7 @@ STUDY = Study(
     measure=measure,
     sample=("one",),
     confirm={"power": None, "value": relative("value", 1e-9), "curve": 1e-9},
-    timed=("seconds",),
+    timed=True,
     limit=5.0,
     columns={"value": "a power"},
 )

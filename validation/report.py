@@ -165,7 +165,7 @@ def make(
     modules = [module for *_, some in on_pages for module in some]
     studies = {study.name: study for module in modules for study in module.STUDIES}
     # What measures times runs last, beside its like.
-    ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
+    ordered = sorted(studies.values(), key=lambda study: study.timed)
     tasks = [task for study in ordered for task in study.tasks(whole=False)]
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
     sections = dict(zip(modules, _sections(modules, found, folder, results, workers), strict=True))

@@ -63,8 +63,8 @@ class Study:
     confirm : mapping
         From columns to their allowed difference; None if they have to be equal, as those that tell
         the rows of a case apart.
-    timed : sequence of str
-        Columns of run times: a study with some is measured last, beside its like.
+    timed : bool
+        Whether it measures run times, and so last, beside its like.
     limit : float, optional
         Time in s, by the clock on the wall, after which a case is ended, which is a crash.
     columns : mapping
@@ -78,7 +78,7 @@ class Study:
     measure: Callable[[Any], list[Row]]
     sample: Sequence[str] = ()
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
-    timed: Sequence[str] = ()
+    timed: bool = False
     limit: float | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
     rests_on: str = ""
