@@ -28,6 +28,7 @@ from analysis import (
 )
 from analysis.problem.body import PRODUCTS, Body
 from analysis.problem.checks import Array
+from analysis.problem.constraints import independent_coordinates
 
 T = TypeVar("T")
 
@@ -138,22 +139,13 @@ def random_table(random: Generator) -> Table:
 
 def random_start(constraints: ConstraintSet, random: Generator) -> Start:
     """Start that is free in everything that the constraints leave free."""
-    held = "fixed-cog" in constraints
-    along, across = "no-slip-along" in constraints, "no-slip-across" in constraints
-    free = {
-        "x": not held,
-        "y": not held,
-        "x_rate": not (held or along),
-        "y_rate": not (held or across),
-        "beta_rate": not (held and across),
-        "gamma_rate": not (held and along),
-    }
+    free = [each for each in independent_coordinates(constraints) if each not in ("beta", "gamma")]
     return Start(
         alpha=random.uniform(-3.0, 3.0),
         beta=random.uniform(0.4, 2.7),
         gamma=random.uniform(-3.0, 3.0),
         spin=random.uniform(-1.5, 1.5),
-        **{name: random.uniform(-1.5, 1.5) for name, is_free in free.items() if is_free},
+        **{name: random.uniform(-1.5, 1.5) for name in free},
     )
 
 

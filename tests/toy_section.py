@@ -24,9 +24,5 @@ def present(rows: Rows) -> Content:
         },
         figures={"curve": figure},
         checks=[at_most("toy: largest", float(table["value"].max()), 4.0, "stored")],
-        verdicts=[
-            Verdict(
-                statement="It grows.", answer="yes", numbers="4", criterion="above 1", good=True
-            )
-        ],
+        verdicts=[Verdict(statement="It grows.", answer="yes", numbers="4", criterion="above 1")],
     )

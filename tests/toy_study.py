@@ -41,10 +41,9 @@ STUDY = Study(
     name="toy",
     cases=cases,
     measure=measure,
-    keys=("power",),
     sample=("one",),
-    confirm={"value": relative("value", 1e-9), "curve": 1e-9},
-    timed=("seconds",),
+    confirm={"power": None, "value": relative("value", 1e-9), "curve": 1e-9},
+    timed=True,
     limit=5.0,
     columns={"value": "a power"},
 )

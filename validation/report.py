@@ -31,9 +31,6 @@ PAGES: Sequence[Page] = (
     ("method.html", "The tippedisk: how well the method works", METHOD),
 )
 
-_CONTENTS = ".contents"
-"""File with the names of all files of a report."""
-
 
 class MadeSection(NamedTuple):
     """A section as a page takes it.
@@ -168,7 +165,7 @@ def make(
     modules = [module for *_, some in on_pages for module in some]
     studies = {study.name: study for module in modules for study in module.STUDIES}
     # What measures times runs last, beside its like.
-    ordered = sorted(studies.values(), key=lambda study: bool(study.timed))
+    ordered = sorted(studies.values(), key=lambda study: study.timed)
     tasks = [task for study in ordered for task in study.tasks(whole=False)]
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
     sections = dict(zip(modules, _sections(modules, found, folder, results, workers), strict=True))
@@ -179,8 +176,9 @@ def make(
     ]
     report = Report(page=folder / str(shown[0]["path"]), sections=list(sections.values()))
     made = f"Made in {time.perf_counter() - begin:.0f} s; {in_a_line(provenance())}."
-    stored = table_html(stored_table(modules, results))
-    _write(report, {"pages": shown, "stored": stored, "made": made}, whole=not only)
+    table = stored_table(modules, results)
+    stored = "" if table.empty else table_html(table)
+    _write(report, {"pages": shown, "stored": stored, "made": made, "whole": not only})
     return report
 
 
@@ -267,33 +265,19 @@ def _text(module: ModuleType) -> Path:
 # --- Pages -------------------------------------------------------------------------------------
 
 
-def _write(report: Report, names: Mapping[str, Any], *, whole: bool) -> None:
-    """Write the pages and the files beside them, the first page last; remove those of before."""
+def _write(report: Report, names: Mapping[str, Any]) -> None:
+    """Write the pages and the files beside them, the first page last."""
     folder, checks = report.page.parent, report.checks
     files = {name: text for section in report.sections for name, text in section.files.items()}
     table = pd.DataFrame(checks, columns=list(Check._fields))
     files["checks.csv"] = table.to_csv(index=False, lineterminator="\n")
     files["play.html"] = play.page().text
     template = environment(Path(__file__).parent / "page").get_template("page.html")
-    known = {**names, "checks": checks, "good": report.holds, "whole": whole}
+    known = {**names, "checks": checks, "good": report.holds}
     for page in reversed(names["pages"]):
         files[page["path"]] = template.render(known, page=page)
-    earlier = _earlier(folder)
-    for name in (earlier - files.keys()) if whole else ():
-        (folder / name).unlink(missing_ok=True)
-    contents = files.keys() | (set() if whole else earlier)
-    write_whole(folder / _CONTENTS, "\n".join(sorted(contents)))
     for name, content in files.items():
         write_whole(folder / name, b64decode(content) if name.endswith(".png") else content)
-
-
-def _earlier(folder: Path) -> set[str]:
-    """Names of the files that an earlier report has left in a folder."""
-    try:
-        names = (folder / _CONTENTS).read_text("utf-8").split()
-    except (OSError, ValueError):
-        return set()
-    return {name for name in names if Path(name).name == name}
 
 
 def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:

@@ -9,7 +9,7 @@ measured on the spot, with what is stored.
 import json
 import os
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -54,18 +54,17 @@ class Study:
     cases : callable
         Returns the cases by label; each is the argument of one call of `measure`.
     measure : callable
-        From a case to its rows, at least one. What may fail by itself has a column `failure`,
-        empty where it did not; anything raised is a crash. Importable by its name, for worker
-        processes.
-    keys : sequence of str
-        Columns that tell the rows of a case apart, numbers by their first six digits.
+        From a case to its rows, at least one, in an order of their own: measured again, a row is
+        compared with that in its place. What may fail by itself has a column `failure`, empty
+        where it did not; anything raised is a crash. Importable by its name, for worker processes.
     sample : sequence of str
         Labels of the cases that are measured again. With some, the table comes with the package;
         without, all cases are measured for each report.
     confirm : mapping
-        From columns to their allowed difference; None if they have to be equal.
-    timed : sequence of str
-        Columns of run times: a study with some is measured last, beside its like.
+        From columns to their allowed difference; None if they have to be equal, as those that tell
+        the rows of a case apart.
+    timed : bool
+        Whether it measures run times, and so last, beside its like.
     limit : float, optional
         Time in s, by the clock on the wall, after which a case is ended, which is a crash.
     columns : mapping
@@ -77,10 +76,9 @@ class Study:
     name: str
     cases: Callable[[], Mapping[str, Any]]
     measure: Callable[[Any], list[Row]]
-    keys: Sequence[str] = ()
     sample: Sequence[str] = ()
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
-    timed: Sequence[str] = ()
+    timed: bool = False
     limit: float | None = None
     columns: Mapping[str, str] = field(default_factory=dict)
     rests_on: str = ""
@@ -201,13 +199,13 @@ def _kept(folder: Path) -> Iterator[sqlite3.Connection]:
     folder.mkdir(parents=True, exist_ok=True)
     # A lock of SQLite's is known on every system and ends with its process, however that ends.
     path = folder / ".kept.db"
-    with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
-        try:
+    try:
+        with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
             file.executescript(_KEEP)
             yield file
-        except sqlite3.DatabaseError as error:
-            reason = "another process works in it" if "locked" in str(error) else error
-            raise OSError(f"{folder} cannot be written to now: {reason}") from error
+    except sqlite3.DatabaseError as error:
+        reason = "another process works in it" if "locked" in str(error) else error
+        raise OSError(f"{folder} cannot be written to now: {reason}") from error
 
 
 def identity(study: Study) -> Row:
@@ -259,20 +257,22 @@ def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception
 
 
 def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
-    """Rows of a case as plain data; `ValueError` if nothing was measured."""
-    rows = plain(measure(case))
+    """Rows of a case with numbers and lists in place of NumPy's, cut to `DIGITS`.
+
+    Raises
+    ------
+    TypeError
+        If they hold anything else.
+    ValueError
+        If nothing was measured.
+    """
+    text = json.dumps(measure(case), default=_of_numpy)
+    rows: list[Row] = json.loads(
+        text, parse_float=lambda number: float(f"{float(number):.{DIGITS}g}")
+    )
     if not rows:
         raise ValueError("nothing was measured")
     return rows
-
-
-def plain(rows: list[Row]) -> list[Row]:
-    """Rows with numbers and lists in place of NumPy's, cut to `DIGITS`; `TypeError` for others."""
-    text = json.dumps(rows, default=_of_numpy)
-    found: list[Row] = json.loads(
-        text, parse_float=lambda number: float(f"{float(number):.{DIGITS}g}")
-    )
-    return found
 
 
 def _of_numpy(value: Any) -> Any:
@@ -285,15 +285,7 @@ def _of_numpy(value: Any) -> Any:
 
 
 def whole_table(study: Study, found: Found) -> pd.DataFrame:
-    """Table of all measurements of a study, with a row for each of its keys.
-
-    Raises
-    ------
-    RuntimeError
-        If a case crashed.
-    ValueError
-        If keys do not tell rows apart.
-    """
+    """Table of all measurements of a study; `RuntimeError` if a case crashed."""
     crashed, table = [], []
     for task in study.tasks(whole=True):
         if isinstance(rows := found[task.key], Exception):
@@ -302,24 +294,11 @@ def whole_table(study: Study, found: Found) -> pd.DataFrame:
             table += [{"case": task.label, **row} for row in rows]
     if crashed:
         raise RuntimeError(f"{study.name}: {len(crashed)} cases crashed:\n" + "\n".join(crashed))
-    _check_keys(study, made := frame(table))
-    return made
-
-
-def frame(rows: Iterable[Row]) -> pd.DataFrame:
-    """Table of rows; what some rows lack is None or NaN there."""
-    return pd.DataFrame(list(rows))
-
-
-def _check_keys(study: Study, table: pd.DataFrame) -> None:
-    keys = ["case", *study.keys]
-    if table.duplicated(keys).any():
-        raise ValueError(f"{study.name}: keys {keys} do not tell rows apart")
+    return pd.DataFrame(table)
 
 
 def write(study: Study, table: pd.DataFrame, provenance: Mapping[str, Any], folder: Path) -> None:
     """Keep a table and what made it, as NAME.csv and NAME.json, whole or not at all."""
-    _check_keys(study, table)
     kinds = {name: _kind(table[name]) for name in table}
     about = {
         "provenance": provenance,
@@ -355,17 +334,15 @@ def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
     """
     kinds = about(study, folder)["kinds"]
     words = {name for name, kind in kinds.items() if kind in {"text", "list"}}
-    kept = {name: "str" if name in words else k for name, k in kinds.items() if k != "object"}
     table = pd.read_csv(
         folder / f"{study.name}.csv",
-        dtype=kept,
+        dtype=dict.fromkeys(words, "str"),
         keep_default_na=False,
         na_values={name: ["", "nan"] for name in kinds.keys() - words},
     )
     for name, kind in kinds.items():
         if kind == "list":
             table[name] = table[name].map(json.loads)
-    _check_keys(study, table)
     return table
 
 
@@ -379,7 +356,7 @@ def about(study: Study, folder: Path = RESULTS) -> Row:
 
 
 def confirm(study: Study, found: Found, stored: pd.DataFrame) -> list[Check]:
-    """Compare the sample of a study, as measured on the spot, with what is stored of it.
+    """Compare the sample of a study, as measured on the spot, with what is stored of all cases.
 
     Parameters
     ----------
@@ -388,7 +365,8 @@ def confirm(study: Study, found: Found, stored: pd.DataFrame) -> list[Check]:
         What `measured` returns for its sample.
     stored : DataFrame
     """
-    checks = []
+    other = len(study.cases().keys() ^ set(stored["case"]))
+    checks = [at_most(f"{study.name}: cases missing or too many", other, 0, "stored")]
     for task in study.tasks(whole=False):
         name, rows = f"{study.name}: {task.label}", found.get(task.key)
         if not isinstance(rows, list) or not rows:
@@ -403,14 +381,8 @@ def _compared(
     study: Study, name: str, fresh: Sequence[Row], stored: Sequence[Row]
 ) -> Iterator[Check]:
     """Checks of the rows of one case; a number that is none holds nothing."""
-    here, there = (
-        {tuple(_key(row[key]) for key in study.keys): row for row in rows}
-        for rows in (fresh, stored)
-    )
-    alone = len(here.keys() ^ there.keys())
-    both = [(row, there[key]) for key, row in here.items() if key in there]
-    missing = f"{alone} on one side only"
-    yield Check(f"{name}: rows", missing, "none", "fresh", alone == 0 < len(both))
+    yield equal(f"{name}: rows", len(fresh), len(stored))
+    both = list(zip(fresh, stored, strict=False))
     if any("failure" in known for _, known in both):
         other = sum(bool(row.get("failure")) != bool(known["failure"]) for row, known in both)
         yield at_most(f"{name}: fail on one side only", other, 0)
@@ -419,11 +391,6 @@ def _compared(
         found = [_apart(row.get(column), known.get(column), known, limit) for row, known in both]
         worst = max(found, key=lambda each: each[0] - each[1], default=(0.0, 0.0))
         yield at_most(f"{name}: {column}", *worst)
-
-
-def _key(value: Any) -> Any:
-    """A value that tells rows apart; numbers may differ in their last digits."""
-    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def _apart(one: Any, other: Any, stored: Row, limit: Limit | None) -> tuple[float, float]:

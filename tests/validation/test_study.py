@@ -22,6 +22,9 @@ from validation.study import Row, Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
+STORED = "What comes with the package"
+"""Heading of a page's last part."""
+
 Make = Callable[..., report.Report]
 
 
@@ -57,7 +60,7 @@ def of(case: Any) -> Study:
         ("hangs", "runs", "not finished within 1 s"),
         ("nothing", "runs", "nothing was measured"),
         ("inf", "value", "inf"),
-        ("shorter", "rows", "1 on one side only"),
+        ("shorter", "rows", "1"),
     ],
 )
 def test_whatever_goes_wrong_on_the_spot_fails_a_check(
@@ -115,15 +118,10 @@ def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert called == [1.0, 2.0, 2.0]
 
 
-def test_a_table_is_not_made_of_crashes_of_rows_alike_or_of_what_no_file_can_hold(
-    tmp_path: Path,
-) -> None:
+def test_a_table_is_not_made_of_crashes_or_of_what_no_file_can_hold(tmp_path: Path) -> None:
     found = kit.measured(of("raises").tasks(whole=True), tmp_path, workers=0)
     with pytest.raises(RuntimeError, match="toy: 1 cases crashed"):
         kit.whole_table(STUDY, found)
-    found = kit.measured(STUDY.tasks(whole=True), tmp_path, workers=0)
-    with pytest.raises(ValueError, match="do not tell rows apart"):
-        kit.whole_table(replace(STUDY, keys=()), found)
     with pytest.raises(TypeError, match="rows must hold numbers"):
         kit.rows_of(lambda _: [{"value": 1j}], CASES)
 
@@ -176,16 +174,10 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(
     assert [section.name for section in made.sections] == ["toy-section"]
     assert made.page == tmp_path / "report.html"
     assert not (tmp_path / "other.html").exists()
+    assert STORED in made.page.read_text("utf-8")
+    assert STORED not in report.make(tmp_path, only=("modelled",)).page.read_text("utf-8")
     with pytest.raises(ValueError, match=r"^study must be one of modelled, .* got 'models'$"):
         report.make(tmp_path, only=("models",))
-
-
-def test_files_of_an_earlier_report_go_and_foreign_ones_stay(make: Make, tmp_path: Path) -> None:
-    for name, text in (("mine.csv", "1\n"), ("old.csv", "1\n"), (".contents", "old.csv\n")):
-        (tmp_path / name).write_text(text)
-    make()
-    assert (tmp_path / "mine.csv").is_file()
-    assert not (tmp_path / "old.csv").is_file()
 
 
 def test_two_reports_do_not_work_in_one_folder(
@@ -193,6 +185,17 @@ def test_two_reports_do_not_work_in_one_folder(
 ) -> None:
     monkeypatch.setattr(kit, "_run", lambda *_: make())
     with pytest.raises(OSError, match="another process works in it"):
+        make()
+
+
+@pytest.mark.parametrize(
+    "spoil", [Path.mkdir, lambda path: path.write_text("no database" * 99)], ids=["folder", "text"]
+)
+def test_a_folder_in_which_nothing_can_be_kept_is_refused(
+    spoil: Callable[[Path], object], make: Make, tmp_path: Path
+) -> None:
+    spoil(tmp_path / ".kept.db")
+    with pytest.raises(OSError, match="cannot be written to now: "):
         make()
 
 

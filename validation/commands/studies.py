@@ -60,8 +60,8 @@ def report(
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:
         said = "Nothing was measured on the spot"
-    parts, heads = made.sections, ("section", *Verdict._fields)
-    rows = [(each.title, *verdict) for each in parts for verdict in each.verdicts]
+    parts, heads = made.sections, ("section", *Verdict._fields[:-1], "good")
+    rows = [(each.title, *told[:-1], told.good) for each in parts for told in each.verdicts]
     table = Table(title="Verdicts", columns=heads, rows=rows)
     checks: list[Any] = [
         {"section": each.title, **row._asdict()} for each in parts for row in each.checks

@@ -27,15 +27,20 @@ class Verdict(NamedTuple):
         What was found, with units.
     criterion : str
         What decides on the answer.
-    good : bool
-        Whether the answer is the one that is hoped for.
+    hoped : str
+        The answer that is hoped for.
     """
 
     statement: str
     answer: str
     numbers: str
     criterion: str
-    good: bool = False
+    hoped: str = "yes"
+
+    @property
+    def good(self) -> bool:
+        """Whether the answer is the one that is hoped for."""
+        return self.answer == self.hoped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

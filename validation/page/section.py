@@ -229,23 +229,47 @@ def _inline(text: str) -> str:
 
 
 def sig(value: float, digits: int = 2) -> str:
-    """Number with so many significant digits, not in exponents where it is short."""
+    """Number with so many significant digits, not in exponents where it is short.
+
+    Examples
+    --------
+    >>> sig(0.01234), sig(99.6), sig(-1234.5), sig(123456.0), sig(2.0, 3)
+    ('0.012', '100', '-1200', '1.2e+05', '2')
+    """
     short = float(f"{value:.{digits}g}")
     return f"{short:.0f}" if 10.0**digits <= abs(short) < 1e5 else f"{value:.{digits}g}"
 
 
 def power(value: float) -> str:
-    """A power of ten as 1e-3."""
-    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e")
+    """A power of ten as 1e-3.
+
+    Examples
+    --------
+    >>> power(1e-3), power(1e-12), power(1.0), power(1e6), power(1e10)
+    ('1e-3', '1e-12', '1e0', '1e6', '1e10')
+    """
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 
 def span(values: Iterable[float], digits: int = 2) -> str:
-    """Least and largest."""
+    """Least and largest.
+
+    Examples
+    --------
+    >>> span([3.0, 1.0, 2.0]), span([1.0, 1.001])
+    ('1 to 3', '1')
+    """
     values = list(values)
     low, high = sig(min(values), digits), sig(max(values), digits)
     return low if low == high else f"{low} to {high}"
 
 
 def listed(values: Iterable[Any], digits: int = 2) -> str:
-    """Values with commas between them, numbers with so many digits."""
+    """Values with commas between them, numbers with so many digits.
+
+    Examples
+    --------
+    >>> listed([0.5, 1 / 3, 2, "none"])
+    '0.5, 0.33, 2, none'
+    """
     return ", ".join(sig(v, digits) if isinstance(v, float) else str(v) for v in values)

@@ -65,17 +65,8 @@ END = 1.0
 
 MOTION = "β and γ of the motion in rad"
 
-
-class Found(NamedTuple):
-    """Largest difference and how it was found, of motions with the time in s that they last.
-
-    It is infinite if the sides differ in more than numbers; None, with the reason, if there is
-    nothing to compare.
-    """
-
-    difference: float | None
-    detail: str
-    lasting: float | None = None
+Found = tuple[float, str, float | None]
+"""Largest difference of motions, how it was found, and the time in s for which they last."""
 
 
 class Comparison(NamedTuple):
@@ -90,7 +81,8 @@ class Comparison(NamedTuple):
     criterion : float
         Largest difference that passes.
     difference : float, optional
-        Largest difference found; None if there is nothing to compare.
+        Largest difference found; infinite if the sides differ in more than numbers, None if there
+        is nothing to compare.
     detail : str
         How it was compared; or why there is nothing to compare.
     lasting : float, optional
@@ -149,12 +141,11 @@ def compare_scene(
     if end is not None and rounded and way == Scene(scene.scenario).built_as:
         # Through impacts and flat attitudes.
         quantity = "vertical and energies of the motion, relative"
-        yield Comparison(quantity, way, REST_LIMIT, *_tried(partial(_rest, scene, end)))
+        told = partial(Comparison, quantity, way, REST_LIMIT)
+        yield _tried(told, partial(_rest, scene, end))
     elif end is not None:
-        yield Comparison(MOTION, way, ANGLE_LIMIT, *motion_difference(scene, end))
-    for motion in MOTIONS:
-        found = eigenvalue_difference(scene, motion)
-        yield Comparison(f"eigenvalues, {motion}", way, EIGENVALUE_LIMIT, *found)
+        yield compare_motions(scene, end)
+    yield from (compare_eigenvalues(scene, motion) for motion in MOTIONS)
 
 
 def table(comparisons: Sequence[Comparison]) -> Table:
@@ -215,13 +206,10 @@ def acceleration_differences(scene: Scene, states: int) -> tuple[float, float, i
 def solutions(scene: Scene, state: State) -> list[tuple[Array, Array] | None]:
     """Accelerations and multipliers of engine and in-house equations; None where singular."""
     found: list[tuple[Array, Array] | None] = []
-    sides: tuple[Callable[[], tuple[Array, Array]], ...] = (
-        lambda: mbs_models.acceleration(scene, state),
-        lambda: accelerations(scene.scenario, state.coordinates, state.rates),
-    )
-    for side in sides:
+    here: Any = (accelerations, scene.scenario, state.coordinates, state.rates)
+    for side, *given in ((mbs_models.acceleration, scene, state), here):
         try:
-            found.append(side())
+            found.append(side(*given))
         except ArithmeticError:
             found.append(None)
     return found
@@ -244,18 +232,18 @@ def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
 # --- Motions ------------------------------------------------------------------------------------
 
 
-def _tried(compared: Callable[[], Found]) -> Found:
+def _tried(told: Callable[..., Comparison], compared: Callable[[], Found]) -> Comparison:
     """What a comparison finds, or why there is nothing to compare."""
     try:
-        return compared()
+        return told(*compared())
     except (EngineError, FlatError) as error:
-        return Found(inf, f"a run fails: {error}")
+        return told(inf, f"a run fails: {error}")
     except (ToleranceError, TimeLimitError, ValueError) as error:
-        return Found(None, " ".join(str(error).split()))
+        return told(None, " ".join(str(error).split()))
 
 
-def motion_difference(scene: Scene, end: float) -> Found:
-    """Largest difference of beta and gamma in rad, from the scenario's own start.
+def compare_motions(scene: Scene, end: float) -> Comparison:
+    """Compare beta and gamma in rad, from the scenario's own start.
 
     The time is cut short of where the disk comes to lie flat, and where a run would take too long
     or cannot be had to the tolerance, which is then told. If one side ends because the contact
@@ -267,10 +255,11 @@ def motion_difference(scene: Scene, end: float) -> Found:
     end : float
         Longest time in s.
     """
-    whole = found = _tried(partial(_motion, scene, end))
+    told = partial(Comparison, MOTION, scene.built_as, ANGLE_LIMIT)
+    whole = found = _tried(told, partial(_motion, scene, end))
     for part in (0.1, 0.01):
         if found.difference is None:
-            found = _tried(partial(_motion, scene, part * end))
+            found = _tried(told, partial(_motion, scene, part * end))
     if found.difference is None or found is whole:
         return whole
     return found._replace(detail=f"{found.detail}; over {end:.4g} s: {whole.detail}")
@@ -289,9 +278,9 @@ def _motion(scene: Scene, end: float) -> Found:
     reason = _reason(engine)
     if reason != _reason(inhouse) or engine.times.size != inhouse.times.size:
         endings = (str(each.ending or "runs through") for each in (engine, inhouse))
-        return Found(inf, "engine {}; in-house {}".format(*endings))
+        return inf, "engine {}; in-house {}".format(*endings), None
     where, last = f", where {reason}" if reason else "", float(engine.times[-1])
-    return Found(deviation(engine, inhouse), f"over {last:.4g} s{where}", last)
+    return deviation(engine, inhouse), f"over {last:.4g} s{where}", last
 
 
 def _comparable(
@@ -341,27 +330,28 @@ def _rest(scene: Scene, end: float) -> Found:
     late = TIME_LIMIT in (_reason(engine), _reason(inhouse))
     if not late and (engine.rest_time is None) != (inhouse.rest_time is None):
         resting = f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"
-        return Found(inf, resting)
+        return inf, resting, None
     last = float(min(engine.times[-1], inhouse.times[-1]))
-    return Found(engine.deviation(inhouse), f"over {last:.4g} s", last)
+    return engine.deviation(inhouse), f"over {last:.4g} s", last
 
 
 # --- Eigenvalues --------------------------------------------------------------------------------
 
 
-def eigenvalue_difference(scene: Scene, motion: Motion) -> Found:
-    """Largest difference at `SPINS`, relative to the larger of the eigenvalue's size and 1."""
+def compare_eigenvalues(scene: Scene, motion: Motion) -> Comparison:
+    """Compare them at `SPINS`, relative to the larger of the eigenvalue's size and 1."""
     scenario, way = scene.scenario, scene.built_as
+    told = partial(Comparison, f"eigenvalues, {motion}", way, EIGENVALUE_LIMIT)
     try:
         expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
     except ValueError as error:
-        return Found(None, str(error))
+        return told(None, str(error))
     except ArithmeticError as error:
-        return Found(inf, str(error))
+        return told(inf, str(error))
     scenes = (spinning(scenario, spin, formulation=way, motion=motion) for spin in SPINS)
     try:
         worst = largest(map(distance, map(mbs_models.eigenvalues, scenes), expected))
     except (ValueError, ArithmeticError) as error:
-        return Found(inf, f"the engine fails: {error}")
+        return told(inf, f"the engine fails: {error}")
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
-    return Found(worst, f"relative to max(|λ|, 1), at {spins} rad/s")
+    return told(worst, f"relative to max(|λ|, 1), at {spins} rad/s")

@@ -91,7 +91,7 @@ def price(case: Case) -> list[Row]:
     ]
 
 
-PRICES = Study(name="lean", cases=cases, measure=price, timed=("with in ms", "without in ms"))
+PRICES = Study(name="lean", cases=cases, measure=price, timed=True)
 STUDIES = (PRICES,)
 
 
@@ -106,7 +106,7 @@ def present(rows: Rows) -> Content:
     return Content(
         numbers={
             "dear": int(dear.sum()),
-            "none": int((~dear & (table["to"] > 0.0)).sum()),
+            "unclear": int((~dear & (table["to"] > 0.0)).sum()),
             "number": len(table),
             "dearest": table.loc[table["price in %"].idxmax()],
             "change": change,

@@ -7,7 +7,6 @@ import pytest
 from analysis import simulate
 from analysis.problem.choices import SOURCES
 from validation.studies import inversion
-from validation.study import frame, plain
 
 
 @pytest.fixture(scope="session")
@@ -18,6 +17,6 @@ def inversions() -> pd.DataFrame:
         times = np.linspace(0.0, end, round(end / inversion.SPACING) + 1)
         run = simulate(scenario, times, local_tolerance=1e-6)
         told = {"case": case, "formulation": "index-1", "error_estimate": 1e-8}
-        told |= {name: getattr(run, name) for name in inversion.CURVES}
+        told |= {name: getattr(run, name).tolist() for name in inversion.CURVES}
         rows += [told | {"source": source} for source in SOURCES]
-    return frame(plain(rows))
+    return pd.DataFrame(rows)

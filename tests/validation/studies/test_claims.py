@@ -210,7 +210,6 @@ def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> Non
         {"least-spins": stored.assign(**{"engine above": "flat"})},
         {"least-spins": stored.iloc[:-1]},
         {"random-starts-engine": planted(again, again.index[0], "outcomes", ["flat"] * 3)},
-        {"random-starts": rows["random-starts"].iloc[:-1]},
         {"pure-rolling": rolled(**{"outcome, engine": "inverted"})},
         {"pure-rolling": rolled(**{"highest, engine": nan})},
         {"pure-rolling": rolled().iloc[:-1]},

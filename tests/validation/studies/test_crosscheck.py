@@ -26,7 +26,6 @@ from analysis import (
 )
 from mbs_models import Scene
 from tests.helpers import failing, model, not_none, planted
-from validation.kit.limits import holds
 from validation.page.content import Content
 from validation.run import run
 from validation.studies import comparisons, crosscheck
@@ -97,7 +96,8 @@ def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
             return change(run(*given, **how | more))
 
         monkeypatch.setattr(comparisons, "run", other)
-        return comparisons.motion_difference(PULLING, 0.1)
+        found = comparisons.compare_motions(PULLING, 0.1)
+        return found.difference, found.detail, found.lasting
 
     def late(found: Trajectory) -> Trajectory:
         ending = replace(not_none(found.ending), time=not_none(found.ending).time + 1e-6)
@@ -119,10 +119,10 @@ def test_time_cut_short_is_told_with_the_reason(monkeypatch: pytest.MonkeyPatch)
         return run(scenario, times, **how | ({"time_limit": 1e-9} if times[-1] > 0.02 else {}))
 
     monkeypatch.setattr(comparisons, "run", out_of_time)
-    difference, detail, over = comparisons.motion_difference(Scene(), 0.1)
-    assert holds(difference, comparisons.ANGLE_LIMIT)
-    assert over == pytest.approx(0.01)
-    assert detail.startswith("over 0.01 s; over 0.1 s: time limit met")
+    found = comparisons.compare_motions(Scene(), 0.1)
+    assert found.agrees
+    assert found.lasting == pytest.approx(0.01)
+    assert found.detail.startswith("over 0.01 s; over 0.1 s: time limit met")
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
@@ -161,9 +161,9 @@ def test_one_state_without_a_number_on_one_side_is_no_agreement(
 
 def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
     falling = Scene(model(4, start=Start(spin=5.0, beta=0.5)))
-    difference, detail, _ = comparisons.motion_difference(falling, 2.0)
-    assert holds(difference, comparisons.ANGLE_LIMIT)
-    assert detail == "over 0.06118 s"
+    found = comparisons.compare_motions(falling, 2.0)
+    assert found.agrees
+    assert found.detail == "over 0.06118 s"
 
 
 def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
@@ -183,7 +183,7 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
     assert distance(VALUES[::-1], VALUES) == 0.0
     assert distance(found, VALUES) == distance(found[:0], VALUES[:0]) == inf
     monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
-    assert comparisons.eigenvalue_difference(Scene(), MOTIONS[0])[0] == inf
+    assert comparisons.compare_eigenvalues(Scene(), MOTIONS[0]).difference == inf
 
 
 # --- The study ----------------------------------------------------------------------------------

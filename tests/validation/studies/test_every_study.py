@@ -44,8 +44,11 @@ def test_what_is_stored_is_confirmed_and_a_wrong_number_on_either_side_is_not(
     study: Study,
 ) -> None:
     stored = kit.load(study).astype(object)
-    assert set(study.sample) <= set(stored["case"]) <= set(study.cases())
     assert not failing(kit.confirm(study, fresh(study, stored), stored))
+    (*_, other) = stored.loc[~stored["case"].isin(study.sample), "case"]
+    missing = f"{study.name}: cases missing or too many"
+    found = kit.confirm(study, fresh(study, stored), stored[stored["case"] != other])
+    assert failing(found) == {missing}
     sampled = stored[stored["case"].isin(study.sample)]
     if "failure" in sampled:
         sampled = sampled[sampled["failure"] == ""]

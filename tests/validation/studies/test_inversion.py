@@ -13,7 +13,7 @@ from tests.helpers import failing, planted
 from tests.stated import chapter
 from validation.page.content import Content
 from validation.studies import inversion
-from validation.study import frame, plain
+from validation.study import rows_of
 
 
 def shown(table: pd.DataFrame) -> Content:
@@ -53,7 +53,7 @@ def test_a_run_that_departs_or_promises_too_little_fails(
 def test_a_case_is_run_by_both_sides() -> None:
     scenario, _ = inversion.cases()["Model 1"]
     runs = inversion.motions(
-        frame(plain(inversion.measure((scenario, 0.1)))).assign(case="Model 1")
+        pd.DataFrame(rows_of(inversion.measure, (scenario, 0.1))).assign(case="Model 1")
     )
     one, other = (runs["Model 1", source].coordinates for source in SOURCES)
     assert 0.0 < np.max(np.abs(one - other)) < 2 * inversion.TOLERANCE

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from mbs_models.runs import Samples
+from validation.page.section import Section
 from validation.studies import lean
 
 PART = "friction of coefficient zero"
@@ -31,6 +33,11 @@ def test_price_is_that_of_the_part_and_a_change_of_the_motion_is_seen(
     assert row["change"] < lean.SAME
     (row,) = lean.price((PART, lean.scene(1, "contact-tree")))
     assert row["change"] > 1e3 * lean.SAME
+    for least, said in ((19.0, "1 have a price."), (-1.0, "0 have a price, and for 1 none is")):
+        table = pd.DataFrame([{"case": "a", **row, "change": 1e-12, "from": least}])
+        content = lean.present({"lean": table})
+        text = Section("lean", content, Path(lean.__file__).with_suffix(".md")).filled(vars(lean))
+        assert f"Of 1 parts, {said}" in text[1]
     for change, holds in ((1e-12, True), (1e-3, False), (np.nan, False)):
         table = pd.DataFrame([{"case": "a", **row, "change": change}])
         assert [check.holds for check in lean.present({"lean": table}).checks] == [holds]

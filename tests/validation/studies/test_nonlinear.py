@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from tests.helpers import failing, planted
-from validation import study as kit
 from validation.kit.figures import new_figure
 from validation.nonlinear import figures
 from validation.page.section import Section
@@ -66,7 +65,7 @@ def rows() -> dict[str, pd.DataFrame]:
     ]
     found = (_families(), engine, connections, _passages())
     names = (study.name for study in section.STUDIES)
-    return dict(zip(names, map(kit.frame, found), strict=True))
+    return dict(zip(names, map(pd.DataFrame, found), strict=True))
 
 
 def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.DataFrame]) -> None:

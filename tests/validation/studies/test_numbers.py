@@ -10,13 +10,13 @@ from tests.helpers import failing
 from validation.page.content import Content
 from validation.studies import numbers
 from validation.studies.stability import measured
-from validation.study import frame, plain
+from validation.study import rows_of
 
 
 @cache
 def rows() -> dict[str, pd.DataFrame]:
     return {
-        study.name: frame({"case": "paper", **row} for row in plain(study.measure(None)))
+        study.name: pd.DataFrame({"case": "paper", **row} for row in rows_of(study.measure, None))
         for study in numbers.STUDIES
     }
 

@@ -12,7 +12,7 @@ from analysis.problem.choices import SOURCES
 from tests.helpers import failing, planted
 from validation import study as kit
 from validation.studies.rest import closed_forms, creep, runs, section, starts
-from validation.study import Row, frame
+from validation.study import Row
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def fresh() -> pd.DataFrame:
         for each in (runs.SHOWN, runs.VISCOUS)
     ]
     ideal = {name: known[runs.INHOUSE[runs.SLIDING]][name] for name in runs.PHASES[:2]}
-    return frame([*rows, {**ideal, "case": runs.IDEAL, "end": 19.5}])
+    return pd.DataFrame([*rows, {**ideal, "case": runs.IDEAL, "end": 19.5}])
 
 
 def judged(part: Any, table: pd.DataFrame, fresh: pd.DataFrame) -> set[str]:
@@ -96,7 +96,7 @@ def test_the_creeps_law_and_its_deviation_are_found() -> None:
 
 def test_a_side_that_misses_a_closed_form_fails() -> None:
     cases = closed_forms.cases().items()
-    right = frame(
+    right = pd.DataFrame(
         {"case": name, "quantity": quantity, "exact": exact, "source": source, "value": exact}
         for name, case in cases
         if isinstance(case, tuple)

@@ -178,7 +178,7 @@ def rows() -> dict[str, pd.DataFrame]:
         ],
     }
     stored = {study.name: kit.load(study) for study in (CASES, CHOSEN)}
-    return stored | {name: kit.frame(told) for name, told in right.items()}
+    return stored | {name: pd.DataFrame(told) for name, told in right.items()}
 
 
 def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.DataFrame]) -> None:

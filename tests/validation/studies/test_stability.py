@@ -58,7 +58,7 @@ def rows() -> dict[str, pd.DataFrame]:
         cases = study.cases()
         labels = scenes if study is measured.EIGENVALUES else cases
         found = {label: kit.rows_of(study.measure, cases[label]) for label in labels}
-        made[study.name] = kit.frame(
+        made[study.name] = pd.DataFrame(
             {"case": label, **row} for label, each in found.items() for row in each
         )
     return made

@@ -86,6 +86,5 @@ def verdicts(counted: Counter[str], attraction: Judged, critical: float) -> list
             f"{attraction['tilted']['inverted in %'].max():.0f} %.",
             criterion=f"at least {100 * starts.NEARLY_ALL:g} %, of any tilt, at every spin "
             f"tried above {critical:.2f} rad/s; partly: near upright, at some of these spins.",
-            good=attraction["verdict"] == "yes",
         ),
     ]

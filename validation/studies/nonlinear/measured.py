@@ -82,7 +82,7 @@ def _whole(found: Family) -> list[Row]:
     return [{"kind": "motion", **each.as_row()} for each in found.motions]
 
 
-FAMILIES = Study(name="families", cases=families, measure=follow_family, keys=("number",))
+FAMILIES = Study(name="families", cases=families, measure=follow_family)
 
 # --- The engine's cycles ------------------------------------------------------------------------
 
@@ -112,7 +112,7 @@ def find_on_both(case: tuple[str, float]) -> list[Row]:
     ]
 
 
-ENGINE = Study(name="engine-cycles", cases=repeated, measure=find_on_both, keys=("source",))
+ENGINE = Study(name="engine-cycles", cases=repeated, measure=find_on_both)
 
 # --- The connection -----------------------------------------------------------------------------
 

@@ -202,7 +202,6 @@ def _swings(
         f"engine's cycles are within {power(max(largest(apart.amplitude.abs()), KEPT))} rad.",
         criterion="Floquet multipliers inside the unit circle, from the Hopf point to the "
         "heteroclinic connection.",
-        good=stable == len(cycles),
     )
 
 
@@ -216,5 +215,5 @@ def _lost(followed: pd.DataFrame) -> Verdict:
         f"{followed.hopf.iloc[0]:.2f} rad/s and is lost {late.min():.1f} to {late.max():.1f} s "
         f"later, at {low.min():.1f} to {low.max():.1f} rad/s.",
         criterion=f"lost within {SOON:g} s of the crossing.",
-        good=not soon.any(),
+        hoped="no",
     )

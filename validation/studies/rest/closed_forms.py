@@ -143,7 +143,6 @@ STUDY = Study(
     name="rest-closed",
     cases=cases,
     measure=measure,
-    keys=("source", "quantity"),
     columns={"exact": "by a closed form"},
 )
 

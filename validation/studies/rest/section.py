@@ -165,11 +165,10 @@ def verdict(courses: Mapping[str, Row]) -> Verdict:
     """Whether the disk comes to lie flat, and with what."""
     flat = {losses: courses[name]["flat"] for losses, name in INHOUSE.items()}
     lies = [losses for losses, time in flat.items() if not pd.isna(time)]
-    answer = "yes" if SLIDING in lies else "partly" if lies else "not shown"
     lean = courses[INHOUSE[SLIDING]]["lean"]
     return Verdict(
         statement="On a slow timescale the disk comes to lie flat on the table.",
-        answer=answer,
+        answer="yes" if SLIDING in lies else "partly" if lies else "not shown",
         numbers=f"After {runs.END:g} s of sliding friction alone it leans by {lean:.2f} rad"
         + "".join(
             f"; with {losses.replace(', ', ' and ')} it is flat after {flat[losses]:.1f} s"
@@ -178,7 +177,6 @@ def verdict(courses: Mapping[str, Row]) -> Verdict:
         + ". The coefficients of rolling and pivoting are chosen here, not the paper's.",
         criterion=f"flat to the end within {runs.END:g} s by sliding friction alone, as the paper "
         "models it; partly: with further losses.",
-        good=answer == "yes",
     )
 
 

@@ -72,7 +72,6 @@ def present(table: pd.DataFrame) -> Content:
         numbers={"starts_resting": resting},
         tables={"starts": table},
         checks=[
-            equal(f"{name}: missing", len({*table["case"]} ^ {*cases()}), 0, "stored"),
             equal(f"{name}: at rest", resting, len(cases()), "stored"),
             at_most(f"{name}: contact pulls by N", largest(-table["force"]), 0.0, "stored"),
             at_most(f"{name}: unexplained energy in J", lost, UNEXPLAINED, "stored"),

@@ -103,7 +103,7 @@ def measure(long: LongRun) -> list[Row]:
     accuracy = "step" if long.way.source == "engine" else "local_tolerance"
     run = long.way.run(scenario, times, **{accuracy: long.accuracy})
     disk, half = scenario.disk, times <= 0.5 * end
-    position, velocity = map(np.abs, analysis.constraint_drift(run))
+    position, velocity = analysis.constraint_drift(run)
     residual = analysis.energy_residual(run)
     momentum, spin = _momenta(run)
     rim = disk.mass * disk.radius * abs(run.rates[0, 3])

@@ -274,9 +274,9 @@ CASES = Study(
     name="robustness",
     cases=problems,
     measure=measure,
-    keys=("way",),
     sample=SAMPLE,
     confirm={
+        "way": None,
         "verdict": None,
         "repeatable": None,
         "error": lambda stored: DOUBT * float(stored["tolerance"]),

@@ -125,5 +125,4 @@ def _verdict(numbers: dict[str, Any]) -> Verdict:
         f"{broken or 'none'} crashed or broke the promise.",
         criterion="angles and the time of an ending within what was asked for, and its reason, "
         "beside two runs by other methods; said of these cases alone.",
-        good=not broken,
     )

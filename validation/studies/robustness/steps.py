@@ -119,7 +119,6 @@ STUDY = Study(
     name="robustness-steps",
     cases=_cases,
     measure=measure,
-    keys=("integrator",),
     columns={
         "predicted": "predicted step in s",
         "below": f"stable {100 * NEAR:g} % below",

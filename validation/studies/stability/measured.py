@@ -97,7 +97,7 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
     return rows
 
 
-EIGENVALUES = Study(name="eigenvalues", cases=scenes, measure=compare, keys=("motion",))
+EIGENVALUES = Study(name="eigenvalues", cases=scenes, measure=compare)
 
 # --- Critical speeds ----------------------------------------------------------------------------
 
@@ -199,7 +199,7 @@ def numbers(disk: Body, matrices: Callable[[Scenario], spectra.Matrices]) -> dic
     }
 
 
-NUMBERS = Study(name="critical-speeds", cases=paper, measure=printed_numbers, keys=("quantity",))
+NUMBERS = Study(name="critical-speeds", cases=paper, measure=printed_numbers)
 
 SPEEDS = "Hopf speeds in rad/s"
 
@@ -217,7 +217,7 @@ def try_variants(_: Any) -> list[Row]:
     ]
 
 
-VARIANTS = Study(name="hopf-variants", cases=paper, measure=try_variants, keys=("variant",))
+VARIANTS = Study(name="hopf-variants", cases=paper, measure=try_variants)
 
 
 # --- The stable region --------------------------------------------------------------------------
@@ -278,4 +278,4 @@ def growth(scenario: Scenario, *, spin: float, gradient: float) -> dict[str, flo
     }
 
 
-REGION = Study(name="stable-region", cases=paper, measure=stable_region, keys=("kind", "place"))
+REGION = Study(name="stable-region", cases=paper, measure=stable_region)

@@ -121,7 +121,6 @@ def _critical_speed(found: pd.DataFrame) -> Verdict:
         answer="yes" if confirmed else "no",
         numbers="Closed form {:.4f}, root finding {:.4f}, engine {:.4f} rad/s.".format(*ways),
         criterion="all three round to what is printed.",
-        good=confirmed,
     )
 
 
@@ -138,7 +137,6 @@ def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
         numbers=f"They cross at {low:.2f} and {high:.2f} rad/s, in-house and in the engine; of "
         f"{len(variants)} obvious choices {others or 'none'} gives the printed pair.",
         criterion="both round to what is printed.",
-        good=all(confirmed),
     )
 
 
@@ -157,5 +155,5 @@ def _stable_region(stable_spins: str, region: pd.DataFrame) -> Verdict:
         f"{rates[0]:.3g} 1/s in-house and {rates[-1]:.3g} 1/s in the engine.",
         criterion="sign of the largest growth rate on both sides, in the region's middle and "
         "beyond each of its edges.",
-        good=stable_spins == "nowhere" and stable,
+        hoped="partly",
     )
