@@ -8,6 +8,7 @@ The accelerations are those of the scene's own formulation.
 from collections.abc import Callable, Mapping, Sequence
 from math import cos, sin
 
+import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
@@ -68,6 +69,7 @@ class AccelerationProblem:
         The coordinates and rates that determine all others, in the order of a state.
     quick : bool
         Whether accelerations may be noisier for the sake of speed; see `Probe.solved`.
+    conditions : mapping
     model : Model
     system : exudyn.MainSystem
     probe : Probe
@@ -90,8 +92,15 @@ class AccelerationProblem:
         self._free = [_NAMES.index(name) for name in names]
         self._tilt = names.index("beta")
         self._angles = [self._tilt, names.index("gamma")]
-        self._conditions = conditions
+        self.conditions = conditions
         self._last: tuple[Array, _Solved] | None = None
+        self._start = scenario.initial_state.vector.tolist()
+        # What is left of residuals would begin a run of the engine with an impulse: the contact
+        # force of the trapezoidal rule keeps that as an oscillation of first order in the step.
+        self.probe.move_to(*self._whole(scenario.initial_state.vector[self._free]))
+        data = self.system.systemData
+        data.SetODE2Coordinates(data.GetODE2Coordinates(), exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(data.GetODE2Coordinates_t(), exu.ConfigurationType.Initial)
 
     @property
     def method(self) -> Method:
@@ -112,7 +121,7 @@ class AccelerationProblem:
             self._normal_force if self.model.may_pull else None,
             longest,
             lambda states: states[..., self._angles],
-            {reason: self._of_state(each) for reason, each in self._conditions.items()},
+            {reason: self._of_state(each) for reason, each in self.conditions.items()},
             self._slip_of_one_direction(),
             float(np.clip(BENDING * scenario.friction.finest_speed, *DIFFERENCES)),
         )

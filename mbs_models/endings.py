@@ -41,7 +41,7 @@ class Place(NamedTuple):
     row : int
         Record before it, where it is not negative.
     width : float
-        Periods after it that hold the place.
+        Time in s after it that holds the place.
     reason : str
         That of the condition if it is known to be negative at the end of them, else empty.
     """
@@ -71,21 +71,19 @@ def turning_negative(
     return turned
 
 
-def beyond(stopped: tuple[float, str], last: int, period: float) -> Iterator[Place]:
-    """Where a run has been stopped after its last record, the one of this number.
+def beyond(stopped: tuple[float, str], moments: Array) -> Iterator[Place]:
+    """Where a run has been stopped after its last record.
 
     Parameters
     ----------
     stopped : tuple of float and str
-        Time in s since the start of the run, and why.
-    last : int
-    period : float
-        Time between records in s.
+        Time in s, and why.
+    moments : ndarray, shape (n,)
+        Times of the records in s.
     """
     moment, reason = stopped
-    width = moment / period - last
-    if width > 1e-9:
-        yield Place(last, width, reason)
+    if (width := moment - moments[-1]) > 0.0:
+        yield Place(len(moments) - 1, width, reason)
 
 
 class Stepped(Protocol):
@@ -110,7 +108,7 @@ def until_ending(
     places: Iterable[Place],
     motion: Stepped,
     *,
-    period: float,
+    margin: float,
     work: Counter[str],
     allow_pulling: bool = True,
 ) -> tuple[str | None, Array, Array]:
@@ -124,8 +122,8 @@ def until_ending(
     places : iterable of Place
         In any order.
     motion : Stepped
-    period : float
-        Time between records in s.
+    margin : float
+        Time in s by which a condition may turn negative later than a run shows.
     work : Counter
         To which the steps of the search are added.
     allow_pulling : bool
@@ -144,7 +142,7 @@ def until_ending(
     """
     for place in sorted(places):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
-        end, size = period * (place.width + bool(place.reason)), place.row + 1
+        end, size = place.width + margin * bool(place.reason), place.row + 1
         try:
             found, last = _located(records[place.row], end, motion, work, allow_pulling)
         except EngineError as error:
@@ -182,33 +180,37 @@ def _located(
         return found, motion.samples(found.states[-1:])[0]
 
 
-def dips(values: Array, reason: str) -> Iterator[Place]:
+def dips(moments: Array, told: npt.ArrayLike, reason: str) -> Iterator[Place]:
     """Places to look at, in order, up to the first record at which a condition turns negative.
 
     Parameters
     ----------
-    values : ndarray, shape (n,)
-        What the condition says at even spacing. Where it is negative from the start on, it waits
-        until it has not been.
+    moments : ndarray, shape (n,) or longer
+        Times of the records in s.
+    told : array_like, shape (n,)
+        What the condition says there. Where it is negative from the start on, it waits until it
+        has not been.
     reason : str
         The one that it gives.
     """
+    values = np.asarray(told)
     armed = int(np.argmax(values >= 0.0)) if values.size else 0
     if not values.size or values[armed] < 0.0:
         return
-    first = armed + 1
-    negative = np.flatnonzero(values[first:] < 0.0)
-    end = first + int(negative[0]) if negative.size else values.size - 1
-    before, here, after = (values[first + shift : end + shift] for shift in (-1, 0, 1))
-    curvature = before - 2.0 * here + after
-    lowest = (np.minimum(before, after) >= here) & (after >= 0.0) & (curvature > 0.0)
-    bent = np.where(lowest, curvature, 1.0)
-    vertex = here - (after - before) ** 2 / (8.0 * bent)
+    negative = armed + np.flatnonzero(values[armed:] < 0.0)
+    end = int(negative[0]) if negative.size else values.size - 1
+    before, here, after = (values[armed + shift : end - 1 + shift] for shift in range(3))
+    first, second = (np.diff(moments)[armed + shift : end - 1 + shift] for shift in range(2))
+    fall, rise = (here - before) / first, (after - here) / second
+    lowest = (fall <= 0.0) & (rise >= 0.0) & (after >= 0.0) & (rise > fall)
+    # Of the parabola through all three.
+    slope, bend = fall * second + rise * first, np.where(lowest, rise - fall, 1.0)
+    vertex = here - slope**2 / (4.0 * bend * (first + second))
     near = vertex < 0.1 * (np.maximum(before, after) - here)
-    for place in np.flatnonzero(lowest & near).tolist():
-        yield Place(armed + place, 2.0, "")
+    for row in (armed + np.flatnonzero(lowest & near)).tolist():
+        yield Place(row, float(moments[row + 2] - moments[row]), "")
     if negative.size:
-        yield Place(end - 1, 1.0, reason)
+        yield Place(end - 1, float(moments[end] - moments[end - 1]), reason)
 
 
 def pulling_times(

@@ -15,7 +15,7 @@ from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator
 from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
-from mbs_models.spans import Call, run_over
+from mbs_models.whole_runs import Call, run_over
 
 ANGLES, ANGLE_RATES = slice(4, 6), slice(10, 12)
 """Columns of beta and gamma and of their rates in samples."""

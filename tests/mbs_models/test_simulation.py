@@ -218,7 +218,7 @@ def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alon
     settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.5, 500
     settings.solution.file.write = settings.show.statistics = False
     model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-    coordinates, rates = model.decode(model.assembly.record()[None])
+    coordinates, rates = model.decode(model.record()[None])
     truth = analysis.simulate(model.scenario, [0.0, 0.5])
     np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
     np.testing.assert_allclose(rates[0], truth.rates[-1], rtol=0.0, atol=1e-5)
