@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import CONTACT_WOULD_PULL
+from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array, ToleranceError
 from analysis.problem.choices import Method
 from analysis.solve.stepping import (
@@ -71,19 +71,24 @@ def turning_negative(
     return turned
 
 
-def beyond(stopped: tuple[float, str], moments: Array) -> Iterator[Place]:
-    """Where a run has been stopped after its last record.
+def places(
+    moments: Array, told: Mapping[str, npt.ArrayLike], stopped: tuple[float, str] | None
+) -> Iterator[Place]:
+    """Places where a run may end, in no order.
 
     Parameters
     ----------
-    stopped : tuple of float and str
-        Time in s, and why.
     moments : ndarray, shape (n,)
         Times of the records in s.
+    told : mapping
+        What the conditions say at the records, or at the first ones.
+    stopped : tuple of float and str, optional
+        Time in s at which the run was stopped, and why, if it was.
     """
-    moment, reason = stopped
-    if (width := moment - moments[-1]) > 0.0:
-        yield Place(len(moments) - 1, width, reason)
+    for reason, values in told.items():
+        yield from _dips(moments, np.asarray(values), reason)
+    if stopped is not None and stopped[1] != TIME_LIMIT and stopped[0] > moments[-1]:
+        yield Place(len(moments) - 1, stopped[0] - moments[-1], stopped[1])
 
 
 class Stepped(Protocol):
@@ -180,20 +185,11 @@ def _located(
         return found, motion.samples(found.states[-1:])[0]
 
 
-def dips(moments: Array, told: npt.ArrayLike, reason: str) -> Iterator[Place]:
-    """Places to look at, in order, up to the first record at which a condition turns negative.
+def _dips(moments: Array, values: Array, reason: str) -> Iterator[Place]:
+    """Places up to the first record at which a condition turns negative.
 
-    Parameters
-    ----------
-    moments : ndarray, shape (n,) or longer
-        Times of the records in s.
-    told : array_like, shape (n,)
-        What the condition says there. Where it is negative from the start on, it waits until it
-        has not been.
-    reason : str
-        The one that it gives.
+    Where it is negative from the start on, it waits until it has not been.
     """
-    values = np.asarray(told)
     armed = int(np.argmax(values >= 0.0)) if values.size else 0
     if not values.size or values[armed] < 0.0:
         return

@@ -27,7 +27,7 @@ from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import Progress
 from mbs_models.effort import rest_effort
-from mbs_models.endings import beyond, dips, turning_negative, until_ending
+from mbs_models.endings import places, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever, loads_of
@@ -330,15 +330,10 @@ class EngineWay(WayToRest):
         model.system.systemData.SetSystemState(reached, initial)
         states, counts = states_of(recording.records), Counter(recording.counts)
         times = times[: len(states)]
-        places = [
-            place
-            for reason, condition in self.conditions.items()
-            for place in dips(times, [condition(each) for each in states], reason)
-        ]
-        if recording.stopped is not None:
-            places += beyond(recording.stopped, times)
+        told = {why: [each(state) for state in states] for why, each in self.conditions.items()}
+        found = places(times, told, recording.stopped)
         ended, times, states = until_ending(
-            times, states, places, self, margin=spacing, work=counts
+            times, states, found, self, margin=spacing, work=counts
         )
         last = self.times[-1]
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:

@@ -4,7 +4,6 @@ What they give are samples: coordinates, their rates and constraint forces.
 """
 
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from math import ceil, pi, sin
@@ -21,7 +20,7 @@ from analysis.problem.start import FlatError, State, check_upright
 from analysis.solve.stepping import Run
 from analysis.solve.watch import Watch
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import Place, beyond, dips, pulling_times, turning_negative, until_ending
+from mbs_models.endings import Place, places, pulling_times, turning_negative, until_ending
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.runs import Recording, Stop, run
@@ -72,6 +71,11 @@ class Call:
     counts: Counter[str] = field(default_factory=Counter)
     seconds: float = 0.0
 
+    @property
+    def must_not_pull(self) -> bool:
+        """Whether a contact that pulls ends a run."""
+        return self.motion.model.may_pull and not self.allow_pulling
+
 
 def run_over(
     call: Call, integrator: Integrator, step: float, halvings: int = 0
@@ -92,38 +96,21 @@ def run_over(
     FlatError
         If the disk comes so close to lying flat that the Euler angles cannot be followed.
     """
-    start, watch = call.scene.scenario.initial_state.vector, call.watch
-    motion, model = call.motion, call.motion.model
-    must_not_pull = model.may_pull and not call.allow_pulling
+    start, watch, model = call.scene.scenario.initial_state.vector, call.watch, call.motion.model
     if not watch.steps_left:
         raise watch.given_up(integrator.name)
     moments, steps, sampled = _grid(call, integrator, step, halvings)
-    period = float(np.max(np.diff(moments)))
-    stop = _stop(call, model, start, pulls=must_not_pull)
-    recording = run(model, integrator, moments, steps, stop=stop, most=watch.steps_left)
+    stop, most = _stop(call, model, start), watch.steps_left
+    recording = run(model, integrator, moments, steps, stop=stop, most=most)
     call.counts.update(recording.counts)
     watch.steps += recording.counts["steps"] + recording.counts.get("rejected_steps", 0)
     call.seconds = recording.seconds
     coordinates, rates = model.decode(recording.records)
     forces = model.multipliers(recording.records, recording.algebraic, coordinates, rates)
     values = np.column_stack((coordinates, rates, forces))
-    reached = moments[: len(values)]
-    lowest = int(np.argmin(leaning(values)))
-    watch.flattest = (float(reached[lowest]), float(leaning(values[lowest])))
     if not model.has_euler_angles:
-        _unwrap(values, reached, start, call.scene.scenario.fall)
-    places = _places(call, values, reached, recording, period, pulls=must_not_pull)
-    ended, reached, values = until_ending(
-        reached,
-        values,
-        places,
-        motion,
-        margin=period,
-        work=call.counts,
-        allow_pulling=not must_not_pull,
-    )
-    if ended is None and recording.failure is not None:
-        raise _failed(recording.failure, reached, values)
+        _unwrap(values, moments[: len(values)], start, call.scene.scenario.fall)
+    ended, reached, values = _upto_ending(call, values, moments, recording)
     check_upright(reached, values[:, PLACE])
     kept = sampled[sampled < len(values)]
     if ended is not None:
@@ -133,6 +120,43 @@ def run_over(
     pulling = pulling_times(reached, values[:, NORMAL_FORCE]) if call.allow_pulling else ()
     longest = float(np.max(np.diff(moments) / steps))
     return Run(reached[kept], values[kept], 0, ended, pulling), longest
+
+
+def _upto_ending(
+    call: Call, values: Array, moments: Array, recording: Recording
+) -> tuple[str | None, Array, Array]:
+    """Why a run ends, if it does, and its times and samples up to there."""
+    period, moments = float(np.max(np.diff(moments))), moments[: len(values)]
+    leans = leaning(values)
+    lowest = int(np.argmin(leans))
+    call.watch.flattest = (float(moments[lowest]), float(leans[lowest]))
+    flat = np.flatnonzero(leans < LEAST_TILT)
+    upright = values[: flat[0]] if flat.size else values
+    told: dict[str, npt.ArrayLike] = {
+        name: [condition(state_of(row)) for row in upright]
+        for name, condition in call.motion.conditions.items()
+    }
+    if call.must_not_pull:
+        told[CONTACT_WOULD_PULL] = upright[:, NORMAL_FORCE]
+    found = list(places(moments, told, recording.stopped))
+    if recording.failure is not None:
+        # What it has recorded last may make no sense: nothing is known to be negative there.
+        found = [Place(row, width + period * bool(why), "") for row, width, why in found]
+    if flat.size or recording.failure is not None:
+        # It may lie flat.
+        found.append(Place(max(0, len(upright) - 1), 2.0 * period, ""))
+    ended, moments, values = until_ending(
+        moments,
+        values,
+        found,
+        call.motion,
+        margin=period,
+        work=call.counts,
+        allow_pulling=not call.must_not_pull,
+    )
+    if ended is None and recording.failure is not None:
+        raise _failed(recording.failure, moments, values)
+    return ended, moments, values
 
 
 def _grid(
@@ -168,10 +192,10 @@ def _grid(
     return moments, np.repeat(steps, finer), sampled
 
 
-def _stop(call: Call, model: Model, start: Array, *, pulls: bool) -> Stop | None:
+def _stop(call: Call, model: Model, start: Array) -> Stop | None:
     """What ends a run that pulls, meets a condition or is out of time, if any may."""
     conditions, watch = call.motion.conditions, call.watch
-    pulls = pulls and model.joints.contact_equation is not None
+    pulls = call.must_not_pull and model.joints.contact_equation is not None
     turned = turning_negative(conditions, call.scene.scenario.initial_state)
     data, angles, end = model.system.systemData, start[TURNING], float(call.times[-1])
 
@@ -205,33 +229,6 @@ def _unwrap(values: Array, moments: Array, start: Array, fall: float) -> None:
             "as the disk comes nearly flat: give times closer together",
             moment,
         )
-
-
-def _places(
-    call: Call, values: Array, moments: Array, recording: Recording, period: float, *, pulls: bool
-) -> Iterator[Place]:
-    """Places where a run may end, in no order."""
-    lying = np.flatnonzero(leaning(values) < LEAST_TILT)
-    upright = values[: lying[0] if lying.size else len(values)]
-    last, stopped, has_failed = len(upright) - 1, recording.stopped, recording.failure is not None
-    if last < 0:
-        return
-    if lying.size or has_failed:
-        # It may lie flat.
-        yield Place(last, 2.0 * period, "")
-    told: dict[str, npt.ArrayLike] = {
-        name: [condition(state_of(row)) for row in upright]
-        for name, condition in call.motion.conditions.items()
-    }
-    if pulls:
-        told[CONTACT_WOULD_PULL] = upright[:, NORMAL_FORCE]
-    for reason, values_told in told.items():
-        for place in dips(moments, values_told, reason):
-            # What a run that fails has recorded last may make no sense.
-            width = place.width + period * bool(place.reason)
-            yield Place(place.row, width, "") if has_failed else place
-    if stopped is not None and stopped[1] != TIME_LIMIT:
-        yield from beyond(stopped, moments)
 
 
 def leaning(rows: Array) -> Array:
