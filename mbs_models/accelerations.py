@@ -310,10 +310,9 @@ def state_matrix(scene: Scene | Scenario) -> Array:
                 "start must be a stationary motion to linearise about, got one with rates or "
                 f"accelerations of up to {largest:.3g}"
             )
-        steps = _steps(scenario, turning)
         columns = [
-            _derivative(rates, problem.start, place, steps[motion.names[place]])
-            for place in places
+            _derivative(rates, problem.start, each, _step(motion.names[each], scenario, turning))
+            for each in places
         ]
     return np.column_stack(columns)
 
@@ -344,19 +343,16 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     return result
 
 
-def _steps(scenario: Scenario, turning: float) -> dict[str, float]:
-    """Steps of the differences by coordinate, from the rate in 1/s at which the disk turns.
+def _step(name: str, scenario: Scenario, turning: float) -> float:
+    """Step of the differences by a coordinate or rate, of a disk that turns at this rate in 1/s.
 
-    They keep the slip below 0.3 % of its finest speed, since the friction law's derivative has a
+    It keeps the slip below 0.3 % of its finest speed, since the friction law's derivative has a
     kink at zero slip, and below 3e-4 of the size of the disk and of a turn. Shorter ones would
     lose digits to the engine's rounding.
     """
-    radius = scenario.disk.radius
-    slip = 3e-3 * scenario.friction.finest_speed
-    length, angle = min(3e-4 * radius, slip / turning), min(3e-4, slip / (turning * radius))
-    lengths, angles = dict.fromkeys(("x", "y"), length), dict.fromkeys(("beta", "gamma"), angle)
-    speeds = dict.fromkeys(("x_rate", "y_rate"), slip)
-    return lengths | angles | speeds | dict.fromkeys(("beta_rate", "gamma_rate"), slip / radius)
+    radius, slip = scenario.disk.radius, 3e-3 * scenario.friction.finest_speed
+    step = slip if name.endswith("_rate") else min(3e-4 * radius, slip / turning)
+    return step if name[0] in "xy" else step / radius
 
 
 def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:
