@@ -168,7 +168,7 @@ class AccelerationProblem:
 
     def _derivative(self, _: float, state: Array) -> list[float]:
         z, u, second, _unused = self._solved(state)
-        rates = (*u, *self.model.decode_accelerations(second, z, u).tolist())
+        rates = (*u, *self.model.decode_accelerations(second, z, u))
         return [rates[place] for place in self._free]
 
     def _normal_force(self, state: Array) -> float:
@@ -239,7 +239,7 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
         second_derivatives, algebraic = motion.probe.solved()
     z, u = model.start.coordinates, model.start.rates
     forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
-    return model.decode_accelerations(second_derivatives, z, u), forces[0]
+    return np.array(model.decode_accelerations(second_derivatives, z, u)), forces[0]
 
 
 def eigenvalues(scene: Scene | Scenario) -> ComplexArray:

@@ -228,7 +228,7 @@ class Floating(Model):
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
+    ) -> Floats:
         x, y, _, alpha, beta, gamma = coordinates
         xd, yd, _, ad, bd, gd = rates
         sa, ca, sb, cb, sg, cg = _sines_and_cosines(alpha, beta, gamma)
@@ -240,7 +240,7 @@ class Floating(Model):
         gdd = wz - add * cb + ad * bd * sb
         xdd = ca * ax + sa * ay + 2.0 * ad * yd + add * y + ad * ad * x
         ydd = ca * ay - sa * ax - 2.0 * ad * xd - add * x + ad * ad * y
-        return np.array((xdd, ydd, zdd, add, bdd, gdd))
+        return xdd, ydd, zdd, add, bdd, gdd
 
     def _angular_acceleration(self, turning: Floats) -> Sequence[float]:
         """Components in axes of the body, from second derivatives of what tells the rotation."""

@@ -153,8 +153,8 @@ class Model(ABC):
     @abstractmethod
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
-        """Second derivatives of the co-rotating coordinates, shape (6,).
+    ) -> Floats:
+        """Second derivatives of the six co-rotating coordinates.
 
         Parameters
         ----------

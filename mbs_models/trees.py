@@ -154,8 +154,9 @@ class EulerTree(_Tree):
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
-        return second_derivatives[self._back]
+    ) -> Floats:
+        spin, *place, tilt, turn = second_derivatives.tolist()
+        return *place, spin, tilt, turn
 
 
 class ContactTree(_Tree):
@@ -225,13 +226,13 @@ class ContactTree(_Tree):
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
+    ) -> Floats:
         r = self.scenario.disk.radius
         add, xdd, ydd, bdd, gdd = second_derivatives.tolist()
         beta, bd = coordinates[4], rates[4]
         sb, cb = sin(beta), cos(beta)
         back, rise = r * (sb * bdd + cb * bd * bd), r * (cb * bdd - sb * bd * bd)
-        return np.array((xdd, ydd - back, rise, add, bdd, gdd))
+        return xdd, ydd - back, rise, add, bdd, gdd
 
     def multipliers(
         self, ahead: Array, algebraic: Array, coordinates: Array, rates: Array
