@@ -65,6 +65,7 @@ class AccelerationProblem:
 
     Attributes
     ----------
+    scene : Scene
     names : tuple of str
         The coordinates and rates that determine all others, in the order of a state.
     quick : bool
@@ -78,7 +79,7 @@ class AccelerationProblem:
     def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
         self.quick = True
         self.scenario = scenario = scene.scenario
-        self._scene, self.model = scene, build(scene)
+        self.scene, self.model = scene, build(scene)
         self.system = self.model.system
         self.probe = Probe(self.model)
         self.probe.check_start()
@@ -105,7 +106,7 @@ class AccelerationProblem:
     @property
     def method(self) -> Method:
         """With which an ending is located."""
-        return stepping_integrator(self._scene, np.array([0.0, 1.0]), LOCAL).method
+        return stepping_integrator(self.scene, np.array([0.0, 1.0]), LOCAL).method
 
     def starting_at(self, record: Array) -> InitialValueProblem:
         """The problem from coordinates and rates on; to be solved within `solving`."""

@@ -191,7 +191,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
     EngineError, FlatError, ToleranceError, TimeLimitError
         See `mbs_models.simulate`.
     """
-    scene, tolerance = call.scene, call.tolerance
+    scene, tolerance = call.motion.scene, call.tolerance
     assert tolerance is not None
     empty = partial(Ladder, scene.built_as, integrator.name, scene.scenario.slip_decay)
     ladder, kind = empty(), None

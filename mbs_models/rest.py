@@ -249,7 +249,7 @@ class EngineWay(WayToRest):
     method: Final = "LSODA"
 
     def build(self) -> None:
-        """Build the model that is asked for accelerations."""
+        """Build the model that is run, and asked for accelerations."""
         self.model = FloatingWithLosses(self.scenario)
         self.system = self.model.system
         self._probe = Probe(self.model)
@@ -260,7 +260,7 @@ class EngineWay(WayToRest):
 
         They are cut where rolling resistance makes a nearly flat disk stiff.
         """
-        advance = partial(self._over_steps, FloatingWithLosses(self.scenario), step)
+        advance = partial(self._over_steps, step)
         return self.motion(advance, {self.stepper: "RK44", "step": step}, STRETCH)
 
     def by_accelerations(self, local: float) -> SpatialMotion:
@@ -307,12 +307,10 @@ class EngineWay(WayToRest):
         z, u = frames.from_poses(*poses)
         return State(coordinates=tuple(z[0].tolist()), rates=tuple(u[0].tolist()))
 
-    def _over_steps(
-        self, model: FloatingWithLosses, step: float, times: Array, state: Array
-    ) -> Run:
+    def _over_steps(self, step: float, times: Array, state: Array) -> Run:
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
-        spacing = float(self.times[1])
+        spacing, model = float(self.times[1]), self.model
         turned = turning_negative(self.conditions, state)
         recording = run(
             model,
@@ -326,8 +324,8 @@ class EngineWay(WayToRest):
         if recording.failure is not None:
             raise recording.failure
         # The next run goes on from there.
-        reached, initial = model.system.systemData.GetSystemState(), exu.ConfigurationType.Initial
-        model.system.systemData.SetSystemState(reached, initial)
+        data = self.system.systemData
+        data.SetSystemState(data.GetSystemState(), exu.ConfigurationType.Initial)
         states, counts = states_of(recording.records), Counter(recording.counts)
         times = times[: len(states)]
         told = {why: [each(state) for state in states] for why, each in self.conditions.items()}

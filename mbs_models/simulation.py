@@ -142,7 +142,6 @@ def simulate(
     with solving(motion.system):
         pulls_at_start(motion.starting_at(start.vector), allow_pulling=allow_pulling)
     call = Call(
-        scene=scene,
         motion=motion,
         times=times,
         longest=np.inf if step is None else step,
@@ -192,7 +191,8 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
         except (EngineError, ToleranceError, TimeLimitError) as error:
             may_go_on = integrator.steps_accelerations and not is_last
             if not may_go_on or isinstance(error, TimeLimitError):
-                raise type(error)(f"{error}; {_advice(call.scene, integrators[0])}") from error
+                advice = _advice(call.motion.scene, integrators[0])
+                raise type(error)(f"{error}; {advice}") from error
     raise AssertionError("the last way has come to nothing without saying so")
 
 
@@ -206,8 +206,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
         One that steps accelerations. Its local tolerance holds where the call has no tolerance.
     """
     times, tolerance = call.times, call.tolerance
-    motion = call.motion
-    start = call.scene.scenario.initial_state.vector
+    motion, start = call.motion, call.motion.scenario.initial_state.vector
     problem = motion.starting_at(start)
     problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
     begin = time.process_time()
@@ -272,10 +271,10 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
         coordinates=coordinates,
         rates=rates,
         multipliers=multipliers,
-        scenario=call.scene.scenario,
+        scenario=call.motion.scenario,
         source="engine",
         method={
-            "formulation": call.scene.built_as,
+            "formulation": call.motion.scene.built_as,
             **integrator.settings(),
             "step": step,
             "tolerance": call.tolerance,

@@ -24,7 +24,6 @@ from mbs_models.endings import Place, places, pulling_times, turning_negative, u
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.runs import Recording, Stop, run
-from mbs_models.scene import Scene
 from mbs_models.solving import EngineError
 
 PLACE, RATES, NORMAL_FORCE = slice(0, 6), slice(6, 12), 12
@@ -43,9 +42,8 @@ class Call:
 
     Parameters
     ----------
-    scene : Scene
     motion : AccelerationProblem
-        Of the scene; its model is run by the engine's own integrators, too.
+        Its model is run by the engine's own integrators, too.
     times : ndarray, shape (n,)
         In s.
     longest : float
@@ -61,7 +59,6 @@ class Call:
         Processor time that the solver took for the last run.
     """
 
-    scene: Scene
     motion: AccelerationProblem
     times: Array
     longest: float
@@ -96,7 +93,7 @@ def run_over(
     FlatError
         If the disk comes so close to lying flat that the Euler angles cannot be followed.
     """
-    start, watch, model = call.scene.scenario.initial_state.vector, call.watch, call.motion.model
+    start, watch, model = call.motion.scenario.initial_state.vector, call.watch, call.motion.model
     if not watch.steps_left:
         raise watch.given_up(integrator.name)
     moments, steps, sampled = _grid(call, integrator, step, halvings)
@@ -109,7 +106,7 @@ def run_over(
     forces = model.multipliers(recording.records, recording.algebraic, coordinates, rates)
     values = np.column_stack((coordinates, rates, forces))
     if not model.has_euler_angles:
-        _unwrap(values, moments[: len(values)], start, call.scene.scenario.fall)
+        _unwrap(values, moments[: len(values)], start, call.motion.scenario.fall)
     ended, reached, values = _upto_ending(call, values, moments, recording)
     check_upright(reached, values[:, PLACE])
     kept = sampled[sampled < len(values)]
@@ -170,7 +167,7 @@ def _grid(
     records, as far as the first has the steps: endings are located from there, and else could not
     be extrapolated.
     """
-    scenario = call.scene.scenario
+    scenario = call.motion.scenario
     turning = float(np.sum(np.abs(scenario.initial_state.vector[9:12])))
     fastest = 2.0 * (turning + np.sqrt(scenario.fall))
 
@@ -196,7 +193,7 @@ def _stop(call: Call, model: Model, start: Array) -> Stop | None:
     """What ends a run that pulls, meets a condition or is out of time, if any may."""
     conditions, watch = call.motion.conditions, call.watch
     pulls = call.must_not_pull and model.joints.contact_equation is not None
-    turned = turning_negative(conditions, call.scene.scenario.initial_state)
+    turned = turning_negative(conditions, call.motion.scenario.initial_state)
     data, angles, end = model.system.systemData, start[TURNING], float(call.times[-1])
 
     def stop(moment: float) -> str | None:
