@@ -101,6 +101,8 @@ def run(
     """
     system, begin, lengths = model.system, float(times[0]), np.diff(times) / steps
     data, shortest, longest = system.systemData, float(np.min(lengths)), float(np.max(lengths))
+    # A run before, or a search, may have left it elsewhere.
+    data.SetSystemState(data.GetSystemState(_INITIAL))
     if integrator.implicit or model.closes_contact:
         probe = Probe(model)
         settle(model, probe)

@@ -185,6 +185,13 @@ def test_coarse_sampling_of_a_fast_spin_that_may_pull_loses_no_turns(formulation
     assert run.ending is None
 
 
+def test_runs_of_a_call_begin_alike_though_they_share_a_model() -> None:
+    contact = PenaltyContact.damped(1e5, STEEL_DISK)
+    scene, times = scene_of(1, "floating-lie", contact=contact), SHORT[:6]
+    run = mbs_models.simulate(scene, times, tolerance=1e-5, integrator="RK44")
+    assert deviation(run, truth(scene.scenario, times, local_tolerance=1e-11)) <= 1e-5
+
+
 def test_runs_print_nothing_and_write_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
