@@ -1,7 +1,7 @@
 """Runs of the engine's own solvers, one after another on a model."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, inf, sqrt
 from typing import Any
@@ -142,22 +142,29 @@ def run(
     except exu.ExudynError as error:
         failure = error
     seconds = time.process_time() - clock
-    # So much faster than by `numpy.array`.
-    parts = [np.concatenate(each).reshape(len(found), -1) for each in zip(*found, strict=True)]
-    records, algebraic = np.hstack(parts[:-1]), parts[-1]
-    finite = np.isfinite(np.hstack((records, algebraic))).all(axis=1)
-    good, broken = int(np.argmin(np.append(finite, False))), None
-    if failure is not None or (good < times.size and not stopped):
-        broken = _early_end(system, begin, due[-2], failure)
+    records, algebraic = _finite(found)
+    broken = None
+    if failure is not None or (len(records) < times.size and not stopped):
+        broken = _early_end(system, times, failure)
         broken.__cause__ = failure
     return Recording(
-        records=records[:good],
-        algebraic=algebraic[:good],
+        records=records,
+        algebraic=algebraic,
         counts=_counts(system.sys["dynamicSolver"], integrator),
         seconds=seconds,
         stopped=stopped[0] if stopped else None,
         failure=broken,
     )
+
+
+def _finite(found: Sequence[Sequence[Array]]) -> tuple[Array, Array]:
+    """Records and algebraic coordinates, as far as they are finite, from n lists of readings."""
+    # So much faster than by `numpy.array`.
+    parts = [np.concatenate(each).reshape(len(found), -1) for each in zip(*found, strict=True)]
+    records, algebraic = np.hstack(parts[:-1]), parts[-1]
+    finite = np.isfinite(np.hstack((records, algebraic))).all(axis=1)
+    good = int(np.argmin(np.append(finite, False)))
+    return records[:good], algebraic[:good]
 
 
 def _keep_to(system: Any, stretches: Iterable[tuple[float, float, int]]) -> None:
@@ -318,7 +325,7 @@ def force_rounding(model: Model) -> float:
     return ROUNDINGS * float(np.finfo(float).eps) * max(lost, *largest)
 
 
-def _early_end(system: Any, begin: float, duration: float, error: Exception | None) -> EngineError:
+def _early_end(system: Any, times: Array, error: Exception | None) -> EngineError:
     solver = system.sys["dynamicSolver"]
     cause = "the result is not finite" if error is None else cause_of(error)
     if error is not None and (
@@ -328,6 +335,6 @@ def _early_end(system: Any, begin: float, duration: float, error: Exception | No
     elif error is not None and solver.conv.linearSolverFailed:
         cause = "the system matrix is singular"
     return EngineError(
-        f"engine run stopped at t = {solver.it.currentTime:.6g} s of {duration:.6g} s: {cause} "
-        f"(span from t = {begin:.6g} s)"
+        f"engine run stopped at t = {times[0] + solver.it.currentTime:.6g} s, before the end at "
+        f"{times[-1]:.6g} s: {cause}"
     )
