@@ -215,6 +215,8 @@ class FloatingWithLosses(FloatingLie):
 
     def _build(self) -> None:
         super()._build()
+        # Asked for so often that it is kept.
+        self._pose = super().readings()
         zeros = [0.0] * len(CAUSES)
         energies = self.assembly.add(
             items.NodeGenericODE1(
@@ -233,13 +235,13 @@ class FloatingWithLosses(FloatingLie):
 
     def powers(self) -> list[float]:
         """What each cause takes in W in the engine's current state, six floats."""
-        (_, _, height), matrix, v, w = (tuple(read().tolist()) for read in super().readings())
+        (_, _, height), matrix, v, w = [tuple(read().tolist()) for read in self._pose]
         assert self.loads is not None
         return self.loads.at(height, matrix, v, w).taken
 
     def readings(self) -> list[Reading]:
         """What `states_of` takes."""
-        return [*super().readings(), self.system.systemData.GetODE1Coordinates]
+        return [*self._pose, self.system.systemData.GetODE1Coordinates]
 
 
 class EngineWay(WayToRest):
