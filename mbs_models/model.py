@@ -88,6 +88,7 @@ class Model(ABC):
         self._build()
         # What is added later needs that anew, which forgets initial accelerations.
         self.system.Assemble()
+        self._readings = self.readings()
 
     @abstractmethod
     def _build(self) -> None:
@@ -137,7 +138,7 @@ class Model(ABC):
 
     def record(self) -> Array:
         """What `decode` takes of the engine's current state, shape (k,)."""
-        return np.concatenate([read() for read in self.readings()])
+        return np.concatenate([read() for read in self._readings])
 
     @abstractmethod
     def decode(self, records: Array) -> tuple[Array, Array]:

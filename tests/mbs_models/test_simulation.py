@@ -157,7 +157,6 @@ def test_estimates_are_no_less_than_the_runs_before_let_expect(
     [
         ("contact-tree", {"integrator": Integrator(name="DOPRI5", local_tolerance=1e-11)}),
         ("contact-tree", {"tolerance": 1e-6, "integrator": "RK67"}),
-        # A later span begins at velocities that the joints allow, or forces are off by 1e-4 N.
         ("floating", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
         ("floating-lie", {"tolerance": 1e-6}),
     ],
