@@ -1,5 +1,6 @@
 """Simulation in the engine: by its own integrators, and on its accelerations."""
 
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -182,6 +183,17 @@ def test_coarse_sampling_of_a_fast_spin_that_may_pull_loses_no_turns(formulation
     np.testing.assert_allclose(run.coordinates[:, 3:], expected.coordinates[:, 3:], atol=1e-3)
     assert run.normal_force[-1] < -9.0
     assert run.ending is None
+
+
+def test_a_start_off_by_what_is_allowed_begins_without_an_impulse() -> None:
+    exact = model(3).initial_state
+    off = replace(exact, rates=tuple(np.add(exact.rates, [2e-8, 1e-8, 0, 0, 0, -3e-7]).tolist()))
+    scene = Scene(model(3, start=off), "floating")
+    found, expected = (
+        mbs_models.simulate(scene, SHORT[:11], tolerance=1e-6, integrator=each).multipliers
+        for each in ("TrapezoidalIndex2", "DOP853")
+    )
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6)
 
 
 def test_runs_of_a_call_begin_alike_though_they_share_a_model() -> None:
