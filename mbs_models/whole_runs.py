@@ -115,7 +115,8 @@ def run_over(
     elif kept.size < sampled.size:
         ended = TIME_LIMIT
     pulling = pulling_times(reached, values[:, NORMAL_FORCE]) if call.allow_pulling else ()
-    longest = float(np.max(np.diff(moments) / steps))
+    # Differences of times have fewer digits than these.
+    longest = float(f"{np.max(np.diff(moments) / steps):.9g}")
     return Run(reached[kept], values[kept], 0, ended, pulling), longest
 
 
