@@ -8,6 +8,7 @@ The accelerations are those of the scene's own formulation.
 from collections.abc import Callable, Mapping, Sequence
 from math import cos, sin
 
+import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
@@ -64,10 +65,12 @@ class AccelerationProblem:
 
     Attributes
     ----------
+    scene : Scene
     names : tuple of str
         The coordinates and rates that determine all others, in the order of a state.
     quick : bool
         Whether accelerations may be noisier for the sake of speed; see `Probe.solved`.
+    conditions : mapping
     model : Model
     system : exudyn.MainSystem
     probe : Probe
@@ -76,7 +79,7 @@ class AccelerationProblem:
     def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
         self.quick = True
         self.scenario = scenario = scene.scenario
-        self._scene, self.model = scene, build(scene)
+        self.scene, self.model = scene, build(scene)
         self.system = self.model.system
         self.probe = Probe(self.model)
         self.probe.check_start()
@@ -90,13 +93,20 @@ class AccelerationProblem:
         self._free = [_NAMES.index(name) for name in names]
         self._tilt = names.index("beta")
         self._angles = [self._tilt, names.index("gamma")]
-        self._conditions = conditions
+        self.conditions = conditions
         self._last: tuple[Array, _Solved] | None = None
+        self._start = scenario.initial_state.vector.tolist()
+        # What is left of residuals would begin a run of the engine with an impulse: the contact
+        # force of the trapezoidal rule keeps that as an oscillation of first order in the step.
+        self.probe.move_to(*self._whole(scenario.initial_state.vector[self._free]))
+        data = self.system.systemData
+        data.SetODE2Coordinates(data.GetODE2Coordinates(), exu.ConfigurationType.Initial)
+        data.SetODE2Coordinates_t(data.GetODE2Coordinates_t(), exu.ConfigurationType.Initial)
 
     @property
     def method(self) -> Method:
         """With which an ending is located."""
-        return stepping_integrator(self._scene, np.array([0.0, 1.0]), LOCAL).method
+        return stepping_integrator(self.scene, np.array([0.0, 1.0]), LOCAL).method
 
     def starting_at(self, record: Array) -> InitialValueProblem:
         """The problem from coordinates and rates on; to be solved within `solving`."""
@@ -112,7 +122,7 @@ class AccelerationProblem:
             self._normal_force if self.model.may_pull else None,
             longest,
             lambda states: states[..., self._angles],
-            {reason: self._of_state(each) for reason, each in self._conditions.items()},
+            {reason: self._of_state(each) for reason, each in self.conditions.items()},
             self._slip_of_one_direction(),
             float(np.clip(BENDING * scenario.friction.finest_speed, *DIFFERENCES)),
         )
@@ -159,7 +169,7 @@ class AccelerationProblem:
 
     def _derivative(self, _: float, state: Array) -> list[float]:
         z, u, second, _unused = self._solved(state)
-        rates = (*u, *self.model.decode_accelerations(second, z, u).tolist())
+        rates = (*u, *self.model.decode_accelerations(second, z, u))
         return [rates[place] for place in self._free]
 
     def _normal_force(self, state: Array) -> float:
@@ -230,7 +240,7 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
         second_derivatives, algebraic = motion.probe.solved()
     z, u = model.start.coordinates, model.start.rates
     forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
-    return model.decode_accelerations(second_derivatives, z, u), forces[0]
+    return np.array(model.decode_accelerations(second_derivatives, z, u)), forces[0]
 
 
 def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
@@ -301,10 +311,9 @@ def state_matrix(scene: Scene | Scenario) -> Array:
                 "start must be a stationary motion to linearise about, got one with rates or "
                 f"accelerations of up to {largest:.3g}"
             )
-        steps = _steps(scenario, turning)
         columns = [
-            _derivative(rates, problem.start, place, steps[motion.names[place]])
-            for place in places
+            _derivative(rates, problem.start, each, _step(motion.names[each], scenario, turning))
+            for each in places
         ]
     return np.column_stack(columns)
 
@@ -335,19 +344,16 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     return result
 
 
-def _steps(scenario: Scenario, turning: float) -> dict[str, float]:
-    """Steps of the differences by coordinate, from the rate in 1/s at which the disk turns.
+def _step(name: str, scenario: Scenario, turning: float) -> float:
+    """Step of the differences by a coordinate or rate, of a disk that turns at this rate in 1/s.
 
-    They keep the slip below 0.3 % of its finest speed, since the friction law's derivative has a
+    It keeps the slip below 0.3 % of its finest speed, since the friction law's derivative has a
     kink at zero slip, and below 3e-4 of the size of the disk and of a turn. Shorter ones would
     lose digits to the engine's rounding.
     """
-    radius = scenario.disk.radius
-    slip = 3e-3 * scenario.friction.finest_speed
-    length, angle = min(3e-4 * radius, slip / turning), min(3e-4, slip / (turning * radius))
-    lengths, angles = dict.fromkeys(("x", "y"), length), dict.fromkeys(("beta", "gamma"), angle)
-    speeds = dict.fromkeys(("x_rate", "y_rate"), slip)
-    return lengths | angles | speeds | dict.fromkeys(("beta_rate", "gamma_rate"), slip / radius)
+    radius, slip = scenario.disk.radius, 3e-3 * scenario.friction.finest_speed
+    step = slip if name.endswith("_rate") else min(3e-4 * radius, slip / turning)
+    return step if name[0] in "xy" else step / radius
 
 
 def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import CONTACT_WOULD_PULL
+from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array, ToleranceError
 from analysis.problem.choices import Method
 from analysis.solve.stepping import (
@@ -41,7 +41,7 @@ class Place(NamedTuple):
     row : int
         Record before it, where it is not negative.
     width : float
-        Periods after it that hold the place.
+        Time in s after it that holds the place.
     reason : str
         That of the condition if it is known to be negative at the end of them, else empty.
     """
@@ -71,21 +71,24 @@ def turning_negative(
     return turned
 
 
-def beyond(stopped: tuple[float, str], last: int, period: float) -> Iterator[Place]:
-    """Where a run has been stopped after its last record, the one of this number.
+def places(
+    moments: Array, told: Mapping[str, npt.ArrayLike], stopped: tuple[float, str] | None
+) -> Iterator[Place]:
+    """Places where a run may end, in no order.
 
     Parameters
     ----------
-    stopped : tuple of float and str
-        Time in s since the start of the run, and why.
-    last : int
-    period : float
-        Time between records in s.
+    moments : ndarray, shape (n,)
+        Times of the records in s.
+    told : mapping
+        What the conditions say at the records, or at the first ones.
+    stopped : tuple of float and str, optional
+        Time in s at which the run was stopped, and why, if it was.
     """
-    moment, reason = stopped
-    width = moment / period - last
-    if width > 1e-9:
-        yield Place(last, width, reason)
+    for reason, values in told.items():
+        yield from _dips(moments, np.asarray(values), reason)
+    if stopped is not None and stopped[1] != TIME_LIMIT and stopped[0] > moments[-1]:
+        yield Place(len(moments) - 1, stopped[0] - moments[-1], stopped[1])
 
 
 class Stepped(Protocol):
@@ -110,7 +113,7 @@ def until_ending(
     places: Iterable[Place],
     motion: Stepped,
     *,
-    period: float,
+    margin: float,
     work: Counter[str],
     allow_pulling: bool = True,
 ) -> tuple[str | None, Array, Array]:
@@ -124,8 +127,8 @@ def until_ending(
     places : iterable of Place
         In any order.
     motion : Stepped
-    period : float
-        Time between records in s.
+    margin : float
+        Time in s by which a condition may turn negative later than a run shows.
     work : Counter
         To which the steps of the search are added.
     allow_pulling : bool
@@ -144,7 +147,7 @@ def until_ending(
     """
     for place in sorted(places):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
-        end, size = period * (place.width + bool(place.reason)), place.row + 1
+        end, size = place.width + margin * bool(place.reason), place.row + 1
         try:
             found, last = _located(records[place.row], end, motion, work, allow_pulling)
         except EngineError as error:
@@ -182,33 +185,28 @@ def _located(
         return found, motion.samples(found.states[-1:])[0]
 
 
-def dips(values: Array, reason: str) -> Iterator[Place]:
-    """Places to look at, in order, up to the first record at which a condition turns negative.
+def _dips(moments: Array, values: Array, reason: str) -> Iterator[Place]:
+    """Places up to the first record at which a condition turns negative.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        What the condition says at even spacing. Where it is negative from the start on, it waits
-        until it has not been.
-    reason : str
-        The one that it gives.
+    Where it is negative from the start on, it waits until it has not been.
     """
     armed = int(np.argmax(values >= 0.0)) if values.size else 0
     if not values.size or values[armed] < 0.0:
         return
-    first = armed + 1
-    negative = np.flatnonzero(values[first:] < 0.0)
-    end = first + int(negative[0]) if negative.size else values.size - 1
-    before, here, after = (values[first + shift : end + shift] for shift in (-1, 0, 1))
-    curvature = before - 2.0 * here + after
-    lowest = (np.minimum(before, after) >= here) & (after >= 0.0) & (curvature > 0.0)
-    bent = np.where(lowest, curvature, 1.0)
-    vertex = here - (after - before) ** 2 / (8.0 * bent)
+    negative = armed + np.flatnonzero(values[armed:] < 0.0)
+    end = int(negative[0]) if negative.size else values.size - 1
+    before, here, after = (values[armed + shift : end - 1 + shift] for shift in range(3))
+    first, second = (np.diff(moments)[armed + shift : end - 1 + shift] for shift in range(2))
+    fall, rise = (here - before) / first, (after - here) / second
+    lowest = (fall <= 0.0) & (rise >= 0.0) & (after >= 0.0) & (rise > fall)
+    # Of the parabola through all three.
+    slope, bend = fall * second + rise * first, np.where(lowest, rise - fall, 1.0)
+    vertex = here - slope**2 / (4.0 * bend * (first + second))
     near = vertex < 0.1 * (np.maximum(before, after) - here)
-    for place in np.flatnonzero(lowest & near).tolist():
-        yield Place(armed + place, 2.0, "")
+    for row in (armed + np.flatnonzero(lowest & near)).tolist():
+        yield Place(row, float(moments[row + 2] - moments[row]), "")
     if negative.size:
-        yield Place(end - 1, 1.0, reason)
+        yield Place(end - 1, float(moments[end] - moments[end - 1]), reason)
 
 
 def pulling_times(

@@ -15,7 +15,7 @@ from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import RULES, Integrator
 from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
-from mbs_models.spans import Call, run_over
+from mbs_models.whole_runs import Call, run_over
 
 ANGLES, ANGLE_RATES = slice(4, 6), slice(10, 12)
 """Columns of beta and gamma and of their rates in samples."""
@@ -191,7 +191,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
     EngineError, FlatError, ToleranceError, TimeLimitError
         See `mbs_models.simulate`.
     """
-    scene, tolerance = call.scene, call.tolerance
+    scene, tolerance = call.motion.scene, call.tolerance
     assert tolerance is not None
     empty = partial(Ladder, scene.built_as, integrator.name, scene.scenario.slip_decay)
     ladder, kind = empty(), None

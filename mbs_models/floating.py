@@ -1,7 +1,7 @@
 """The disk as a free rigid body with joints: `floating` and `floating-lie`."""
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from math import atan2, cos, hypot, pi, sin
 from typing import Any, ClassVar
 
@@ -18,9 +18,11 @@ from analysis.problem.constraints import prescribed
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
 from mbs_models.loads import loads_of
-from mbs_models.model import Floats, Force, Load, Model
+from mbs_models.model import Floats, Force, Load, Model, Reading
 
 _OUTPUT = exu.OutputVariableType
+
+_POSE = (_OUTPUT.Position, _OUTPUT.RotationMatrix, _OUTPUT.Velocity, _OUTPUT.AngularVelocity)
 
 UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Rotation matrix of a frame whose x axis points up."""
@@ -39,12 +41,6 @@ class Floating(Model):
     # The square of the norm of the Euler parameters is one.
     node_equations: ClassVar[tuple[float, ...]] = (1.0,)
 
-    _outputs = (
-        _OUTPUT.Position,
-        _OUTPUT.RotationMatrix,
-        _OUTPUT.Velocity,
-        _OUTPUT.AngularVelocity,
-    )
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
     @classmethod
@@ -221,6 +217,10 @@ class Floating(Model):
         """The engine's coordinates of a rotation, and their rates, from angular velocity."""
         return parameters, quaternion_rates(parameters, local)
 
+    def readings(self) -> list[Reading]:
+        """Position, rotation matrix row by row, velocity and angular velocity."""
+        return [partial(self.system.GetNodeOutput, self._node, each) for each in _POSE]
+
     def decode(self, records: Array) -> tuple[Array, Array]:
         position, velocity, angular = records[:, :3], records[:, 12:15], records[:, 15:18]
         rotation = records[:, 3:12].reshape(-1, 3, 3)
@@ -228,7 +228,7 @@ class Floating(Model):
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
+    ) -> Floats:
         x, y, _, alpha, beta, gamma = coordinates
         xd, yd, _, ad, bd, gd = rates
         sa, ca, sb, cb, sg, cg = _sines_and_cosines(alpha, beta, gamma)
@@ -240,7 +240,7 @@ class Floating(Model):
         gdd = wz - add * cb + ad * bd * sb
         xdd = ca * ax + sa * ay + 2.0 * ad * yd + add * y + ad * ad * x
         ydd = ca * ay - sa * ax - 2.0 * ad * xd - add * x + ad * ad * y
-        return np.array((xdd, ydd, zdd, add, bdd, gdd))
+        return xdd, ydd, zdd, add, bdd, gdd
 
     def _angular_acceleration(self, turning: Floats) -> Sequence[float]:
         """Components in axes of the body, from second derivatives of what tells the rotation."""

@@ -4,14 +4,12 @@ Some are the engine's own. Others step the engine's accelerations (`mbs_models.a
 """
 
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from math import factorial, sqrt
 from typing import NamedTuple, cast
 
-import exudyn as exu
-import exudyn.itemInterface as items
 import numpy as np
 
-from analysis.problem.checks import Array, choice, number, positive, switch
+from analysis.problem.checks import choice, number, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import (
     ACCELERATED,
@@ -21,7 +19,6 @@ from analysis.problem.choices import (
     Method,
 )
 from mbs_models.scene import CLASSES, Scene
-from mbs_models.solving import quiet, solving
 
 
 class Rule(NamedTuple):
@@ -32,31 +29,35 @@ class Rule(NamedTuple):
     exponents : tuple of int
         Exponents of the step in its error expansion; the first is its order. Empty for those that
         step the engine's accelerations, whose runs are not extrapolated.
-    stages : int
-        Evaluations of the right-hand side in a step of an explicit one, 0 for an implicit one.
+    implicit : bool
+        Whether it solves the engine's equations by Newton's iteration in each step.
     controls_step : bool
         Whether it chooses its steps by itself.
     """
 
     exponents: tuple[int, ...]
-    stages: int = 0
+    implicit: bool = False
     controls_step: bool = False
 
 
 RULES: dict[IntegratorName, Rule] = {
-    "RK44": Rule((4, 5, 6, 7, 8), stages=4),
-    "RK67": Rule((6, 7, 8, 9), stages=7),
-    "DOPRI5": Rule((5, 6, 7, 8), stages=7, controls_step=True),
+    "RK44": Rule((4, 5, 6, 7, 8)),
+    "RK67": Rule((6, 7, 8, 9)),
+    "DOPRI5": Rule((5, 6, 7, 8), controls_step=True),
     # It is symmetric.
-    "TrapezoidalIndex2": Rule((2, 4, 6, 8)),
-    "GeneralizedAlpha": Rule((2, 3, 4, 5)),
+    "TrapezoidalIndex2": Rule((2, 4, 6, 8), implicit=True),
+    "GeneralizedAlpha": Rule((2, 3, 4, 5), implicit=True),
     **dict.fromkeys(ACCELERATED, Rule((), controls_step=True)),
 }
 
-STAGES: dict[IntegratorName, int] = {
-    name: rule.stages for name, rule in RULES.items() if rule.stages and not rule.controls_step
+_EXPONENTIAL = [1.0 / factorial(power) for power in range(7)]
+
+STABILITY: dict[IntegratorName, list[float]] = {
+    "RK44": _EXPONENTIAL[:5],
+    "RK67": [*_EXPONENTIAL, -(1.0 + sqrt(5.0)) / 7200.0],
 }
-"""Fixed-step explicit integrators and their stages, the degree of the stability function."""
+"""Stability functions of explicit integrators with fixed steps, by coefficients from degree 0 on:
+one step of length 1 multiplies a state by this polynomial of the system's matrix."""
 
 FINEST_LOCAL = 1e-13
 """Error in a step below which the noise of accelerations that differences go into stalls step
@@ -153,7 +154,7 @@ class Integrator:
     @property
     def implicit(self) -> bool:
         """Whether it solves the engine's equations by Newton's iteration in each step."""
-        return not RULES[self.name].stages and not self.steps_accelerations
+        return RULES[self.name].implicit
 
     @property
     def steps_accelerations(self) -> bool:
@@ -233,41 +234,6 @@ def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) ->
     return chosen
 
 
-@lru_cache
-def stability_polynomial(integrator: IntegratorName) -> Array:
-    """Coefficients of the stability function, shape (stages + 1,), lowest degree first.
-
-    One step of length 1 multiplies a state by this polynomial of the system's matrix. A chain, in
-    which each variable drives the next, moves its first unit vector by one place for each power
-    of that, so that the state after a step lists the coefficients. Those up to the order of the
-    method are 1 / k!.
-
-    Raises
-    ------
-    ValueError
-        If the integrator is none of `STAGES`.
-    """
-    size = STAGES[choice("integrator", integrator, STAGES)] + 1
-    container = exu.SystemContainer()
-    system = container.AddSystem()
-    node = system.AddNode(
-        items.NodeGenericODE1(
-            numberOfODE1Coordinates=size,
-            referenceCoordinates=[0.0] * size,
-            initialCoordinates=np.eye(size)[0],
-        )
-    )
-    system.AddObject(items.ObjectGenericODE1(nodeNumbers=[node], systemMatrix=np.eye(size, k=-1)))
-    system.Assemble()
-    settings = quiet()
-    settings.timeIntegration.numberOfSteps = 1
-    settings.timeIntegration.endTime = 1.0
-    settings.timeIntegration.automaticStepSize = False
-    with solving(system):
-        system.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, integrator))
-    return np.array(system.systemData.GetODE1Coordinates())
-
-
 def largest_step(integrator: IntegratorName, eigenvalue: complex) -> float:
     """Largest step in s at which a decaying motion decays, `inf` for an eigenvalue of zero.
 
@@ -281,7 +247,7 @@ def largest_step(integrator: IntegratorName, eigenvalue: complex) -> float:
         return float("inf")
     direction = eigenvalue / abs(eigenvalue)
     radii = np.linspace(0.0, 10.0, 10001)[1:]
-    factors = np.abs(np.polyval(stability_polynomial(integrator)[::-1], radii * direction))
+    factors = np.abs(np.polyval(STABILITY[integrator][::-1], radii * direction))
     # Rounding must not count as growth where a step hardly damps.
     unstable = factors > 1.0 + 1e-9
     radius = radii[np.argmax(unstable)] if np.any(unstable) else np.inf

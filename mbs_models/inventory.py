@@ -25,7 +25,7 @@ class Item:
 
     Parameters
     ----------
-    kind : {"node", "object", "marker", "load", "sensor"}
+    kind : {"node", "object", "marker", "load"}
     number : int
         Its number among the items of its kind.
     type : str
@@ -54,7 +54,7 @@ class Item:
 
 
 def inventory(scene: Scene) -> list[Item]:
-    """List what is in a scene as it runs, with its sensors, read back from the engine.
+    """List what is in a scene as it runs, read back from the engine.
 
     Parameters
     ----------
@@ -113,10 +113,17 @@ def sensor_per_quantity(model: Model) -> None:
         data.GetODE2Coordinates,
         data.GetODE2Coordinates_t,
         data.GetODE2Coordinates_tt,
-        model.assembly.record,
+        model.record,
         data.GetAECoordinates,
     ):
-        model.assembly.sense(read, "ballast")
+        sensor = items.SensorUserFunction(
+            sensorNumbers=[],
+            factors=[],
+            sensorUserFunction=lambda *_unused, read=read: read(),
+            storeInternal=True,
+            writeToFile=False,
+        )
+        model.system.AddSensor(sensor)
     model.system.Assemble()
 
 

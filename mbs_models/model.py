@@ -5,16 +5,21 @@ Each formulation is a class, which holds its traits.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, ClassVar
+from typing import ClassVar
+
+import numpy as np
 
 from analysis.problem.checks import Array
 from analysis.problem.choices import EngineFormulation
 from analysis.problem.scenario import Scenario
-from mbs_models.assembly import Assembly, Reading
+from mbs_models.assembly import Assembly
 from mbs_models.joints import Joints
 from mbs_models.loads import forces_on
 
 Floats = Sequence[float]
+
+Reading = Callable[[], Array]
+"""What reads something of the engine's current state, shape (k,)."""
 
 Load = Callable[[], float]
 """What presses the disk on the table in the engine's current state, in N."""
@@ -62,9 +67,6 @@ class Model(ABC):
     node_equations: ClassVar[tuple[float, ...]] = ()
     """Sizes of the terms of algebraic equations besides those of the constraints."""
 
-    _outputs: ClassVar[tuple[Any, ...]]
-    """Output variables of the disk's node that make up a record."""
-
     _node: int
 
     @classmethod
@@ -84,14 +86,13 @@ class Model(ABC):
         self.system = self.assembly.system
         self.joints = Joints(self.assembly, scenario)
         self._build()
-        self.assembly.finish(self._readings(), constrained=self.has_constraints(scenario))
+        # What is added later needs that anew, which forgets initial accelerations.
+        self.system.Assemble()
+        self._readings = self.readings()
 
     @abstractmethod
     def _build(self) -> None:
         """Add nodes, bodies, markers and joints."""
-
-    def _readings(self) -> list[Reading]:
-        return [(self._node, output) for output in self._outputs]
 
     @property
     def may_pull(self) -> bool:
@@ -132,6 +133,14 @@ class Model(ABC):
     # --- Its states ------------------------------------------------------------------------------
 
     @abstractmethod
+    def readings(self) -> list[Reading]:
+        """What to read of a state for `decode`, one after the other."""
+
+    def record(self) -> Array:
+        """What `decode` takes of the engine's current state, shape (k,)."""
+        return np.concatenate([read() for read in self._readings])
+
+    @abstractmethod
     def decode(self, records: Array) -> tuple[Array, Array]:
         """Co-rotating coordinates and rates, each shape (n, 6), from records, shape (n, k).
 
@@ -145,8 +154,8 @@ class Model(ABC):
     @abstractmethod
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
-        """Second derivatives of the co-rotating coordinates, shape (6,).
+    ) -> Floats:
+        """Second derivatives of the six co-rotating coordinates.
 
         Parameters
         ----------

@@ -120,19 +120,6 @@ class Probe:
             solution = self._under_load(matrix, right, n + self.load_equation)
         return solution[:n], solution[n:]
 
-    def admissible_velocities(self) -> Array:
-        """Velocities nearest to the present ones that meet the constraints, shape (n,).
-
-        Nearest in kinetic energy. Without that, a run that goes on from samples of another, which
-        meet the constraints to its accuracy alone, would begin with an impulse: the contact force
-        of the trapezoidal rule keeps that as an oscillation of first order in the step.
-        """
-        n = self._size
-        right = np.concatenate((np.zeros(n), -self._residuals()))
-        velocities = np.array(self._system.systemData.GetODE2Coordinates_t())
-        result: Array = velocities + _solution(self._saddle_matrix(), right)[:n]
-        return result
-
     def _saddle_matrix(self) -> Array:
         """Mass matrix with the velocity-level constraint Jacobian, shape (n + m, n + m)."""
         n, solver = self._size, self._solver

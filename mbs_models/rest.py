@@ -6,7 +6,7 @@ G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`
 
 from collections import Counter
 from functools import partial
-from math import hypot, sqrt
+from math import ceil, hypot, sqrt
 from typing import Any, Final
 
 import exudyn as exu
@@ -26,12 +26,12 @@ from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import Progress
-from mbs_models.assembly import Reading
 from mbs_models.effort import rest_effort
-from mbs_models.endings import beyond, dips, turning_negative, until_ending
+from mbs_models.endings import places, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever, loads_of
+from mbs_models.model import Reading
 from mbs_models.probe import Probe
 from mbs_models.runs import run
 from mbs_models.scene import Scene
@@ -214,8 +214,10 @@ class FloatingWithLosses(FloatingLie):
 
     def _build(self) -> None:
         super()._build()
+        # Asked for so often that it is kept.
+        self._pose = super().readings()
         zeros = [0.0] * len(CAUSES)
-        self._energies = self.assembly.add(
+        energies = self.assembly.add(
             items.NodeGenericODE1(
                 referenceCoordinates=zeros,
                 initialCoordinates=zeros,
@@ -225,23 +227,20 @@ class FloatingWithLosses(FloatingLie):
         )
         self.assembly.add(
             items.ObjectGenericODE1(
-                nodeNumbers=[self._energies], rhsUserFunction=lambda *_unused: self.powers()
+                nodeNumbers=[energies], rhsUserFunction=lambda *_unused: self.powers()
             ),
             "power of each cause, by a user function",
         )
 
     def powers(self) -> list[float]:
         """What each cause takes in W in the engine's current state, six floats."""
-
-        def output(variable: Any) -> Any:
-            return tuple(self.system.GetNodeOutput(self._node, variable).tolist())
-
-        (_, _, height), matrix, v, w = map(output, self._outputs)
+        (_, _, height), matrix, v, w = [tuple(read().tolist()) for read in self._pose]
         assert self.loads is not None
         return self.loads.at(height, matrix, v, w).taken
 
-    def _readings(self) -> list[Reading]:
-        return [*super()._readings(), (self._energies, exu.OutputVariableType.Coordinates)]
+    def readings(self) -> list[Reading]:
+        """What `states_of` takes."""
+        return [*self._pose, self.system.systemData.GetODE1Coordinates]
 
 
 class EngineWay(WayToRest):
@@ -251,18 +250,18 @@ class EngineWay(WayToRest):
     method: Final = "LSODA"
 
     def build(self) -> None:
-        """Build the model that is asked for accelerations."""
+        """Build the model that is run, and asked for accelerations."""
         self.model = FloatingWithLosses(self.scenario)
         self.system = self.model.system
         self._probe = Probe(self.model)
-        self.start = states_of(self.model.assembly.record()[None])[0]
+        self.start = states_of(self.model.record()[None])[0]
 
     def by_steps(self, step: float) -> SpatialMotion:
         """With fixed steps of the engine's Runge-Kutta method of order 4, of at most so many s.
 
         They are cut where rolling resistance makes a nearly flat disk stiff.
         """
-        advance = partial(self._over_steps, FloatingWithLosses(self.scenario), step)
+        advance = partial(self._over_steps, step)
         return self.motion(advance, {self.stepper: "RK44", "step": step}, STRETCH)
 
     def by_accelerations(self, local: float) -> SpatialMotion:
@@ -309,40 +308,31 @@ class EngineWay(WayToRest):
         z, u = frames.from_poses(*poses)
         return State(coordinates=tuple(z[0].tolist()), rates=tuple(u[0].tolist()))
 
-    def _over_steps(
-        self, model: FloatingWithLosses, step: float, times: Array, state: Array
-    ) -> Run:
+    def _over_steps(self, step: float, times: Array, state: Array) -> Run:
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
-        spacing = float(self.times[1])
+        spacing, model = float(self.times[1]), self.model
         turned = turning_negative(self.conditions, state)
-        samples = run(
+        recording = run(
             model,
             Integrator(name="RK44"),
-            spacing=spacing,
-            intervals=times.size - 1,
-            substeps=int(np.ceil(spacing / step - 1e-9)),
-            begin=float(times[0]),
-            stop=(lambda _: turned(states_of(model.assembly.record()[None])[0]))
+            times,
+            np.full(times.size - 1, ceil(spacing / step - 1e-9)),
+            stop=(lambda _: turned(states_of(model.record()[None])[0]))
             if self.conditions
             else None,
         )
-        states, counts = states_of(samples.records), Counter(samples.counts)
+        if recording.failure is not None:
+            raise recording.failure
+        # The next run goes on from there.
+        data = self.system.systemData
+        data.SetSystemState(data.GetSystemState(), exu.ConfigurationType.Initial)
+        states, counts = states_of(recording.records), Counter(recording.counts)
         times = times[: len(states)]
-        places = [
-            place
-            for reason, condition in self.conditions.items()
-            for place in dips(np.array([condition(each) for each in states]), reason)
-        ]
-        if samples.stopped is not None:
-            places += beyond(samples.stopped, len(states) - 1, spacing)
+        told = {why: [each(state) for state in states] for why, each in self.conditions.items()}
+        found = places(times, told, recording.stopped)
         ended, times, states = until_ending(
-            times,
-            states,
-            places,
-            self,
-            period=spacing,
-            work=counts,
+            times, states, found, self, margin=spacing, work=counts
         )
         last = self.times[-1]
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:

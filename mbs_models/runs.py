@@ -1,13 +1,14 @@
 """Runs of the engine's own solvers, one after another on a model."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import ceil, floor, inf, sqrt
+from math import ceil, inf, sqrt
 from typing import Any
 
 import exudyn as exu
 import numpy as np
+import numpy.typing as npt
 
 from analysis.problem.checks import Array
 from analysis.problem.constraints import prescribed
@@ -28,10 +29,7 @@ converge by a constant factor each, and need more than the engine's 25.
 """
 
 Stop = Callable[[float], str | None]
-"""Called after each step with the time in the run in s; why the run ends there, if it does."""
-
-Start = tuple[Array, Array]
-"""Second derivatives of the engine's coordinates and multipliers at the start of a run."""
+"""Called after each step with the time; why the run ends there, if it does."""
 
 ROUNDINGS = 16.0
 """Last digits that a residual may lose together. Nearly flat on a stiff spring, where rotations
@@ -41,13 +39,13 @@ _INITIAL = exu.ConfigurationType.Initial
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Samples:
+class Recording:
     """What one run has recorded.
 
     Parameters
     ----------
     records : ndarray, shape (n, k)
-        See `Assembly.record`.
+        See `Model.record`.
     algebraic : ndarray, shape (n, m)
         Algebraic coordinates.
     counts : dict
@@ -56,7 +54,7 @@ class Samples:
     seconds : float
         Processor time that the engine's solver took.
     stopped : tuple of float and str, optional
-        Time in s since its start at which the run was stopped, and why, if it was.
+        Time in s at which the run was stopped, and why, if it was.
     failure : EngineError, optional
         Why it broke off, if it did.
     """
@@ -72,60 +70,70 @@ class Samples:
 def run(
     model: Model,
     integrator: Integrator,
+    times: Array,
+    steps: npt.NDArray[np.int_],
     *,
-    spacing: float,
-    intervals: int,
-    substeps: int,
-    begin: float = 0.0,
     stop: Stop | None = None,
     most: float = inf,
-    whole: bool = True,
-) -> Samples:
-    """Run a model from where it is and sample it evenly; samples fall on steps.
+) -> Recording:
+    """Run a model from its initial state and record it at some times, which fall on steps.
 
     Parameters
     ----------
     model : Model
-        At its start, or where a run before has left it.
+        Its initial state is that at the first time.
     integrator : Integrator
-    spacing : float
-        Time between samples in s.
-    intervals : int
-        Number of such intervals.
-    substeps : int
-        Steps per interval; the least number of them if the integrator controls its step.
-    begin : float
-        Time at which it starts in s, for messages.
+    times : ndarray, shape (n,)
+        Increasing, in s; the run begins at the first.
+    steps : ndarray of int, shape (n - 1,)
+        Equal ones from each time to the next; the least number of them if the integrator controls
+        its step.
     stop : callable, optional
         Ends the run early.
     most : float
         Steps after which step control is given up.
-    whole : bool
-        Whether a run that breaks off is an error.
 
     Returns
     -------
-    Samples
-        With `intervals + 1` rows, the first of them at the start, or with those up to where
-        it was stopped or broke off.
-
-    Raises
-    ------
-    EngineError
-        If the run did not reach its end with finite results, or step control gave up.
+    Recording
+        With a row for each time, the first of them at the start, or with those up to where it was
+        stopped or broke off, as far as they are finite.
     """
-    system, duration = model.system, spacing * intervals
-    start = None
+    system, begin, lengths = model.system, float(times[0]), np.diff(times) / steps
+    data, shortest, longest = system.systemData, float(np.min(lengths)), float(np.max(lengths))
+    # A run before, or a search, may have left it elsewhere.
+    data.SetSystemState(data.GetSystemState(_INITIAL))
     if integrator.implicit or model.closes_contact:
         probe = Probe(model)
-        start = settle(model, probe)
+        settle(model, probe)
         if integrator.implicit:
             complete_jacobian(model, probe)
-    settings = _settings(model, integrator, duration, intervals * substeps)
-    settings.solution.sensors.writePeriod = spacing
+    readings = [*model.readings(), data.GetAECoordinates]
+    due: list[float] = [*(times - begin).tolist(), inf]
+    found, stopped = [[read() for read in readings]], []
+    # Rounding may bring a step to an early end.
+    early = 0.0 if integrator.controls_step else 0.5 * shortest
+    awaited = due[1] - early
+
+    def after_step(_system: Any, moment: float) -> bool:
+        nonlocal awaited
+        if moment >= awaited:
+            found.append([read() for read in readings])
+            awaited = due[len(found)] - early
+        if stop is not None and (reason := stop(begin + moment)) is not None:
+            stopped.append((begin + moment, reason))
+        return not stopped
+
+    system.SetPostStepUserFunction(after_step)
+    count = int(np.sum(steps))
     if integrator.controls_step:
-        _limit_steps(system, spacing, most)
-    stopped = [] if stop is None else _stopping(system, stop)
+        count = ceil(due[-2] / longest - 1e-9)
+        _limit_steps(system, lambda: due[len(found)], most)
+    elif longest - shortest > 1e-9 * longest:
+        _keep_to(system, zip(due, lengths.tolist(), steps.tolist(), strict=False))
+    settings = _settings(model, integrator, due[-2], count)
+    # Of sensors that a scene itself has none of.
+    settings.solution.sensors.writePeriod = float(np.min(np.diff(times)))
     clock, failure = time.process_time(), None
     try:
         with solving(system):
@@ -133,17 +141,13 @@ def run(
             system.SolveDynamic(settings, solverType=kind)
     except exu.ExudynError as error:
         failure = error
-    records, algebraic = _samples(model, start, spacing)
     seconds = time.process_time() - clock
-    data, broken = system.systemData, None
-    if failure is not None or (len(records) <= intervals and not stopped):
-        broken = _early_end(system, begin, duration, failure)
+    records, algebraic = _finite(found)
+    broken = None
+    if failure is not None or (len(records) < times.size and not stopped):
+        broken = _early_end(system, times, failure)
         broken.__cause__ = failure
-        if whole:
-            raise broken
-    else:
-        data.SetSystemState(data.GetSystemState(exu.ConfigurationType.Current), _INITIAL)
-    return Samples(
+    return Recording(
         records=records,
         algebraic=algebraic,
         counts=_counts(system.sys["dynamicSolver"], integrator),
@@ -153,43 +157,37 @@ def run(
     )
 
 
-def _samples(model: Model, start: Start | None, spacing: float) -> Start:
-    """Records and multipliers that the sensors have stored at multiples of `spacing`.
-
-    As far as they are finite.
-    """
-    times, stored = model.assembly.samples()
-    places = spacing * np.arange(len(stored))
-    good = np.all(np.isfinite(stored), axis=1) & (np.abs(times - places) < 0.5 * spacing)
-    stored = stored[: len(good) if np.all(good) else int(np.argmin(good))]
-    unknowns = len(model.assembly.record())
-    if start is not None:
-        # The engine's own first sample holds neither.
-        accelerations, algebraic = start
-        stored[:1, unknowns:] = algebraic
-        if model.closes_contact:
-            stored[:1, unknowns - accelerations.size : unknowns] = accelerations
-    return stored[:, :unknowns], stored[:, unknowns:]
+def _finite(found: Sequence[Sequence[Array]]) -> tuple[Array, Array]:
+    """Records and algebraic coordinates, as far as they are finite, from n lists of readings."""
+    # So much faster than by `numpy.array`.
+    parts = [np.concatenate(each).reshape(len(found), -1) for each in zip(*found, strict=True)]
+    records, algebraic = np.hstack(parts[:-1]), parts[-1]
+    finite = np.isfinite(np.hstack((records, algebraic))).all(axis=1)
+    good = int(np.argmin(np.append(finite, False)))
+    return records[:good], algebraic[:good]
 
 
-def _stopping(system: Any, stop: Stop) -> list[tuple[float, str]]:
-    """Have a run end where it is told to; the time of that and why go to the list."""
-    stopped: list[tuple[float, str]] = []
+def _keep_to(system: Any, stretches: Iterable[tuple[float, float, int]]) -> None:
+    """Give each step its length: that of so many in a stretch that begins at a time in s."""
+    plan = (
+        (length, begin + (step + 1) * length)
+        for begin, length, steps in stretches
+        for step in range(steps)
+    )
 
-    def after_step(_system: Any, moment: float) -> bool:
-        if (reason := stop(moment)) is not None:
-            stopped.append((moment, reason))
-        return not stopped
+    def keep(system: Any, _t: float) -> bool:
+        iteration = system.sys["dynamicSolver"].it
+        iteration.currentStepSize, iteration.currentTime = next(plan)
+        return True
 
-    system.SetPostStepUserFunction(after_step)
-    return stopped
+    system.SetPreStepUserFunction(keep)
 
 
-def _limit_steps(system: Any, spacing: float, most: float) -> None:
-    """Shorten the steps of step control so that every sample falls on a step.
+def _limit_steps(system: Any, due: Callable[[], float], most: float) -> None:
+    """Shorten the steps of step control so that the next record, when it is due, falls on a step.
 
-    Left to itself the engine writes a sample at the first step past its time. It would also go on
-    at its minimum step, with a larger error, and without end.
+    Left to itself the engine would also go on at its minimum step, with a larger error, and
+    without end.
     """
     steps = 0
 
@@ -202,14 +200,13 @@ def _limit_steps(system: Any, spacing: float, most: float) -> None:
         iteration = system.sys["dynamicSolver"].it
         step = iteration.currentStepSize
         start = iteration.currentTime - step
-        sample = (floor(start / spacing + 1e-9) + 1) * spacing
-        rest = sample - start
+        rest = due() - start
         if step <= 1.001 * MINIMUM_STEP < rest:
             raise Ended(f"step control came down to its minimum step of {MINIMUM_STEP:g} s")
-        # Equal steps to the next sample: a short last one would hold up the step control.
+        # Equal steps to the next record: a short last one would hold up the step control.
         parts = ceil(rest / step - 1e-9)
         iteration.currentStepSize = rest / parts
-        iteration.currentTime = sample if parts == 1 else start + rest / parts
+        iteration.currentTime = due() if parts == 1 else start + rest / parts
         return True
 
     system.SetPreStepUserFunction(limit)
@@ -233,22 +230,20 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def settle(model: Model, probe: Probe) -> Start:
-    """Give the engine its own accurate initial accelerations, and return them.
+def settle(model: Model, probe: Probe) -> None:
+    """Give the engine its own accurate initial accelerations.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
     to know, and leaves out terms of velocity-level joints. Either makes every later result
     first-order accurate.
     """
     data = model.system.systemData
-    if model.has_constraints(model.scenario):
-        velocities = probe.admissible_velocities().tolist()
-        data.SetODE2Coordinates_t(velocities, _INITIAL)
-        data.SetODE2Coordinates_t(velocities)
     with solving(model.system):
         second_derivatives, algebraic = probe.solved()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), _INITIAL)
-    return second_derivatives, algebraic
+    # What is recorded at the start.
+    data.SetODE2Coordinates_tt(second_derivatives.tolist())
+    data.SetAECoordinates(algebraic.tolist())
 
 
 def complete_jacobian(model: Model, probe: Probe) -> None:
@@ -330,7 +325,7 @@ def force_rounding(model: Model) -> float:
     return ROUNDINGS * float(np.finfo(float).eps) * max(lost, *largest)
 
 
-def _early_end(system: Any, begin: float, duration: float, error: Exception | None) -> EngineError:
+def _early_end(system: Any, times: Array, error: Exception | None) -> EngineError:
     solver = system.sys["dynamicSolver"]
     cause = "the result is not finite" if error is None else cause_of(error)
     if error is not None and (
@@ -340,6 +335,6 @@ def _early_end(system: Any, begin: float, duration: float, error: Exception | No
     elif error is not None and solver.conv.linearSolverFailed:
         cause = "the system matrix is singular"
     return EngineError(
-        f"engine run stopped at t = {solver.it.currentTime:.6g} s of {duration:.6g} s: {cause} "
-        f"(span from t = {begin:.6g} s)"
+        f"engine run stopped at t = {times[0] + solver.it.currentTime:.6g} s, before the end at "
+        f"{times[-1]:.6g} s: {cause}"
     )

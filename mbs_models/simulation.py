@@ -27,7 +27,7 @@ from analysis.problem.choices import IntegratorName
 from analysis.problem.friction import check_slipping
 from analysis.problem.limits import DEFAULT_TOLERANCE
 from analysis.problem.scenario import Scenario
-from analysis.solve.stepping import Run, integrate
+from analysis.solve.stepping import Run, integrate, pulls_at_start
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 from analysis.solve.watch import Progress, Watch
 from mbs_models.accelerations import AccelerationProblem
@@ -35,8 +35,8 @@ from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
 from mbs_models.scene import Scene
-from mbs_models.solving import EngineError, stepping
-from mbs_models.spans import Call, run_over
+from mbs_models.solving import EngineError, solving, stepping
+from mbs_models.whole_runs import Call, run_over
 
 FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
@@ -70,8 +70,7 @@ def simulate(
     scene : Scene or Scenario
         A scenario stands for its default scene.
     times : array_like, shape (n,)
-        Strictly increasing times in s; the motion starts at the first. Each span of evenly
-        spaced times is one engine run, so even spacing is fastest.
+        Strictly increasing times in s; the motion starts at the first.
     step : float, optional
         Largest step in s; shortened so that every sample falls on a step.
     tolerance : float, optional
@@ -138,12 +137,15 @@ def simulate(
         # There is another way to try.
         most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)
+    start = scene.scenario.initial_state
+    motion = AccelerationProblem(scene, named_conditions(stop_when, start))
+    with solving(motion.system):
+        pulls_at_start(motion.starting_at(start.vector), allow_pulling=allow_pulling)
     call = Call(
-        scene=scene,
+        motion=motion,
         times=times,
         longest=np.inf if step is None else step,
         tolerance=tolerance,
-        conditions=named_conditions(stop_when, scene.scenario.initial_state),
         allow_pulling=allow_pulling,
         watch=Watch(time_limit, progress, most),
     )
@@ -189,7 +191,8 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
         except (EngineError, ToleranceError, TimeLimitError) as error:
             may_go_on = integrator.steps_accelerations and not is_last
             if not may_go_on or isinstance(error, TimeLimitError):
-                raise type(error)(f"{error}; {_advice(call.scene, integrators[0])}") from error
+                advice = _advice(call.motion.scene, integrators[0])
+                raise type(error)(f"{error}; {advice}") from error
     raise AssertionError("the last way has come to nothing without saying so")
 
 
@@ -203,8 +206,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
         One that steps accelerations. Its local tolerance holds where the call has no tolerance.
     """
     times, tolerance = call.times, call.tolerance
-    motion = AccelerationProblem(call.scene, call.conditions)
-    start = call.scene.scenario.initial_state.vector
+    motion, start = call.motion, call.motion.scenario.initial_state.vector
     problem = motion.starting_at(start)
     problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
     begin = time.process_time()
@@ -269,10 +271,10 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
         coordinates=coordinates,
         rates=rates,
         multipliers=multipliers,
-        scenario=call.scene.scenario,
+        scenario=call.motion.scenario,
         source="engine",
         method={
-            "formulation": call.scene.built_as,
+            "formulation": call.motion.scene.built_as,
             **integrator.settings(),
             "step": step,
             "tolerance": call.tolerance,

@@ -13,11 +13,9 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
 from mbs_models.loads import grip_of, normal_force
-from mbs_models.model import Floats, Force, Load, Model
+from mbs_models.model import Floats, Force, Load, Model, Reading
 
 _ROUND = "has a round disk at its end"
-
-_OUTPUT = exu.OutputVariableType
 
 
 class _Tree(Model):
@@ -25,7 +23,6 @@ class _Tree(Model):
 
     has_euler_angles = True
     quick_from = 3e-12
-    _outputs: ClassVar[tuple[Any, ...]] = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t)
 
     _chain: ClassVar[str]
     """Joints, by the engine's names of their types."""
@@ -62,6 +59,10 @@ class _Tree(Model):
             "the disk at the end of its joints, with its weight",
         )
         self._add_forces()
+
+    def readings(self) -> list[Reading]:
+        data = self.system.systemData
+        return [data.GetODE2Coordinates, data.GetODE2Coordinates_t]
 
     def act(self, force: Force, name: str) -> None:
         self.system.SetObjectParameter(self._tree, "forceUserFunction", force)
@@ -153,8 +154,9 @@ class EulerTree(_Tree):
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
-        return second_derivatives[self._back]
+    ) -> Floats:
+        spin, *place, tilt, turn = second_derivatives.tolist()
+        return *place, spin, tilt, turn
 
 
 class ContactTree(_Tree):
@@ -166,8 +168,6 @@ class ContactTree(_Tree):
 
     name = "contact-tree"
     closes_contact = True
-    # No constraint carries the contact force, so it is taken from the accelerations.
-    _outputs = (_OUTPUT.Coordinates, _OUTPUT.Coordinates_t, _OUTPUT.Coordinates_tt)
 
     _chain = "RevoluteZ PrismaticX PrismaticY RevoluteX RevoluteZ"
 
@@ -212,6 +212,10 @@ class ContactTree(_Tree):
             [ad, xd, yd + r * sin(beta) * bd, bd, gd],
         )
 
+    def readings(self) -> list[Reading]:
+        # No constraint carries the contact force, so it is taken from the accelerations.
+        return [*super().readings(), self.system.systemData.GetODE2Coordinates_tt]
+
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scenario.disk.radius
         alpha, x, y, beta, gamma, ad, xd, yd, bd, gd = records.T[:10]
@@ -222,13 +226,13 @@ class ContactTree(_Tree):
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
-    ) -> Array:
+    ) -> Floats:
         r = self.scenario.disk.radius
         add, xdd, ydd, bdd, gdd = second_derivatives.tolist()
         beta, bd = coordinates[4], rates[4]
         sb, cb = sin(beta), cos(beta)
         back, rise = r * (sb * bdd + cb * bd * bd), r * (cb * bdd - sb * bd * bd)
-        return np.array((xdd, ydd - back, rise, add, bdd, gdd))
+        return xdd, ydd - back, rise, add, bdd, gdd
 
     def multipliers(
         self, ahead: Array, algebraic: Array, coordinates: Array, rates: Array

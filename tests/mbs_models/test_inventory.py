@@ -30,15 +30,12 @@ from tests.scenes import scene_of
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 ROUGHNESS = pytest.mark.parametrize("friction", [SmoothCoulomb(), SMOOTH], ids=["rough", "smooth"])
 
-TREE = "node GenericODE2, object KinematicTree, sensor Node, sensor Node"
-FORCES = "sensor UserFunction"
+TREE = "node GenericODE2, object KinematicTree"
 TABLE = "object Ground, marker BodyRigid"
 JOINT = "object JointRollingDisc"
 COG = "object JointSpherical"
 RATE = "node PointGround, marker NodeCoordinate, marker NodeCoordinate, object ConnectorCoordinate"
-BODY = "object RigidBody, marker BodyMass, load MassProportional, marker BodyRigid" + (
-    4 * ", sensor Node"
-)
+BODY = "object RigidBody, marker BodyMass, load MassProportional, marker BodyRigid"
 FRICTION = "marker BodyRigid, object ConnectorRigidBodySpringDamper"
 CARRIER = "node 1D, object RotationalMass1D, marker BodyRigid, object JointGeneric"
 ON_TREE, ON_BODY = "marker KinematicTreeRigid", "marker BodyRigid"
@@ -47,8 +44,8 @@ NODES = {"floating": "node RigidBodyEP", "floating-lie": "node RigidBodyRotVecLG
 
 def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str]:
     if formulation == "contact-tree":
-        return [TREE, "sensor Node"]
-    held = [FORCES, TABLE, JOINT]
+        return [TREE]
+    held = [TABLE, JOINT]
     if formulation == "euler-tree":
         listed = [TREE, *held, ON_TREE] + ([COG, ON_TREE] if level >= 2 else [])
         return listed + ([RATE] if level >= 4 else [])
@@ -71,8 +68,8 @@ def assert_holds(scene: Scene, *items: str) -> None:
 
 
 def functions_of(scene: Scene) -> int:
-    """Number of user functions, but for that which samples the constraint forces."""
-    return sum(len(item.user_functions) for item in inventory(scene)) - scene.has_constraints
+    """Number of user functions."""
+    return sum(len(item.user_functions) for item in inventory(scene))
 
 
 @pytest.mark.parametrize(
@@ -103,7 +100,7 @@ def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_
     ("formulation", "items"),
     [
         ("euler-tree", [TREE]),
-        ("floating", [NODES["floating"], BODY, TABLE, FRICTION.split(", ")[1], FORCES]),
+        ("floating", [NODES["floating"], BODY, TABLE, FRICTION.split(", ")[1]]),
         ("floating-lie", [NODES["floating-lie"], BODY, TABLE, FRICTION.split(", ")[1]]),
     ],
 )
@@ -129,7 +126,7 @@ def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str
     assert "JointRollingDisc" in shown
     assert "without slip along the edge" in shown
     assert "6 coordinates, 6 algebraic equations (4 constraints" in shown
-    assert "2 user functions" in shown
+    assert "1 user functions" in shown
 
 
 @pytest.mark.parametrize(
@@ -148,8 +145,8 @@ def test_ballast_does_not_change_the_motion(
         loaded = build(scene)
         load(loaded)
         integrator = find_integrator(scene, None)
-        samples = run(loaded, integrator, spacing=1e-2, intervals=3, substeps=10)
-        ends.append(samples.records[-1])
+        times = np.linspace(0.0, 3e-2, 4)
+        ends.append(run(loaded, integrator, times, np.full(3, 10)).records[-1])
     assert float(abs(ends[0] - ends[1]).max()) < most
 
 
@@ -161,7 +158,7 @@ def test_the_default_is_the_most_accurate_formulation_and_all_start_where_the_sc
     start = Start(beta=1.1, gamma=0.7, spin=-23.0, beta_rate=3.0)
     for formulation in mbs_models.formulations(model(level)):
         built = build(scene_of(level, formulation, start=start))
-        coordinates, rates = built.decode(built.assembly.record()[None])
+        coordinates, rates = built.decode(built.record()[None])
         state = built.scenario.initial_state
         np.testing.assert_allclose(coordinates[0], state.coordinates, atol=1e-12)
         np.testing.assert_allclose(rates[0], state.rates, atol=1e-11)

@@ -1,5 +1,6 @@
 """Simulation in the engine: by its own integrators, and on its accelerations."""
 
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -157,7 +158,6 @@ def test_estimates_are_no_less_than_the_runs_before_let_expect(
     [
         ("contact-tree", {"integrator": Integrator(name="DOPRI5", local_tolerance=1e-11)}),
         ("contact-tree", {"tolerance": 1e-6, "integrator": "RK67"}),
-        # A later span begins at velocities that the joints allow, or forces are off by 1e-4 N.
         ("floating", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
         ("floating-lie", {"tolerance": 1e-6}),
     ],
@@ -183,6 +183,24 @@ def test_coarse_sampling_of_a_fast_spin_that_may_pull_loses_no_turns(formulation
     np.testing.assert_allclose(run.coordinates[:, 3:], expected.coordinates[:, 3:], atol=1e-3)
     assert run.normal_force[-1] < -9.0
     assert run.ending is None
+
+
+def test_a_start_off_by_what_is_allowed_begins_without_an_impulse() -> None:
+    exact = model(3).initial_state
+    off = replace(exact, rates=tuple(np.add(exact.rates, [2e-8, 1e-8, 0, 0, 0, -3e-7]).tolist()))
+    scene = Scene(model(3, start=off), "floating")
+    found, expected = (
+        mbs_models.simulate(scene, SHORT[:11], tolerance=1e-6, integrator=each).multipliers
+        for each in ("TrapezoidalIndex2", "DOP853")
+    )
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6)
+
+
+def test_runs_of_a_call_begin_alike_though_they_share_a_model() -> None:
+    contact = PenaltyContact.damped(1e5, STEEL_DISK)
+    scene, times = scene_of(1, "floating-lie", contact=contact), SHORT[:6]
+    run = mbs_models.simulate(scene, times, tolerance=1e-5, integrator="RK44")
+    assert deviation(run, truth(scene.scenario, times, local_tolerance=1e-11)) <= 1e-5
 
 
 def test_runs_print_nothing_and_write_nothing(
@@ -218,7 +236,7 @@ def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alon
     settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.5, 500
     settings.solution.file.write = settings.show.statistics = False
     model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-    coordinates, rates = model.decode(model.assembly.record()[None])
+    coordinates, rates = model.decode(model.record()[None])
     truth = analysis.simulate(model.scenario, [0.0, 0.5])
     np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
     np.testing.assert_allclose(rates[0], truth.rates[-1], rtol=0.0, atol=1e-5)

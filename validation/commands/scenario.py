@@ -69,7 +69,7 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
 def scene(*, problem: AnyProblem, formulation: EngineFormulation | None = None) -> Result:
     """List what is in a scene of the engine, and why.
 
-    List the nodes, objects, markers and sensors of a scene with the reason for each, and count its
+    List the nodes, objects, markers and loads of a scene with the reason for each, and count its
     coordinates, constraints and user functions. The picture is the disk at its start.
 
     Parameters

@@ -10,7 +10,7 @@ from analysis import MODELS, Level, Scenario, SmoothCoulomb
 from mbs_models import Formulation, Scene
 from mbs_models.integrators import find_integrator
 from mbs_models.inventory import BALLAST, Ballast, six_axes
-from mbs_models.runs import Samples, run
+from mbs_models.runs import Recording, run
 from mbs_models.scene import build
 from validation.kit.limits import largest
 from validation.kit.timing import in_turns, interval
@@ -56,7 +56,7 @@ def scene_name(scene: Scene) -> str:
     return f"{scene.built_as}, {scene.scenario.name}, {friction} friction"
 
 
-def timed(scene: Scene, *parts: Ballast) -> Samples:
+def timed(scene: Scene, *parts: Ballast) -> Recording:
     """A run of the engine with some parts added."""
     model = build(scene)
     for add in parts:
@@ -64,9 +64,8 @@ def timed(scene: Scene, *parts: Ballast) -> Samples:
     return run(
         model,
         find_integrator(scene, None),
-        spacing=SPACING,
-        intervals=round(DURATION / SPACING),
-        substeps=round(SPACING / STEP),
+        np.linspace(0.0, DURATION, round(DURATION / SPACING) + 1),
+        np.full(round(DURATION / SPACING), round(SPACING / STEP)),
     )
 
 

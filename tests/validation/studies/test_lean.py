@@ -8,14 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from mbs_models.runs import Samples
 from validation.page.section import Section
+from mbs_models.runs import Recording
 from validation.studies import lean
 
 PART = "friction of coefficient zero"
 
 
-def evenly(*calls: Callable[[], Samples], pairs: int) -> list[list[Samples]]:
+def evenly(*calls: Callable[[], Recording], pairs: int) -> list[list[Recording]]:
     """Runs in turns on a machine on which the first always takes a fifth longer."""
     return [
         [replace(call(), seconds=seconds)] * pairs

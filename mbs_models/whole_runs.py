@@ -1,0 +1,258 @@
+"""Runs of the engine's own integrators over all times asked for, up to where the motion ends.
+
+What they give are samples: coordinates, their rates and constraint forces.
+"""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from functools import cache
+from math import ceil, pi, sin
+
+import numpy as np
+import numpy.typing as npt
+
+from analysis.motion import frames
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.problem.checks import Array
+from analysis.problem.elementary import Rows
+from analysis.problem.limits import LEAST_TILT
+from analysis.problem.start import FlatError, State, check_upright
+from analysis.solve.stepping import Run
+from analysis.solve.watch import Watch
+from mbs_models.accelerations import AccelerationProblem
+from mbs_models.endings import Place, places, pulling_times, turning_negative, until_ending
+from mbs_models.integrators import Integrator
+from mbs_models.model import Model
+from mbs_models.runs import Recording, Stop, run
+from mbs_models.solving import EngineError
+
+PLACE, RATES, NORMAL_FORCE = slice(0, 6), slice(6, 12), 12
+"""Columns of samples,"""
+
+BETA, TURNING = 4, [3, 5]
+"""and of angles among the coordinates; the turning ones are alpha and gamma."""
+
+NEARLY_FLAT = 0.1
+"""Sine of the inclination below which a failure is likely to come from the Euler angles."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Call:
+    """What a call of `mbs_models.simulate` asks of every run that it takes.
+
+    Parameters
+    ----------
+    motion : AccelerationProblem
+        Its model is run by the engine's own integrators, too.
+    times : ndarray, shape (n,)
+        In s.
+    longest : float
+        Longest step in s.
+    tolerance : float or None
+        Largest error in rad, if the runs are to have one.
+    allow_pulling : bool
+        Whether to go on where the contact pulls.
+    watch : Watch
+    counts : Counter
+        To which the work of the runs is added.
+    seconds : float
+        Processor time that the solver took for the last run.
+    """
+
+    motion: AccelerationProblem
+    times: Array
+    longest: float
+    tolerance: float | None
+    allow_pulling: bool
+    watch: Watch
+    counts: Counter[str] = field(default_factory=Counter)
+    seconds: float = 0.0
+
+    @property
+    def must_not_pull(self) -> bool:
+        """Whether a contact that pulls ends a run."""
+        return self.motion.model.may_pull and not self.allow_pulling
+
+
+def run_over(
+    call: Call, integrator: Integrator, step: float, halvings: int = 0
+) -> tuple[Run, float]:
+    """Run over all times, with steps of at most `step` that are then halved so often.
+
+    Returns
+    -------
+    run : Run
+        Its states are samples.
+    longest : float
+        Longest step in s.
+
+    Raises
+    ------
+    EngineError
+        If the engine does not reach the end.
+    FlatError
+        If the disk comes so close to lying flat that the Euler angles cannot be followed.
+    """
+    start, watch, model = call.motion.scenario.initial_state.vector, call.watch, call.motion.model
+    if not watch.steps_left:
+        raise watch.given_up(integrator.name)
+    moments, steps, sampled = _grid(call, integrator, step, halvings)
+    stop, most = _stop(call, model, start), watch.steps_left
+    recording = run(model, integrator, moments, steps, stop=stop, most=most)
+    call.counts.update(recording.counts)
+    watch.steps += recording.counts["steps"] + recording.counts.get("rejected_steps", 0)
+    call.seconds = recording.seconds
+    coordinates, rates = model.decode(recording.records)
+    forces = model.multipliers(recording.records, recording.algebraic, coordinates, rates)
+    values = np.column_stack((coordinates, rates, forces))
+    if not model.has_euler_angles:
+        _unwrap(values, moments[: len(values)], start, call.motion.scenario.fall)
+    ended, reached, values = _upto_ending(call, values, moments, recording)
+    check_upright(reached, values[:, PLACE])
+    kept = sampled[sampled < len(values)]
+    if ended is not None:
+        kept = np.union1d(kept, [len(values) - 1])
+    elif kept.size < sampled.size:
+        ended = TIME_LIMIT
+    pulling = pulling_times(reached, values[:, NORMAL_FORCE]) if call.allow_pulling else ()
+    # Differences of times have fewer digits than these.
+    longest = float(f"{np.max(np.diff(moments) / steps):.9g}")
+    return Run(reached[kept], values[kept], 0, ended, pulling), longest
+
+
+def _upto_ending(
+    call: Call, values: Array, moments: Array, recording: Recording
+) -> tuple[str | None, Array, Array]:
+    """Why a run ends, if it does, and its times and samples up to there."""
+    period, moments = float(np.max(np.diff(moments))), moments[: len(values)]
+    leans = leaning(values)
+    lowest = int(np.argmin(leans))
+    call.watch.flattest = (float(moments[lowest]), float(leans[lowest]))
+    flat = np.flatnonzero(leans < LEAST_TILT)
+    upright = values[: flat[0]] if flat.size else values
+    told: dict[str, npt.ArrayLike] = {
+        name: [condition(state_of(row)) for row in upright]
+        for name, condition in call.motion.conditions.items()
+    }
+    if call.must_not_pull:
+        told[CONTACT_WOULD_PULL] = upright[:, NORMAL_FORCE]
+    found = list(places(moments, told, recording.stopped))
+    if recording.failure is not None:
+        # What it has recorded last may make no sense: nothing is known to be negative there.
+        found = [Place(row, width + period * bool(why), "") for row, width, why in found]
+    if flat.size or recording.failure is not None:
+        # It may lie flat.
+        found.append(Place(max(0, len(upright) - 1), 2.0 * period, ""))
+    ended, moments, values = until_ending(
+        moments,
+        values,
+        found,
+        call.motion,
+        margin=period,
+        work=call.counts,
+        allow_pulling=not call.must_not_pull,
+    )
+    if ended is None and recording.failure is not None:
+        raise _failed(recording.failure, moments, values)
+    return ended, moments, values
+
+
+def _grid(
+    call: Call, integrator: Integrator, step: float, halvings: int
+) -> tuple[Array, Rows, Rows]:
+    """Times of records, steps between two of them, and which of the records are samples.
+
+    Less than about a radian lies between two records, so that neither turns nor a contact that
+    pulls are missed. That is estimated from the rates at the start, and from those that the fall
+    of the disk can add. Runs of which each has half the step of the one before have the same
+    records, as far as the first has the steps: endings are located from there, and else could not
+    be extrapolated.
+    """
+    scenario = call.motion.scenario
+    turning = float(np.sum(np.abs(scenario.initial_state.vector[9:12])))
+    fastest = 2.0 * (turning + np.sqrt(scenario.fall))
+
+    @cache
+    def fineness(spacing: float) -> tuple[int, int]:
+        """Records for each sample, and steps for each record."""
+        needed, substeps = ceil(fastest * spacing), max(1, ceil(spacing / step - 1e-9))
+        if integrator.controls_step:
+            return needed, ceil((substeps << halvings) / needed)
+        divisors = (k for k in range(needed, substeps) if substeps % k == 0)
+        finer, steps = next(divisors, substeps), substeps << halvings
+        while finer < min(needed, steps):
+            finer *= 2
+        return finer, steps // finer
+
+    finer, steps = np.array([fineness(each) for each in np.diff(call.times).tolist()]).T
+    sampled = np.append(0, np.cumsum(finer))
+    moments = np.interp(np.arange(sampled[-1] + 1), sampled, call.times)
+    return moments, np.repeat(steps, finer), sampled
+
+
+def _stop(call: Call, model: Model, start: Array) -> Stop | None:
+    """What ends a run that pulls, meets a condition or is out of time, if any may."""
+    conditions, watch = call.motion.conditions, call.watch
+    pulls = call.must_not_pull and model.joints.contact_equation is not None
+    turned = turning_negative(conditions, call.motion.scenario.initial_state)
+    data, angles, end = model.system.systemData, start[TURNING], float(call.times[-1])
+
+    def stop(moment: float) -> str | None:
+        nonlocal angles
+        if pulls and model.joints.contact_force(data.GetAECoordinates()) < 0.0:
+            return CONTACT_WOULD_PULL
+        if conditions:
+            row = np.hstack(model.decode(model.record()[None]))[0]
+            row[TURNING] += _whole_turns(angles - row[TURNING])
+            angles = row[TURNING]
+            if leaning(row) < LEAST_TILT:
+                return FLAT
+            if (name := turned(state_of(row))) is not None:
+                return name
+        return TIME_LIMIT if watch.is_over(moment, end) else None
+
+    return stop if pulls or conditions or not watch.is_idle else None
+
+
+def _unwrap(values: Array, moments: Array, start: Array, fall: float) -> None:
+    """Make alpha and gamma continuous in place, from the start on."""
+    upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
+    rows, times = values[:upright], moments[:upright]
+    rows[:, TURNING] += _whole_turns(start[TURNING] - rows[:1, TURNING])
+    unseen = frames.follow_turns(times, rows[:, PLACE], rows[:, RATES], fall)
+    if np.any(unseen):
+        moment = float(times[np.argmax(unseen)])
+        raise FlatError(
+            f"alpha and gamma may turn unseen after t = {moment:.6g} s, between two records, "
+            "as the disk comes nearly flat: give times closer together",
+            moment,
+        )
+
+
+def leaning(rows: Array) -> Array:
+    """Angle in rad between disk and table in samples.
+
+    It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
+    """
+    tilts = rows[..., BETA]
+    result: Array = np.minimum(tilts, pi - tilts)
+    return result
+
+
+def state_of(row: Array) -> State:
+    """State of a sample."""
+    values = row.tolist()
+    return State(coordinates=tuple(values[PLACE]), rates=tuple(values[RATES]))
+
+
+def _whole_turns(angles: Array) -> Array:
+    return 2 * np.pi * np.round(angles / (2 * np.pi))
+
+
+def _failed(failure: EngineError, moments: Array, values: Array) -> EngineError | FlatError:
+    """What to say of a run that broke off."""
+    tilt = float(values[-1, BETA])
+    if sin(tilt) >= NEARLY_FLAT:
+        return failure
+    text = f"{failure}; the disk lies nearly flat, at beta = {tilt:.3g} rad"
+    return FlatError(text, float(moments[-1]))
