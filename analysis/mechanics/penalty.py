@@ -279,8 +279,7 @@ def friction_of(*, is_simple: bool) -> Friction:
 
 def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
     """What of a contact may open: spring, spring and damper, and friction with its load."""
-    contact, weight, law = scenario.penalty_contact, scenario.weight, scenario.friction
-    fades = not (contact.bilateral or law.follows_contact)
+    contact = scenario.penalty_contact
 
     def spring(gap: Any) -> Any:
         return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
@@ -289,6 +288,24 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         force = -contact.stiffness * gap - contact.damping * gap_rate
         lifted = not contact.bilateral and (gap > 0.0 or force < 0.0)
         return 0.0 if lifted else force
+
+    load, force = friction_under(scenario)
+    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}
+
+
+def friction_under(scenario: Scenario) -> tuple[Callable[[Any], Any], Friction]:
+    """Friction as the normal force of the contact lets it act, if the contact may open.
+
+    Returns
+    -------
+    load : callable
+        From the normal force in N to the load in N of a law that is in proportion to it.
+    force : callable
+        See `newton_euler.Friction`, with the normal force in place of the load.
+    """
+    contact, weight, law = scenario.contact, scenario.weight, scenario.friction
+    holds = contact is None or contact.bilateral
+    fades = not (holds or law.follows_contact)
 
     def grip(force: Any) -> Any:
         return min(1.0, force / (FULL_GRIP * weight)) if fades else 1.0
@@ -300,10 +317,10 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         return pressing(force) * grip(force)
 
     def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
-        if not (normal > 0.0 or contact.bilateral):
+        if not (normal > 0.0 or holds):
             return 0.0, 0.0
         x, y = law.force(along, across, pressing(normal))
         part = grip(normal)
         return part * x, part * y
 
-    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}
+    return load, force
