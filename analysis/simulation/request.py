@@ -1,6 +1,7 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
 from collections.abc import Sequence
+from math import isnan
 
 import numpy.typing as npt
 
@@ -138,7 +139,6 @@ def trajectory(
     *,
     method: Method,
     watch: Watch | None = None,
-    seconds: float | None = None,
 ) -> Trajectory:
     """Trajectory of a run.
 
@@ -153,8 +153,6 @@ def trajectory(
         That has run it.
     watch : Watch, optional
         Of the call, if it has a single run to a result.
-    seconds : float, optional
-        Processor time of the run in s.
     """
     coordinates, rates, multipliers = arrays
     compiled = method == "taylor"
@@ -187,5 +185,5 @@ def trajectory(
         versions=versions("numpy", "heyoka" if compiled else "scipy"),
         ending=ending,
         pulling=run.pulling,
-        solver_seconds=seconds,
+        solver_seconds=None if isnan(run.seconds) else run.seconds,
     )

@@ -4,6 +4,7 @@
 its solvers are stepped here.
 """
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import asin, isfinite, isnan, nan
@@ -83,9 +84,7 @@ class InitialValueProblem:
 
     def with_steps_up_to(self, fraction: float) -> "InitialValueProblem":
         """The same problem with this fraction of its longest step."""
-        return (
-            self if fraction == 1.0 else replace(self, longest_step=fraction * self.longest_step)
-        )
+        return replace(self, longest_step=fraction * self.longest_step)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +103,8 @@ class Run:
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     steps : int
+    seconds : float
+        Processor time of the run in s; nan if it is not known.
     local_tolerance, estimate : float
         Of a run to a tolerance, and its estimated error in rad; nan if there is none.
     """
@@ -114,6 +115,7 @@ class Run:
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
     steps: int = 0
+    seconds: float = nan
     local_tolerance: float = nan
     estimate: float = nan
 
@@ -151,6 +153,7 @@ def integrate(
     ValueError
         If the contact would have to pull at the start and must not.
     """
+    begin = time.thread_time()
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
@@ -187,6 +190,7 @@ def integrate(
         ended,
         lookout.pulling(reached[-1]),
         watch.steps - begun,
+        time.thread_time() - begin,
     )
 
 

@@ -57,6 +57,8 @@ class Runs:
         Or evaluations of the right-hand side, by solvers that count these.
     pulling : ndarray of object, shape (m,)
         Times in s between which the contact has pulled, or None.
+    seconds : ndarray, shape (m,)
+        Processor time of each run in s; nan if it is not known.
     local_tolerances, estimates : ndarray, shape (m,)
         Of each run; its estimated error in rad, nan if there is none.
     """
@@ -69,6 +71,7 @@ class Runs:
     reasons: Rows
     steps: Rows
     pulling: AnyArray
+    seconds: Array
     local_tolerances: Array
     estimates: Array
 
@@ -84,8 +87,7 @@ class Runs:
             np.full(members, RUNNING),
             np.zeros(members, dtype=int),
             np.full(members, None),
-            np.full(members, np.nan),
-            np.full(members, np.nan),
+            *np.full((3, members), np.nan),
         )
 
     @property
@@ -125,7 +127,7 @@ class Runs:
         self.states[row, count:] = self.last[row] = run.states[-1]
         self.ends[row], self.steps[row] = run.times[-1], run.evaluations
         self.reasons[row] = RUNNING if run.ended is None else self.names.index(run.ended)
-        self.pulling[row] = run.pulling
+        self.pulling[row], self.seconds[row] = run.pulling, run.seconds
 
     def run(self, row: int) -> Run:
         """Run of one member."""
@@ -141,6 +143,7 @@ class Runs:
             int(self.steps[row]),
             ended,
             self.pulling[row] or (),
+            seconds=float(self.seconds[row]),
             local_tolerance=float(self.local_tolerances[row]),
             estimate=float(self.estimates[row]),
         )

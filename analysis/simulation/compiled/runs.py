@@ -1,5 +1,6 @@
 """Compiled runs of members alike in structure, as arrays; a single run is a batch of one."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from math import asin, sin
@@ -85,6 +86,7 @@ def integrate(
     dict
         From members to the errors that ended them; their runs mean nothing.
     """
+    begun = time.thread_time()
     code, begin, end = group.code, float(times[0]), float(times[-1])
     width = code.width if watch is None else 1
     # A batch that is not full repeats its last member.
@@ -117,6 +119,7 @@ def integrate(
                     found.pulling[row] = intervals(each, float(found.ends[row]))
         if watch is not None:
             error = _fault(found, solver, watch, group)
+            found.seconds[:] = time.thread_time() - begun
             return found, {} if error is None else {int(members[0]): error}
     for row in failed:
         member = members[row : row + 1]
