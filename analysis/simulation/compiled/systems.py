@@ -159,6 +159,10 @@ class System:
     readings: list[Any]
 
 
+_Speed = Callable[[Any, Any], Any]
+"""Size of a slip along and across the edge."""
+
+
 def _symbolic(structure: Structure) -> Any:
     """Stand-in for a scenario, with parameters for numbers."""
     symbols = (heyoka().par[number] for number in count(SPIN))
@@ -172,7 +176,9 @@ def _symbolic(structure: Structure) -> Any:
     return SimpleNamespace(
         numbers=given,
         disk=recorded.disk_of(given),
-        per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed),
+        per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed)
+        if structure.equations.load
+        else lambda _: 0.0,
         spin=spin,
         alpha=turned + spin * heyoka().time,
     )
@@ -188,17 +194,21 @@ def build(structure: Structure) -> System:
     """
     library, scenario = heyoka(), _symbolic(structure)
     speed = _signed if structure.flips else _size(FAINT)
+    code = full = recorded.formula(structure.equations)
+    constants = scenario.numbers
     if structure.formulation == "reduced":
         variables = library.make_vars("beta", "gamma", "beta_rate")
         coordinates, rates = reduced.expanded(
             scenario.disk, scenario.spin, scenario.alpha, variables
         )
         state = state_of(scenario.disk, coordinates, rates, EulerTurning)
+        code, constants = reduced.formula(is_simple=True), [*constants, scenario.spin]
     else:
         variables = state = library.make_vars(*recorded.STATE)
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    solve = _reduced if structure.formulation == "reduced" else _index_1
-    derivatives, forces, slips, feedback = solve(structure, scenario, variables, speed)
+    derivatives, forces, slips, feedback = _solution(
+        code, constants, scenario.per_speed, variables, speed
+    )
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
     if feedback:
         endings[SINGULAR] = 1.0 - feedback[0]
@@ -206,7 +216,9 @@ def build(structure: Structure) -> System:
     for reason, condition in structure.conditions:
         endings[reason] = _expressed(f"stop_when {reason!r}", condition, paper_state)
     # The kink does no harm here, but 0 / 0 would.
-    _, forces, single, _ = _index_1(structure, scenario, state, _size(1e-150))
+    _, forces, single, _ = _solution(
+        full, scenario.numbers, scenario.per_speed, state, _size(1e-150)
+    )
     return System(
         variables=variables,
         derivatives=derivatives,
@@ -216,38 +228,22 @@ def build(structure: Structure) -> System:
     )
 
 
-_Speed = Callable[[Any, Any], Any]
-"""Size of a slip along and across the edge."""
+def _solution(
+    code: Callable[..., Callable[..., tuple[Any, ...]]],
+    constants: Sequence[Any],
+    per_speed: Callable[[Any], Any],
+    variables: Sequence[Any],
+    speed: _Speed,
+) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
+    """What code of the equations tells of a state, as symbols.
 
-_Solution = tuple[list[Any], list[Any], list[Any], list[Any]]
-"""Symbols at a state: derivatives, constraint forces, slips, and if there is any the part of the
-normal force that friction calls for."""
-
-
-def _reduced(
-    structure: Structure, scenario: Any, variables: Sequence[Any], speed: _Speed
-) -> _Solution:
-    library = heyoka()
-    slips: list[Any] = []
-
-    def friction(slip: Any) -> Any:
-        slips.append(slip)
-        return scenario.per_speed(speed(0.0, slip)) * slip
-
-    *derivatives, force, _ = reduced.formula()(
-        *scenario.numbers,
-        scenario.spin,
-        sin=library.sin,
-        cos=library.cos,
-        friction=friction if structure.equations.load else lambda _: 0.0,
-    )(*variables)
-    return derivatives, [force], slips, []
-
-
-def _index_1(
-    structure: Structure, scenario: Any, variables: Sequence[Any], speed: _Speed
-) -> _Solution:
-    """What `recorded.formula` tells of a state."""
+    Returns
+    -------
+    derivatives, forces : list
+        The normal force is the first one.
+    slips, feedback : list
+        Of the friction there is, and the part of the normal force that it calls for, if any.
+    """
     library = heyoka()
     slips: list[Any] = []
     feedback: list[Any] = []
@@ -260,17 +256,16 @@ def _index_1(
         feedback.append(added)
         return alone / (1.0 - added)
 
-    code = recorded.formula(structure.equations)
-    found = code(
-        *scenario.numbers,
+    function = code(
+        *constants,
         sin=library.sin,
         cos=library.cos,
         speed=noted,
-        per_speed=scenario.per_speed,
+        per_speed=per_speed,
         contact_load=contact_load,
-    )(*variables)
-    solution = _symbols(found)
-    return solution[:12], solution[12:], slips, feedback
+    )
+    found, size = _symbols(function(*variables)), len(variables)
+    return found[:size], found[size:], slips, feedback
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:
