@@ -186,21 +186,19 @@ Solver = Callable[..., tuple[Any, ...]]
 """From the numbers of a state to its time derivative and what else follows from it."""
 
 
-def free_solver(scenario: Scenario, chart: type[EulerAngles], functions: Functions) -> Solver:
+def free_solver(scenario: Scenario, functions: Functions) -> Solver:
     """Function from a state in Euler angles, 12 numbers, to its derivative and the normal force.
 
     Parameters
     ----------
     scenario : Scenario
         With a penalty contact.
-    chart : EulerAngles or EulerTurning
-        What a state holds.
     functions : mapping
         Of the numbers.
     """
 
     def results(table: YieldingTable, state: list[Symbol]) -> list[Any]:
-        derivative, touch, _ = table.derivative(chart, state)
+        derivative, touch, _ = table.derivative(EulerAngles, state)
         return [*derivative, touch.force]
 
     return _recorded(scenario, 12, results, functions)
