@@ -13,7 +13,7 @@ from analysis.mechanics.attitude import paper_arrays, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
-from analysis.problem.checks import Array, choice
+from analysis.problem.checks import Array, choice, instance
 from analysis.problem.choices import FORMULATIONS, Formulation
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
@@ -50,12 +50,18 @@ def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
     ----------
     scenario : Scenario
 
+    Raises
+    ------
+    ValueError
+        If it is none.
+
     Examples
     --------
     >>> from analysis import MODELS, Scenario, formulations
     >>> formulations(Scenario(constraints=MODELS[4]))
     ('index-1', 'reduced')
     """
+    instance("scenario", scenario, Scenario)
     found: list[Formulation] = []
     for each in FORMULATIONS:
         with suppress(ValueError):
