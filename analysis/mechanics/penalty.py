@@ -29,15 +29,13 @@ from analysis.problem.scenario import Scenario
 class Touch(NamedTuple):
     """The contact at one instant.
 
-    `point` is the contact point seen from S in m, in axes of the body, and `ways` are the
-    directions in which it moves along the axes of the frame; `gap` is the distance between disk
-    and table in m, negative for penetration, and `gap_rate` its rate; `slip` is the horizontal
-    velocity of the disk's material there in m/s, `contour` that of the contact point along the
-    rim, in axes of the body; `force` is the normal force in N.
+    `point` is the contact point seen from S in m, in axes of the body; `gap` is the distance
+    between disk and table in m, negative for penetration, and `gap_rate` its rate; `slip` is the
+    horizontal velocity of the disk's material there in m/s, `contour` that of the contact point
+    along the rim, in axes of the body; `force` is the normal force in N.
     """
 
     point: Vector
-    ways: tuple[Direction, Direction, Direction]
     gap: Any
     gap_rate: Any
     slip: tuple[Any, Any]
@@ -93,7 +91,7 @@ class YieldingTable:
         # In axes of the body the vertical turns backwards.
         contour = self._carried(up, cross(up, moving.angular))
         force = self.normal_force(gap, gap_rate)
-        return Touch(point, ways, gap, gap_rate, (slip_x, slip_y), contour, force)
+        return Touch(point, gap, gap_rate, (slip_x, slip_y), contour, force)
 
     def _lowest(self, up: Numbers) -> Vector:
         scenario = self.scenario

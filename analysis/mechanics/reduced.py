@@ -35,8 +35,8 @@ def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]
     *given, spin = recorder.constants
     disk = disk_of(given)
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
-    beta, gamma, rate = recorder.variables
-    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    beta, gamma, bd = recorder.variables
+    sb, cb, sg, cg = directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
     slips: list[Any] = []
 
     def friction(slip: Any) -> Any:
@@ -45,9 +45,12 @@ def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]
         _, across = friction_of(is_simple=is_simple)(0.0, slip, load)
         return -across / load
 
-    second = acceleration_from(stand_in, spin, directions, rate, friction)
-    force = normal_force_from(stand_in, spin, directions, rate, second)
-    return recorder.code([rate, -spin * directions[1], second, force, *slips])
+    bdd = acceleration_from(stand_in, spin, directions, bd, friction)
+    # The centre of gravity is (r + e sin(gamma)) sin(beta) above the table.
+    e, gd, gdd = disk.eccentricity, -spin * cb, spin * sb * bd
+    rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
+    rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
+    return recorder.code([bd, gd, bdd, stand_in.weight + disk.mass * rise, *slips])
 
 
 def solver(
@@ -122,24 +125,6 @@ def acceleration_from(
     f = -weight * height * cb
     slip = height * bd * sb - e * Omega * sb * sb * cg
     return (h + f - height * sb * weight * friction(slip)) / M
-
-
-def normal_force_from(
-    scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, bdd: Any
-) -> Any:
-    """The mass times gravity and the centre of gravity's rise, for numbers of any kind.
-
-    The centre of gravity is (r + e sin(gamma)) sin(beta) above the table, and
-    gamma' = -Omega cos(beta). Parameters are those of `acceleration_from`, and the second
-    derivative of beta.
-    """
-    disk = scenario.disk
-    e, Omega = disk.eccentricity, spin
-    sb, cb, sg, cg = directions
-    gd, gdd = -Omega * cb, Omega * sb * bd
-    rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
-    rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
-    return scenario.weight + disk.mass * rise
 
 
 def expand(disk: Body, spin: Any, alpha: Array, x: Array) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ its solvers are stepped here.
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import asin, isfinite, isnan, nan
 from typing import Any
 
@@ -157,10 +158,17 @@ def integrate(
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
-    given = {"jac": _jacobian(problem)} if method in _IMPLICIT else {}
+    make = partial(
+        getattr(solvers, method),
+        problem.right_hand_side,
+        rtol=local_tolerance,
+        atol=problem.absolute * local_tolerance,
+        max_step=problem.longest_step,
+        **({"jac": _jacobian(problem)} if method in _IMPLICIT else {}),
+    )
 
     def solver(*span: Any, **first: Any) -> Any:
-        started.append(_solver(problem, method, local_tolerance, *span, **given, **first))
+        started.append(make(*span, **first))
         return started[-1]
 
     ended: str | None = None
@@ -191,20 +199,6 @@ def integrate(
         lookout.pulling(reached[-1]),
         watch.steps - begun,
         time.thread_time() - begin,
-    )
-
-
-def _solver(
-    problem: InitialValueProblem, method: Method, local_tolerance: float, *span: Any, **more: Any
-) -> Any:
-    """SciPy's solver for a time, a state and a last time."""
-    return getattr(solvers, method)(
-        problem.right_hand_side,
-        *span,
-        rtol=local_tolerance,
-        atol=problem.absolute * local_tolerance,
-        max_step=problem.longest_step,
-        **more,
     )
 
 
