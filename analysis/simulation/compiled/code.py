@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -31,18 +31,9 @@ COMPACT = False
 """Whether to compile in a quarter of the time for runs that take two to four times as long."""
 
 
-class Integrator(NamedTuple):
-    """A batch integrator of heyoka.
-
-    Parameters
-    ----------
-    solver : taylor_adaptive_batch
-    edges : list of lists of floats
-        Of each run in it, times at which the contact has begun or ceased to pull, if it may.
-    """
-
-    solver: Any
-    edges: list[list[float]]
+Integrator = tuple[Any, list[list[float]]]
+"""A `taylor_adaptive_batch` of heyoka, and of each run in it the times at which the contact has
+begun or ceased to pull, if it may."""
 
 
 class Code:
@@ -104,7 +95,7 @@ class Code:
             t_events=events + kinks(system, library.t_event_batch),
             compact_mode=self._compact,
         )
-        return Integrator(solver, edges)
+        return solver, edges
 
     @property
     def width(self) -> int:

@@ -45,8 +45,8 @@ class Structure(NamedTuple):
     equations : newton_euler.Structure
     options : tuple of pairs
         Fields of the friction law that are no floats.
-    kinked, flips : bool
-        Whether friction has a kink at no slip, and slip one direction, in which it changes sign.
+    kinked : bool
+        Whether friction has a kink at no slip.
     allow_pulling : bool
         Whether a run goes on where the contact pulls.
     conditions : tuple of pairs
@@ -57,7 +57,6 @@ class Structure(NamedTuple):
     equations: newton_euler.Structure
     options: tuple[tuple[str, Any], ...]
     kinked: bool
-    flips: bool
     allow_pulling: bool
     conditions: tuple[tuple[str, Condition], ...]
 
@@ -84,17 +83,9 @@ class Structure(NamedTuple):
         kinked = bool(
             scenario.rubs and abs(law.per_speed(little) - law.gradient) > 1e-9 * law.gradient
         )
-        flips = kinked and any(slip in scenario.constraints for slip in SLIPS)
         equations = newton_euler.Structure.of(scenario, EulerTurning)
-        return cls(
-            formulation,
-            equations,
-            options,
-            kinked,
-            flips,
-            allow_pulling,
-            tuple(conditions.items()),
-        )
+        ends = tuple(conditions.items())
+        return cls(formulation, equations, options, kinked, allow_pulling, ends)
 
 
 @cache
@@ -193,7 +184,9 @@ def build(structure: Structure) -> System:
         If its friction law or a condition does what cannot be done with symbols.
     """
     library, scenario = heyoka(), _symbolic(structure)
-    speed = _signed if structure.flips else _size(FAINT)
+    # Slip in a single direction changes its sign at the kink.
+    single = any(slip in structure.equations.constraints for slip in SLIPS)
+    speed = _signed if structure.kinked and single else _size(FAINT)
     code = full = recorded.formula(structure.equations)
     constants = scenario.numbers
     if structure.formulation == "reduced":
@@ -216,7 +209,7 @@ def build(structure: Structure) -> System:
     for reason, condition in structure.conditions:
         endings[reason] = _expressed(f"stop_when {reason!r}", condition, paper_state)
     # The kink does no harm here, but 0 / 0 would.
-    _, forces, single, _ = _solution(
+    _, forces, smooth, _ = _solution(
         full, scenario.numbers, scenario.per_speed, state, _size(1e-150)
     )
     return System(
@@ -224,7 +217,7 @@ def build(structure: Structure) -> System:
         derivatives=derivatives,
         kinks=slips if structure.kinked else [],
         endings=endings,
-        readings=_symbols([*coordinates, *rates, *forces, *single]),
+        readings=_symbols([*coordinates, *rates, *forces, *smooth]),
     )
 
 
