@@ -8,13 +8,7 @@ from math import isnan
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import (
-    CONTACT_WOULD_PULL,
-    TIME_LIMIT,
-    Ending,
-    StopWhen,
-    named_conditions,
-)
+from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
     TimeLimitError,
@@ -259,11 +253,6 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     if not isnan(run.local_tolerance):
         integrator = replace(integrator, local_tolerance=run.local_tolerance)
     coordinates, rates, multipliers = np.split(run.states, (6, 12), axis=1)
-    ending = None
-    if run.ended is not None:
-        values = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: float(multipliers[-1, 0])}
-        value = values.get(run.ended, 0.0)
-        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
     return Trajectory(
         times=run.times,
         coordinates=coordinates,
@@ -280,7 +269,7 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
         error_estimate=None if isnan(run.estimate) else run.estimate,
         counts=dict(call.counts),
         versions=versions("numpy", "exudyn"),
-        ending=ending,
+        ending=run.ending(float(multipliers[-1, 0]), call.watch),
         pulling=run.pulling,
         solver_seconds=call.seconds,
     )

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from scipy import integrate as solvers
 from scipy.optimize import brentq
 
-from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Ending
 from analysis.problem.checks import Array
 from analysis.problem.choices import Method
 from analysis.problem.limits import LEAST_TILT
@@ -119,6 +119,24 @@ class Run:
     seconds: float = nan
     local_tolerance: float = nan
     estimate: float = nan
+
+    def ending(self, normal_force: float, watch: Watch | None) -> Ending | None:
+        """Why it ended early, if it did.
+
+        Parameters
+        ----------
+        normal_force : float
+            At the end in N.
+        watch : Watch, optional
+            Of the call that it was for.
+        """
+        if self.ended is None:
+            return None
+        # Any other condition ends a run where it is zero.
+        value = normal_force if self.ended == CONTACT_WOULD_PULL else 0.0
+        if self.ended == TIME_LIMIT and watch is not None:
+            value = watch.seconds
+        return Ending(reason=self.ended, time=float(self.times[-1]), value=value)
 
 
 def integrate(
