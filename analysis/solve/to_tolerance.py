@@ -45,10 +45,8 @@ class Runs:
         Asked for, in s.
     names : sequence of str
         Of the endings that there may be.
-    states : ndarray, shape (m, n, d)
-        At these times; behind the end of a motion they mean nothing.
-    last : ndarray, shape (m, d)
-        At the end.
+    states : ndarray, shape (m, n + 1, d)
+        At these times, and at the end; behind the end of a motion they mean nothing.
     ends : ndarray, shape (m,)
         Time of the end in s.
     reasons : ndarray of int, shape (m,)
@@ -66,7 +64,6 @@ class Runs:
     times: Array
     names: Sequence[str]
     states: Array
-    last: Array
     ends: Array
     reasons: Rows
     steps: Rows
@@ -81,14 +78,18 @@ class Runs:
         return cls(
             times,
             names,
-            np.empty((members, times.size, size)),
-            np.empty((members, size)),
+            np.empty((members, times.size + 1, size)),
             np.full(members, times[-1]),
             np.full(members, RUNNING),
             np.zeros(members, dtype=int),
             np.full(members, None),
             *np.full((3, members), np.nan),
         )
+
+    @property
+    def last(self) -> Array:
+        """States at the end, shape (m, d)."""
+        return self.states[:, -1]
 
     @property
     def counts(self) -> Rows:
@@ -124,7 +125,7 @@ class Runs:
         """Put in the run of one member."""
         count = int(np.searchsorted(self.times, run.times[-1], side="right"))
         self.states[row, :count] = run.states[:count]
-        self.states[row, count:] = self.last[row] = run.states[-1]
+        self.states[row, count:] = run.states[-1]
         self.ends[row], self.steps[row] = run.times[-1], run.evaluations
         self.reasons[row] = RUNNING if run.ended is None else self.names.index(run.ended)
         self.pulling[row], self.seconds[row] = run.pulling, run.seconds
@@ -135,7 +136,7 @@ class Runs:
         times, states = self.times[:count], self.states[row, :count]
         if self.ends[row] > times[-1]:
             times = np.append(times, self.ends[row])
-            states = np.vstack((states, self.last[row]))
+            states = self.states[row, [*range(count), -1]]
         ended = None if self.reasons[row] == RUNNING else self.names[self.reasons[row]]
         return Run(
             times,

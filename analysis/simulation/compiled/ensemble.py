@@ -68,8 +68,9 @@ class CompiledRuns:
         """Times, coordinates, rates and constraint forces of some."""
         runs, group = self.runs, self.group
         times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
-        states = np.append(runs.states[some], runs.last[some, None], axis=1)
-        coordinates, rates, forces, _ = group.code.readings(states, times, group.numbers[some])
+        coordinates, rates, forces, _ = group.code.readings(
+            runs.states[some], times, group.numbers[some]
+        )
         return times, coordinates, rates, forces
 
     def trajectory(self, row: int, scenario: Scenario) -> Trajectory:

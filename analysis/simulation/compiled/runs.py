@@ -139,7 +139,7 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     results = solver.propagate_res
     # As a matrix, for a sixth of the time.
     flat = samples.reshape(-1, solver.batch_size).T
-    found.states.reshape(len(found.ends), -1)[rows] = flat[:count]
+    found.states.reshape(len(found.ends), -1)[rows, : flat.shape[1]] = flat[:count]
     found.last[rows] = solver.state.T[:count]
     found.steps[rows] = [each[3] for each in results[:count]]
     alive = solver.pars[ALIVE, :count]
@@ -161,7 +161,7 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
 def _end(found: Runs, row: int) -> None:
     """Let a run stay from its end on what it is there."""
     # A sample at the ending itself may have come too late.
-    found.states[row, found.times >= found.ends[row]] = found.last[row]
+    found.states[row, :-1][found.times >= found.ends[row]] = found.last[row]
 
 
 def _name(found: Runs, row: int) -> str:
@@ -187,7 +187,6 @@ def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | 
         why = "its state is no longer finite"
     moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.attitudes][0])
     found.states[:] = np.nan
-    found.last[:] = np.nan
     if outcome == kinds.step_limit:
         watch.flattest = (moment, asin(min(1.0, leaning)))
         return watch.given_up("taylor")
