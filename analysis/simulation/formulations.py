@@ -18,7 +18,7 @@ from analysis.problem.choices import FORMULATIONS, Formulation
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import State
-from analysis.solve.effort import contact_time, longest_step
+from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
 
 
@@ -139,7 +139,6 @@ def _check_described(scenario: Scenario, formulation: str) -> None:
 def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProblem:
     start, solved = scenario.initial_state, recorded.solver(scenario)
     to_paper = partial(paper_arrays, scenario.disk)
-    longest = longest_step(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
     def slip(state: Array) -> float:
@@ -156,7 +155,7 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProbl
         np.array(state_of(scenario.disk, start.coordinates, start.rates)),
         lambda state: sin(state[4]),
         lambda state: solved(*state.tolist())[12],
-        longest if scenario.contact is None else min(longest, contact_time(scenario)),
+        longest_step(scenario),
         lambda states: states[..., 4:6],
         _in_states(conditions, to_paper),
         slip if scenario.rubs and len(slips) == 1 else None,
