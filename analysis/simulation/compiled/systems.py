@@ -17,6 +17,7 @@ from analysis.mechanics.attitude import EulerTurning, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.choices import Formulation
+from analysis.problem.constraints import multiplier_names
 from analysis.problem.elementary import Members
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import LEAST_TILT
@@ -28,6 +29,9 @@ FAINT = 1e-8
 
 It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 """
+
+MOST_FORCES = 4
+"""Constraint forces up to which a disk with products of inertia is compiled within seconds."""
 
 SINGULAR = "singular"
 """Ending of a run where friction calls for a newton of normal force for each newton of it."""
@@ -69,8 +73,41 @@ class Structure(NamedTuple):
         *,
         allow_pulling: bool,
     ) -> "Structure":
-        """Structure of the runs of a scenario, or of members that are alike in it."""
-        law = scenario.friction
+        """Structure of the runs of a scenario, or of members that are alike in it.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        formulation : {"index-1", "reduced"}
+        conditions : mapping
+            From reasons to functions of a `State`; a run ends where one turns negative.
+        allow_pulling : bool
+            Whether to go on where the contact pulls.
+
+        Raises
+        ------
+        CannotCompileError
+            If heyoka is not installed or something cannot be expressed in its symbols.
+        """
+        heyoka()
+        law, disk = scenario.friction, scenario.disk
+        if formulation == "free-body":
+            raise CannotCompileError(
+                "method 'taylor' knows the ideal contact alone, no formulation 'free-body'"
+            )
+        if not disk.is_round_disk:
+            kind = type(disk).__name__
+            raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
+        if disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
+            raise CannotCompileError(
+                "method 'taylor' takes minutes to compile a disk with products of inertia and "
+                f"more than {MOST_FORCES} constraint forces, got {scenario.name}"
+            )
+        if allow_pulling and scenario.rubs and law.load == "contact":
+            raise CannotCompileError(
+                "allow_pulling must be left out with method 'taylor' where friction has the load "
+                "'contact', which then comes and goes"
+            )
         if not law.is_simple:
             raise CannotCompileError(
                 "method 'taylor' takes friction that is isotropic and in proportion to the load, "
