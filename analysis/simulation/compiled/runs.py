@@ -121,7 +121,7 @@ def integrate(
             error = _fault(found, solver, watch, group)
             found.seconds[:] = time.thread_time() - begun
             return found, {} if error is None else {int(members[0]): error}
-    for row in failed:
+    for row in (*failed, *np.flatnonzero(found.ended(SINGULAR)).tolist()):
         member = members[row : row + 1]
         alone = Watch(most=float(group.most[member[0]]))
         single, fault = integrate(
@@ -133,7 +133,7 @@ def integrate(
 
 
 def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
-    """Take over what a batch has reached; returns the rows that have failed."""
+    """Take over what a batch has reached; returns the rows that must be run alone."""
     count = min(solver.batch_size, len(found.ends) - first)
     rows = slice(first, first + count)
     results = solver.propagate_res
@@ -147,15 +147,13 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     if alive.any() and any(each[0] != complete for each in results):
         # What went wrong in one of them must not touch the others.
         return list(range(first, first + count))
-    if alive.all():
-        return []
     ended = np.flatnonzero(alive == 0.0)
     stopped = first + ended
     found.ends[stopped] = solver.pars[WHEN, ended]
     found.reasons[stopped] = solver.pars[REASON, ended]
     for row in stopped.tolist():
         _end(found, row)
-    return [row for row in stopped.tolist() if _name(found, row) == SINGULAR]
+    return []
 
 
 def _end(found: Runs, row: int) -> None:
@@ -164,17 +162,13 @@ def _end(found: Runs, row: int) -> None:
     found.states[row, :-1][found.times >= found.ends[row]] = found.last[row]
 
 
-def _name(found: Runs, row: int) -> str:
-    return str(found.names[found.reasons[row]])
-
-
 def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | None:
     """What is wrong with a run that was watched; tells when it has met its time limit."""
     watch.steps += int(found.steps[0])
     kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
     why = "it does not get on"
     if found.reasons[0] != RUNNING:
-        if _name(found, 0) != SINGULAR:
+        if not found.ended(SINGULAR)[0]:
             return None
         why = "each newton of normal force calls for another one of it through friction"
     elif outcome == kinds.time_limit:
