@@ -14,7 +14,7 @@ from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.simulation.compiled.code import Code
 from analysis.simulation.compiled.library import heyoka
-from analysis.simulation.compiled.systems import ALIVE, REASON, SINGULAR, WHEN
+from analysis.simulation.compiled.systems import ALIVE, REASON, WHEN
 from analysis.solve.to_tolerance import RUNNING, Runs
 from analysis.solve.watch import Watch, intervals
 
@@ -121,7 +121,7 @@ def integrate(
             error = _fault(found, solver, watch, group)
             found.seconds[:] = time.thread_time() - begun
             return found, {} if error is None else {int(members[0]): error}
-    for row in (*failed, *np.flatnonzero(found.ended(SINGULAR)).tolist()):
+    for row in failed:
         member = members[row : row + 1]
         alone = Watch(most=float(group.most[member[0]]))
         single, fault = integrate(
@@ -166,24 +166,19 @@ def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | 
     """What is wrong with a run that was watched; tells when it has met its time limit."""
     watch.steps += int(found.steps[0])
     kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
-    why = "it does not get on"
-    if found.reasons[0] != RUNNING:
-        if not found.ended(SINGULAR)[0]:
-            return None
-        why = "each newton of normal force calls for another one of it through friction"
-    elif outcome == kinds.time_limit:
+    if found.reasons[0] != RUNNING or outcome == kinds.time_limit:
         return None
-    elif outcome == kinds.cb_stop:
+    if outcome == kinds.cb_stop:
         found.ends[0], found.reasons[0] = solver.time[0], found.names.index(TIME_LIMIT)
         _end(found, 0)
         return None
-    elif outcome == kinds.err_nf_state:
-        why = "its state is no longer finite"
     moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.attitudes][0])
     found.states[:] = np.nan
     if outcome == kinds.step_limit:
         watch.flattest = (moment, asin(min(1.0, leaning)))
         return watch.given_up("taylor")
+    is_lost = outcome == kinds.err_nf_state
+    why = "its state is no longer finite" if is_lost else "it does not get on"
     return ArithmeticError(f"taylor stopped after t = {moment:g} s: {why}")
 
 

@@ -33,9 +33,6 @@ It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 MOST_FORCES = 4
 """Constraint forces up to which a disk with products of inertia is compiled within seconds."""
 
-SINGULAR = "singular"
-"""Ending of a run where friction calls for a newton of normal force for each newton of it."""
-
 _NUMBERS = (float, Members)
 
 
@@ -236,19 +233,13 @@ def build(structure: Structure) -> System:
     else:
         variables = state = library.make_vars(*recorded.STATE)
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    derivatives, forces, slips, feedback = _solution(
-        code, constants, scenario.per_speed, variables, speed
-    )
+    derivatives, forces, slips = _solution(code, constants, scenario.per_speed, variables, speed)
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
-    if feedback:
-        endings[SINGULAR] = 1.0 - feedback[0]
     paper_state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
         endings[reason] = _expressed(f"stop_when {reason!r}", condition, paper_state)
     # The kink does no harm here, but 0 / 0 would.
-    _, forces, smooth, _ = _solution(
-        full, scenario.numbers, scenario.per_speed, state, _size(1e-150)
-    )
+    _, forces, smooth = _solution(full, scenario.numbers, scenario.per_speed, state, _size(1e-150))
     return System(
         variables=variables,
         derivatives=derivatives,
@@ -264,27 +255,22 @@ def _solution(
     per_speed: Callable[[Any], Any],
     variables: Sequence[Any],
     speed: _Speed,
-) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
+) -> tuple[list[Any], list[Any], list[Any]]:
     """What code of the equations tells of a state, as symbols.
 
     Returns
     -------
     derivatives, forces : list
         The normal force is the first one.
-    slips, feedback : list
-        Of the friction there is, and the part of the normal force that it calls for, if any.
+    slips : list
+        Of the friction there is.
     """
     library = heyoka()
     slips: list[Any] = []
-    feedback: list[Any] = []
 
     def noted(*both: Any) -> Any:
         slips[:] = [slip for slip in both if not isinstance(slip, float)]
         return speed(*both)
-
-    def contact_load(alone: Any, added: Any) -> Any:
-        feedback.append(added)
-        return alone / (1.0 - added)
 
     function = code(
         *constants,
@@ -292,10 +278,11 @@ def _solution(
         cos=library.cos,
         speed=noted,
         per_speed=per_speed,
-        contact_load=contact_load,
+        # It grows beyond all bounds as each newton comes to call for another one.
+        contact_load=lambda alone, added: alone / (1.0 - added),
     )
     found, size = _symbols(function(*variables)), len(variables)
-    return found[:size], found[size:], slips, feedback
+    return found[:size], found[size:], slips
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:
