@@ -18,7 +18,7 @@ from analysis.problem.choices import Method
 from analysis.problem.constraints import demanded, independent_coordinates, prescribed
 from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
-from analysis.solve.effort import contact_time, longest_step
+from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
 from mbs_models.effort import stepping_integrator
 from mbs_models.endings import LOCAL
@@ -112,15 +112,12 @@ class AccelerationProblem:
         """The problem from coordinates and rates on; to be solved within `solving`."""
         scenario = self.scenario
         self._start = record[:12].tolist()
-        longest = longest_step(scenario)
-        if scenario.contact is not None:
-            longest = min(longest, contact_time(scenario))
         return InitialValueProblem(
             self._derivative,
             record[self._free],
             lambda state: sin(state[self._tilt]),
             self._normal_force if self.model.may_pull else None,
-            longest,
+            longest_step(scenario),
             lambda states: states[..., self._angles],
             {reason: self._of_state(each) for reason, each in self.conditions.items()},
             self._slip_of_one_direction(),

@@ -1,6 +1,5 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from math import isnan
@@ -8,13 +7,7 @@ from math import isnan
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import (
-    CONTACT_WOULD_PULL,
-    TIME_LIMIT,
-    Ending,
-    StopWhen,
-    named_conditions,
-)
+from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
     TimeLimitError,
@@ -209,7 +202,6 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     motion, start = call.motion, call.motion.scenario.initial_state.vector
     problem = motion.starting_at(start)
     problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
-    begin = time.process_time()
 
     def run(local: float, part: float) -> Run:
         motion.quick = local >= motion.model.quick_from
@@ -234,7 +226,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
         values = motion.samples(found.states)
     # The first sample is the start itself, without the rounding on the way there.
     values[0, :12] = start
-    call.seconds = time.process_time() - begin
+    call.seconds = found.seconds
     return replace(found, states=values)
 
 
@@ -261,11 +253,6 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     if not isnan(run.local_tolerance):
         integrator = replace(integrator, local_tolerance=run.local_tolerance)
     coordinates, rates, multipliers = np.split(run.states, (6, 12), axis=1)
-    ending = None
-    if run.ended is not None:
-        values = {TIME_LIMIT: call.watch.seconds, CONTACT_WOULD_PULL: float(multipliers[-1, 0])}
-        value = values.get(run.ended, 0.0)
-        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
     return Trajectory(
         times=run.times,
         coordinates=coordinates,
@@ -282,7 +269,7 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
         error_estimate=None if isnan(run.estimate) else run.estimate,
         counts=dict(call.counts),
         versions=versions("numpy", "exudyn"),
-        ending=ending,
+        ending=run.ending(float(multipliers[-1, 0]), call.watch),
         pulling=run.pulling,
         solver_seconds=call.seconds,
     )

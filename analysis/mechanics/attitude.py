@@ -233,11 +233,9 @@ def paper_of(
     return (x - a, y - b, z - c, *state[3:6]), (*rates, *turning)
 
 
-def paper_arrays(
-    disk: Any, states: Array, chart: type[EulerAngles] = EulerAngles
-) -> tuple[Array, Array]:
+def paper_arrays(disk: Any, states: Array) -> tuple[Array, Array]:
     """The paper's coordinates and their rates, each shape (..., 6), of states, (..., 12)."""
-    coordinates, rates = paper_of(disk, np.moveaxis(states, -1, 0), chart)
+    coordinates, rates = paper_of(disk, np.moveaxis(states, -1, 0))
     return np.stack(coordinates, axis=-1), np.stack(rates, axis=-1)
 
 

@@ -107,14 +107,12 @@ def position_residuals(constraints: ConstraintSet, disk: Any, state: Numbers) ->
     return [height, *position[:2]] if "fixed-cog" in constraints else [height]
 
 
-def velocity_residuals(
-    constraints: ConstraintSet, disk: Any, state: Numbers, chart: type[EulerAngles] = EulerAngles
-) -> list[Any]:
+def velocity_residuals(constraints: ConstraintSet, disk: Any, state: Numbers) -> list[Any]:
     """Velocity-level residuals in m/s and held rates in rad/s, from a state of `state_of`.
 
     Those of `position_residuals` are their rates, seen from the turning frame.
     """
-    moving = chart.moving(state)
+    moving = EulerAngles.moving(state)
     x, y, _ = moving.position
     turning = {"cog_force_x": moving.spin * y, "cog_force_y": -moving.spin * x}
     every = directions(constraints, disk, moving.attitude)

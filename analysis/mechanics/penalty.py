@@ -29,15 +29,13 @@ from analysis.problem.scenario import Scenario
 class Touch(NamedTuple):
     """The contact at one instant.
 
-    `point` is the contact point seen from S in m, in axes of the body, and `ways` are the
-    directions in which it moves along the axes of the frame; `gap` is the distance between disk
-    and table in m, negative for penetration, and `gap_rate` its rate; `slip` is the horizontal
-    velocity of the disk's material there in m/s, `contour` that of the contact point along the
-    rim, in axes of the body; `force` is the normal force in N.
+    `point` is the contact point seen from S in m, in axes of the body; `gap` is the distance
+    between disk and table in m, negative for penetration, and `gap_rate` its rate; `slip` is the
+    horizontal velocity of the disk's material there in m/s, `contour` that of the contact point
+    along the rim, in axes of the body; `force` is the normal force in N.
     """
 
     point: Vector
-    ways: tuple[Direction, Direction, Direction]
     gap: Any
     gap_rate: Any
     slip: tuple[Any, Any]
@@ -93,7 +91,7 @@ class YieldingTable:
         # In axes of the body the vertical turns backwards.
         contour = self._carried(up, cross(up, moving.angular))
         force = self.normal_force(gap, gap_rate)
-        return Touch(point, ways, gap, gap_rate, (slip_x, slip_y), contour, force)
+        return Touch(point, gap, gap_rate, (slip_x, slip_y), contour, force)
 
     def _lowest(self, up: Numbers) -> Vector:
         scenario = self.scenario
@@ -186,21 +184,19 @@ Solver = Callable[..., tuple[Any, ...]]
 """From the numbers of a state to its time derivative and what else follows from it."""
 
 
-def free_solver(scenario: Scenario, chart: type[EulerAngles], functions: Functions) -> Solver:
+def free_solver(scenario: Scenario, functions: Functions) -> Solver:
     """Function from a state in Euler angles, 12 numbers, to its derivative and the normal force.
 
     Parameters
     ----------
     scenario : Scenario
         With a penalty contact.
-    chart : EulerAngles or EulerTurning
-        What a state holds.
     functions : mapping
         Of the numbers.
     """
 
     def results(table: YieldingTable, state: list[Symbol]) -> list[Any]:
-        derivative, touch, _ = table.derivative(chart, state)
+        derivative, touch, _ = table.derivative(EulerAngles, state)
         return [*derivative, touch.force]
 
     return _recorded(scenario, 12, results, functions)
@@ -279,8 +275,7 @@ def friction_of(*, is_simple: bool) -> Friction:
 
 def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
     """What of a contact may open: spring, spring and damper, and friction with its load."""
-    contact, weight, law = scenario.penalty_contact, scenario.weight, scenario.friction
-    fades = not (contact.bilateral or law.follows_contact)
+    contact = scenario.penalty_contact
 
     def spring(gap: Any) -> Any:
         return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
@@ -289,6 +284,24 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         force = -contact.stiffness * gap - contact.damping * gap_rate
         lifted = not contact.bilateral and (gap > 0.0 or force < 0.0)
         return 0.0 if lifted else force
+
+    load, force = friction_under(scenario)
+    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}
+
+
+def friction_under(scenario: Scenario) -> tuple[Callable[[Any], Any], Friction]:
+    """Friction as the normal force of the contact lets it act, if the contact may open.
+
+    Returns
+    -------
+    load : callable
+        From the normal force in N to the load in N of a law that is in proportion to it.
+    force : callable
+        See `newton_euler.Friction`, with the normal force in place of the load.
+    """
+    contact, weight, law = scenario.contact, scenario.weight, scenario.friction
+    holds = contact is None or contact.bilateral
+    fades = not (holds or law.follows_contact)
 
     def grip(force: Any) -> Any:
         return min(1.0, force / (FULL_GRIP * weight)) if fades else 1.0
@@ -300,10 +313,10 @@ def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
         return pressing(force) * grip(force)
 
     def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
-        if not (normal > 0.0 or contact.bilateral):
+        if not (normal > 0.0 or holds):
             return 0.0, 0.0
         x, y = law.force(along, across, pressing(normal))
         part = grip(normal)
         return part * x, part * y
 
-    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}
+    return load, force

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.mechanics.attitude import EulerAngles, paper_of, state_of
+from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.dual import (
     Dual,
     Functions,
@@ -165,9 +165,7 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
 
 
 def solver(
-    scenario: Scenario,
-    chart: type[EulerAngles] = EulerAngles,
-    functions: Callable[[FrictionLaw], Functions] = of_floats,
+    scenario: Scenario, functions: Callable[[FrictionLaw], Functions] = of_floats
 ) -> Solver:
     """Function that gives the time derivative and the multipliers at one state after the other.
 
@@ -177,8 +175,6 @@ def solver(
     ----------
     scenario : Scenario
         With the ideal contact, or a penalty contact, whose force stands for the multipliers.
-    chart : EulerAngles or EulerTurning
-        What a state holds.
     functions : callable
         `of_floats` or `of_duals`, for states of that kind.
 
@@ -189,9 +185,9 @@ def solver(
     """
     law = scenario.friction
     if scenario.contact is not None:
-        return free_solver(scenario, chart, functions(law))
+        return free_solver(scenario, functions(law))
     contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
-    code = formula(Structure.of(scenario, chart))(
+    code = formula(Structure.of(scenario))(
         *numbers(scenario), force=law.force, contact_load=contact_load, **functions(law)
     )
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from analysis.mechanics.dual import Functions, derivatives, of_duals, of_floats
-from analysis.mechanics.penalty import Solver
+from analysis.mechanics.penalty import Solver, friction_of
 from analysis.mechanics.recorded import NUMBERS, disk_of, numbers
-from analysis.mechanics.recorder import Recorder, call
+from analysis.mechanics.recorder import Recorder
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS, demanded
@@ -20,32 +20,37 @@ from analysis.problem.scenario import Scenario
 
 
 @cache
-def formula() -> Callable[..., Callable[..., tuple[Any, ...]]]:
-    """Code of the reduced system.
+def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]:
+    """Code of the reduced system under a friction law that is simple or is not.
 
     Returns
     -------
     callable
-        From `recorded.numbers`, the spin in rad/s and, by keyword, `friction`, see
-        `acceleration_from`, and what `Recorder.code` tells, to a function of beta, gamma and the
-        rate of beta. That one returns their time derivatives, Eqs. (102) and (109), the normal
-        contact force in N, and the lateral slip in m/s.
+        From `recorded.numbers`, the spin in rad/s and, by keyword, what `recorded.formula` takes,
+        to a function of beta, gamma and the rate of beta. That one returns their time
+        derivatives, Eqs. (102) and (109), the normal contact force in N, and the lateral slip in
+        m/s.
     """
     recorder = Recorder((*NUMBERS, "spin"), ("beta", "gamma", "beta_rate"))
     *given, spin = recorder.constants
     disk = disk_of(given)
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
-    beta, gamma, rate = recorder.variables
-    directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    beta, gamma, bd = recorder.variables
+    sb, cb, sg, cg = directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
     slips: list[Any] = []
 
     def friction(slip: Any) -> Any:
         slips.append(slip)
-        return call("friction", slip)
+        load = 1.0 if is_simple else stand_in.weight
+        _, across = friction_of(is_simple=is_simple)(0.0, slip, load)
+        return -across / load
 
-    second = acceleration_from(stand_in, spin, directions, rate, friction)
-    force = normal_force_from(stand_in, spin, directions, rate, second)
-    return recorder.code([rate, -spin * directions[1], second, force, *slips])
+    bdd = acceleration_from(stand_in, spin, directions, bd, friction)
+    # The centre of gravity is (r + e sin(gamma)) sin(beta) above the table.
+    e, gd, gdd = disk.eccentricity, -spin * cb, spin * sb * bd
+    rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
+    rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
+    return recorder.code([bd, gd, bdd, stand_in.weight + disk.mass * rise, *slips])
 
 
 def solver(
@@ -65,20 +70,9 @@ def solver(
     functions : callable
         `of_floats` or `of_duals`, for states of that kind.
     """
-    law, weight = scenario.friction, scenario.weight
-    given = functions(law)
-
-    def friction(slip: Any) -> Any:
-        _, across = law.force(0.0, slip, weight)
-        return -across / weight
-
-    if law.is_simple:
-        speed, per_speed = given["speed"], given["per_speed"]
-
-        def friction(slip: Any) -> Any:
-            return per_speed(speed(0.0, slip)) * slip
-
-    found: Solver = formula()(*numbers(scenario), spin, friction=friction, **given)
+    law = scenario.friction
+    code = formula(is_simple=law.is_simple)
+    found: Solver = code(*numbers(scenario), spin, force=law.force, **functions(law))
     return found
 
 
@@ -131,24 +125,6 @@ def acceleration_from(
     f = -weight * height * cb
     slip = height * bd * sb - e * Omega * sb * sb * cg
     return (h + f - height * sb * weight * friction(slip)) / M
-
-
-def normal_force_from(
-    scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, bdd: Any
-) -> Any:
-    """The mass times gravity and the centre of gravity's rise, for numbers of any kind.
-
-    The centre of gravity is (r + e sin(gamma)) sin(beta) above the table, and
-    gamma' = -Omega cos(beta). Parameters are those of `acceleration_from`, and the second
-    derivative of beta.
-    """
-    disk = scenario.disk
-    e, Omega = disk.eccentricity, spin
-    sb, cb, sg, cg = directions
-    gd, gdd = -Omega * cb, Omega * sb * bd
-    rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
-    rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
-    return scenario.weight + disk.mass * rise
 
 
 def expand(disk: Body, spin: Any, alpha: Array, x: Array) -> tuple[Array, Array]:

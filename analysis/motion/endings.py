@@ -63,8 +63,8 @@ class Ending:
     time : float
         Where the motion ends, in s.
     value : float
-        Normal force there in N, processor time taken in s, kinetic energy at rest in J, or what
-        else the condition says there.
+        Normal force there in N, processor time taken in s, kinetic energy at rest in J; 0 for
+        any other condition.
 
     Raises
     ------

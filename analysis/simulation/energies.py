@@ -8,10 +8,10 @@ from scipy.integrate import cumulative_simpson
 from analysis.mechanics.attitude import EulerAngles, state_of
 from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.mechanics.newton_euler import kinetic_energy
+from analysis.mechanics.penalty import friction_under
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, instance, real_array
 from analysis.problem.constraints import PRESCRIBED, multiplier_names, prescribed
-from analysis.problem.contact import FULL_GRIP
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 
@@ -135,17 +135,9 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
     slips, is_free = velocity_residuals(SLIPS, disk, state), [way not in held for way in SLIPS]
     slip = np.transpose(slips) * is_free
-    law, normal = scenario.friction, trajectory.normal_force
-    loads = (
-        np.maximum(0.0, normal) if law.load == "contact" else np.full(normal.size, scenario.weight)
-    )
-    parts = np.column_stack((slip, loads)).tolist()
-    force = np.array([law.force(along, across, load) for along, across, load in parts])
-    force *= is_free
-    contact = scenario.contact
-    if not (contact is None or contact.bilateral or law.follows_contact):
-        force *= np.clip(normal[:, None] / (FULL_GRIP * scenario.weight), 0.0, 1.0)
-    return slip, force
+    _, force = friction_under(scenario)
+    parts = np.column_stack((slip, trajectory.normal_force)).tolist()
+    return slip, np.array([force(*each) for each in parts]) * is_free
 
 
 def power(trajectory: Trajectory) -> Array:

@@ -1,5 +1,6 @@
 """Many runs of the in-house equations at once."""
 
+import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import ExitStack
@@ -173,6 +174,12 @@ def _called(
         for first, chunk in chunks.items():
             yield first, call(first, chunk)
         return
+    if executor is None:
+        try:
+            pickle.dumps(call)
+        except (AttributeError, TypeError, pickle.PicklingError) as cause:
+            fault = "must hold functions that worker processes import by name, or workers be 1"
+            raise ArgumentError("stop_when", f"{fault}: {cause}") from cause
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
         futures = {pool.submit(call, *each): each for each in chunks.items()}

@@ -5,20 +5,22 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import sin
+from typing import Any
 
 import numpy as np
 
 from analysis.mechanics import recorded, reduced
-from analysis.mechanics.attitude import paper_arrays, state_of
+from analysis.mechanics.attitude import paper_arrays, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
+from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import Condition
-from analysis.problem.checks import Array, choice
+from analysis.problem.checks import Array, choice, instance
 from analysis.problem.choices import FORMULATIONS, Formulation
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import State
-from analysis.solve.effort import contact_time, longest_step
+from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
 
 
@@ -50,12 +52,18 @@ def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
     ----------
     scenario : Scenario
 
+    Raises
+    ------
+    ValueError
+        If it is none.
+
     Examples
     --------
     >>> from analysis import MODELS, Scenario, formulations
     >>> formulations(Scenario(constraints=MODELS[4]))
     ('index-1', 'reduced')
     """
+    instance("scenario", scenario, Scenario)
     found: list[Formulation] = []
     for each in FORMULATIONS:
         with suppress(ValueError):
@@ -87,12 +95,12 @@ def pose(
 
 
 def _in_states(
-    conditions: Mapping[str, Condition], to_paper: Callable[[Array], tuple[Array, Array]]
+    conditions: Mapping[str, Condition], to_paper: Callable[[Numbers], tuple[Any, Any]]
 ) -> dict[str, Callable[[Array], float]]:
     """Conditions as functions of what is integrated."""
 
     def evaluated(condition: Condition, values: Array) -> float:
-        coordinates, rates = (tuple(each.tolist()) for each in to_paper(values))
+        coordinates, rates = to_paper(values.tolist())
         return condition(State(coordinates=coordinates, rates=rates))
 
     return {reason: partial(evaluated, condition) for reason, condition in conditions.items()}
@@ -132,15 +140,13 @@ def _check_described(scenario: Scenario, formulation: str) -> None:
 
 def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProblem:
     start, solved = scenario.initial_state, recorded.solver(scenario)
-    to_paper = partial(paper_arrays, scenario.disk)
-    longest = longest_step(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
     def slip(state: Array) -> float:
         return float(velocity_residuals(slips, scenario.disk, state.tolist())[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates = to_paper(states)
+        coordinates, rates = paper_arrays(scenario.disk, states)
         # The first sample is the start itself, without the rounding on the way to it and back.
         coordinates[0], rates[0] = start.coordinates, start.rates
         return coordinates, rates, _multipliers(solved, states)
@@ -150,9 +156,9 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProbl
         np.array(state_of(scenario.disk, start.coordinates, start.rates)),
         lambda state: sin(state[4]),
         lambda state: solved(*state.tolist())[12],
-        longest if scenario.contact is None else min(longest, contact_time(scenario)),
+        longest_step(scenario),
         lambda states: states[..., 4:6],
-        _in_states(conditions, to_paper),
+        _in_states(conditions, partial(paper_of, scenario.disk)),
         slip if scenario.rubs and len(slips) == 1 else None,
         jacobian=partial(recorded.jacobian, scenario),
     )
@@ -169,10 +175,6 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
         coordinates, rates = reduced.expand(disk, spin, turned, states[:, :3])
         states = np.array(state_of(disk, coordinates.T, rates.T)).T
         return coordinates, rates, _multipliers(full, states)
-
-    def to_paper(state: Array) -> tuple[Array, Array]:
-        coordinates, rates = reduced.expand(disk, spin, state[3:], state[None, :3])
-        return coordinates[0], rates[0]
 
     derivative = reduced.right_hand_side(scenario, spin)
     begin = np.array((*start.coordinates[4:6], start.rates[4]))
@@ -191,7 +193,7 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
         lambda state: solved(*state[:3].tolist())[3],
         longest_step(scenario),
         lambda states: states[..., :2],
-        _in_states(conditions, to_paper),
+        _in_states(conditions, lambda state: reduced.expanded(disk, spin, state[3], state[:3])),
         (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
         jacobian=jacobian,
     )

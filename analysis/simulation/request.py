@@ -1,26 +1,17 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
 from collections.abc import Sequence
+from math import isnan
 
 import numpy.typing as npt
 
-from analysis.motion.endings import (
-    CONTACT_WOULD_PULL,
-    FLAT,
-    TIME_LIMIT,
-    Condition,
-    Ending,
-    StopWhen,
-    named_conditions,
-)
+from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import Array, choice, increasing_times, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import FORMULATIONS, METHODS, Formulation, Method
-from analysis.problem.elementary import sin
-from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT, MOST_STEPS, Effort
+from analysis.problem.limits import DEFAULT_TOLERANCE, MOST_STEPS, Effort
 from analysis.problem.scenario import Scenario
-from analysis.problem.start import State
 from analysis.simulation.compiled.library import is_installed
 from analysis.simulation.formulations import default_formulation
 from analysis.solve.effort import simulation_effort, usual_method
@@ -138,7 +129,6 @@ def trajectory(
     *,
     method: Method,
     watch: Watch | None = None,
-    seconds: float | None = None,
 ) -> Trajectory:
     """Trajectory of a run.
 
@@ -153,22 +143,9 @@ def trajectory(
         That has run it.
     watch : Watch, optional
         Of the call, if it has a single run to a result.
-    seconds : float, optional
-        Processor time of the run in s.
     """
     coordinates, rates, multipliers = arrays
     compiled = method == "taylor"
-    ending = None
-    if run.ended is not None:
-        last = State(coordinates=tuple(coordinates[-1].tolist()), rates=tuple(rates[-1].tolist()))
-        values: dict[str, Condition] = {
-            FLAT: lambda state: sin(state.coordinates[4]) - LEAST_TILT,
-            CONTACT_WOULD_PULL: lambda _: float(multipliers[-1, 0]),
-            TIME_LIMIT: lambda _: 0.0 if watch is None else watch.seconds,
-            **request.conditions,
-        }
-        value = values[run.ended](last)
-        ending = Ending(reason=run.ended, time=float(run.times[-1]), value=value)
     return Trajectory(
         times=run.times,
         coordinates=coordinates,
@@ -185,7 +162,7 @@ def trajectory(
         error_estimate=None if request.tolerance is None else run.estimate,
         counts={"steps" if compiled else "right_hand_sides": run.evaluations},
         versions=versions("numpy", "heyoka" if compiled else "scipy"),
-        ending=ending,
+        ending=run.ending(float(multipliers[-1, 0]), watch),
         pulling=run.pulling,
-        solver_seconds=seconds,
+        solver_seconds=None if isnan(run.seconds) else run.seconds,
     )

@@ -1,6 +1,5 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
-import time
 from math import inf
 
 import numpy.typing as npt
@@ -130,12 +129,9 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
     formulation = request.formulation or default_formulation(scenario)
     posed = pose(scenario, formulation, request.conditions)
     rungs, tolerance = request.local_tolerances(method), request.tolerance or inf
-    seconds = 0.0
 
     def run(local: float, longest: float) -> Run:
-        nonlocal seconds
-        begin = time.thread_time()
-        found = integrate(
+        return integrate(
             posed.problem.with_steps_up_to(longest),
             request.times,
             method,
@@ -143,8 +139,6 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
             allow_pulling=request.allow_pulling,
             watch=watch,
         )
-        seconds = time.thread_time() - begin
-        return found
 
     found = run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
     return trajectory(
@@ -154,5 +148,4 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
         posed.expand(found.times, found.states),
         method=method,
         watch=watch,
-        seconds=seconds,
     )

@@ -50,13 +50,14 @@ _FREE_BODY_SECONDS = 2.5e-5
 
 
 def longest_step(scenario: Scenario) -> float:
-    """Longest step in s: a part of a turn and of the time of a fall.
+    """Longest step in s: a part of a turn, of the time of a fall and of a swing on the contact.
 
     On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
     past the time in which a deviation does.
     """
     fall = 0.5 * sqrt(scenario.disk.radius / scenario.table.gravity)
-    return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3))
+    swing = inf if scenario.contact is None else contact_time(scenario)
+    return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3), swing)
 
 
 def contact_time(scenario: Scenario) -> float:

@@ -4,8 +4,10 @@
 its solvers are stepped here.
 """
 
+import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from math import asin, isfinite, isnan, nan
 from typing import Any
 
@@ -14,7 +16,7 @@ import numpy.typing as npt
 from scipy import integrate as solvers
 from scipy.optimize import brentq
 
-from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Ending
 from analysis.problem.checks import Array
 from analysis.problem.choices import Method
 from analysis.problem.limits import LEAST_TILT
@@ -83,9 +85,7 @@ class InitialValueProblem:
 
     def with_steps_up_to(self, fraction: float) -> "InitialValueProblem":
         """The same problem with this fraction of its longest step."""
-        return (
-            self if fraction == 1.0 else replace(self, longest_step=fraction * self.longest_step)
-        )
+        return replace(self, longest_step=fraction * self.longest_step)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,6 +104,8 @@ class Run:
     pulling : tuple of pairs of floats
         Times in s between which the contact has pulled.
     steps : int
+    seconds : float
+        Processor time of the run in s; nan if it is not known.
     local_tolerance, estimate : float
         Of a run to a tolerance, and its estimated error in rad; nan if there is none.
     """
@@ -114,8 +116,27 @@ class Run:
     ended: str | None
     pulling: tuple[tuple[float, float], ...]
     steps: int = 0
+    seconds: float = nan
     local_tolerance: float = nan
     estimate: float = nan
+
+    def ending(self, normal_force: float, watch: Watch | None) -> Ending | None:
+        """Why it ended early, if it did.
+
+        Parameters
+        ----------
+        normal_force : float
+            At the end in N.
+        watch : Watch, optional
+            Of the call that it was for.
+        """
+        if self.ended is None:
+            return None
+        # Any other condition ends a run where it is zero.
+        value = normal_force if self.ended == CONTACT_WOULD_PULL else 0.0
+        if self.ended == TIME_LIMIT and watch is not None:
+            value = watch.seconds
+        return Ending(reason=self.ended, time=float(self.times[-1]), value=value)
 
 
 def integrate(
@@ -151,13 +172,21 @@ def integrate(
     ValueError
         If the contact would have to pull at the start and must not.
     """
+    begin = time.thread_time()
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
-    given = {"jac": _jacobian(problem)} if method in _IMPLICIT else {}
+    make = partial(
+        getattr(solvers, method),
+        problem.right_hand_side,
+        rtol=local_tolerance,
+        atol=problem.absolute * local_tolerance,
+        max_step=problem.longest_step,
+        **({"jac": _jacobian(problem)} if method in _IMPLICIT else {}),
+    )
 
     def solver(*span: Any, **first: Any) -> Any:
-        started.append(_solver(problem, method, local_tolerance, *span, **given, **first))
+        started.append(make(*span, **first))
         return started[-1]
 
     ended: str | None = None
@@ -187,20 +216,7 @@ def integrate(
         ended,
         lookout.pulling(reached[-1]),
         watch.steps - begun,
-    )
-
-
-def _solver(
-    problem: InitialValueProblem, method: Method, local_tolerance: float, *span: Any, **more: Any
-) -> Any:
-    """SciPy's solver for a time, a state and a last time."""
-    return getattr(solvers, method)(
-        problem.right_hand_side,
-        *span,
-        rtol=local_tolerance,
-        atol=problem.absolute * local_tolerance,
-        max_step=problem.longest_step,
-        **more,
+        time.thread_time() - begin,
     )
 
 

@@ -45,10 +45,8 @@ class Runs:
         Asked for, in s.
     names : sequence of str
         Of the endings that there may be.
-    states : ndarray, shape (m, n, d)
-        At these times; behind the end of a motion they mean nothing.
-    last : ndarray, shape (m, d)
-        At the end.
+    states : ndarray, shape (m, n + 1, d)
+        At these times, and at the end; behind the end of a motion they mean nothing.
     ends : ndarray, shape (m,)
         Time of the end in s.
     reasons : ndarray of int, shape (m,)
@@ -57,6 +55,8 @@ class Runs:
         Or evaluations of the right-hand side, by solvers that count these.
     pulling : ndarray of object, shape (m,)
         Times in s between which the contact has pulled, or None.
+    seconds : ndarray, shape (m,)
+        Processor time of each run in s; nan if it is not known.
     local_tolerances, estimates : ndarray, shape (m,)
         Of each run; its estimated error in rad, nan if there is none.
     """
@@ -64,11 +64,11 @@ class Runs:
     times: Array
     names: Sequence[str]
     states: Array
-    last: Array
     ends: Array
     reasons: Rows
     steps: Rows
     pulling: AnyArray
+    seconds: Array
     local_tolerances: Array
     estimates: Array
 
@@ -78,15 +78,18 @@ class Runs:
         return cls(
             times,
             names,
-            np.empty((members, times.size, size)),
-            np.empty((members, size)),
+            np.empty((members, times.size + 1, size)),
             np.full(members, times[-1]),
             np.full(members, RUNNING),
             np.zeros(members, dtype=int),
             np.full(members, None),
-            np.full(members, np.nan),
-            np.full(members, np.nan),
+            *np.full((3, members), np.nan),
         )
+
+    @property
+    def last(self) -> Array:
+        """States at the end, shape (m, d)."""
+        return self.states[:, -1]
 
     @property
     def counts(self) -> Rows:
@@ -122,10 +125,10 @@ class Runs:
         """Put in the run of one member."""
         count = int(np.searchsorted(self.times, run.times[-1], side="right"))
         self.states[row, :count] = run.states[:count]
-        self.states[row, count:] = self.last[row] = run.states[-1]
+        self.states[row, count:] = run.states[-1]
         self.ends[row], self.steps[row] = run.times[-1], run.evaluations
         self.reasons[row] = RUNNING if run.ended is None else self.names.index(run.ended)
-        self.pulling[row] = run.pulling
+        self.pulling[row], self.seconds[row] = run.pulling, run.seconds
 
     def run(self, row: int) -> Run:
         """Run of one member."""
@@ -133,7 +136,7 @@ class Runs:
         times, states = self.times[:count], self.states[row, :count]
         if self.ends[row] > times[-1]:
             times = np.append(times, self.ends[row])
-            states = np.vstack((states, self.last[row]))
+            states = self.states[row, [*range(count), -1]]
         ended = None if self.reasons[row] == RUNNING else self.names[self.reasons[row]]
         return Run(
             times,
@@ -141,6 +144,7 @@ class Runs:
             int(self.steps[row]),
             ended,
             self.pulling[row] or (),
+            seconds=float(self.seconds[row]),
             local_tolerance=float(self.local_tolerances[row]),
             estimate=float(self.estimates[row]),
         )

@@ -208,11 +208,10 @@ class WayToRest(ABC):
             )
         ending = None
         if ended is not None:
-            values = self.conditions | {
-                AT_REST: lambda last: float(self.still(last[None])[0][0]),
-                TIME_LIMIT: lambda _: self.watch.seconds,
-            }
-            value = values[ended](states[done])
+            (energy,), _ = self.still(states[done : done + 1])
+            values = {AT_REST: float(energy), TIME_LIMIT: self.watch.seconds}
+            # Any other condition ends a run where it is zero.
+            value = values.get(ended, 0.0)
             ending = Ending(reason=ended, time=float(times[done]), value=value)
         return SpatialMotion(
             times=times[: done + 1],

@@ -38,6 +38,7 @@ OF_A_SCENARIO: dict[str, Callable[[Any], Any]] = {
     "energies": lambda given: analysis.energies(given, RUN.coordinates, RUN.rates),
     "scenario_text": analysis.scenario_text,
     "ensemble": lambda given: Ensemble(scenario=given, fields={"spin": SPINS}),
+    "formulations": analysis.formulations,
     "critical_speeds": critical.critical_speeds,
     "critical_speed": paper.critical_speed,
     "closed_form": lambda given: paper.closed_form(given, SPINS),

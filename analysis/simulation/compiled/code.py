@@ -1,20 +1,18 @@
 """Code compiled of systems of symbols, kept for all runs alike in structure."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Condition
+from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array
-from analysis.problem.choices import Formulation
 from analysis.problem.constraints import multiplier_names
-from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled import systems
-from analysis.simulation.compiled.library import CannotCompileError, heyoka
+from analysis.simulation.compiled.library import heyoka
 from analysis.simulation.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
 
 WIDEST_INDEX_1 = 4
@@ -24,25 +22,13 @@ Its code keeps most numbers on the stack, where LLVM lets wider ones straddle tw
 cache; batches of eight take 15 to 45 % longer for each member.
 """
 
-MOST_FORCES = 4
-"""Constraint forces up to which a disk with products of inertia is compiled within seconds."""
-
 COMPACT = False
 """Whether to compile in a quarter of the time for runs that take two to four times as long."""
 
 
-class Integrator(NamedTuple):
-    """A batch integrator of heyoka.
-
-    Parameters
-    ----------
-    solver : taylor_adaptive_batch
-    edges : list of lists of floats
-        Of each run in it, times at which the contact has begun or ceased to pull, if it may.
-    """
-
-    solver: Any
-    edges: list[list[float]]
+Integrator = tuple[Any, list[list[float]]]
+"""A `taylor_adaptive_batch` of heyoka, and of each run in it the times at which the contact has
+begun or ceased to pull, if it may."""
 
 
 class Code:
@@ -104,7 +90,7 @@ class Code:
             t_events=events + kinks(system, library.t_event_batch),
             compact_mode=self._compact,
         )
-        return Integrator(solver, edges)
+        return solver, edges
 
     @property
     def width(self) -> int:
@@ -141,51 +127,8 @@ class Code:
         return rows[..., :6], rows[..., 6:12], rows[..., 12:held], rows[..., held:]
 
 
-def code_for(
-    scenario: Scenario,
-    formulation: Formulation,
-    conditions: Mapping[str, Condition],
-    *,
-    allow_pulling: bool,
-) -> Code:
-    """Code of the runs of a scenario, or of members that are alike in structure.
-
-    It is compiled when a run first asks for it.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        With the ideal contact.
-    formulation : {"index-1", "reduced"}
-    conditions : mapping
-        From reasons to functions of a `State`; a run ends where one turns negative.
-    allow_pulling : bool
-        Whether to go on where the contact pulls.
-
-    Raises
-    ------
-    CannotCompileError
-        If heyoka is not installed or something cannot be expressed in its symbols.
-    """
-    heyoka()
-    if formulation == "free-body":
-        raise CannotCompileError(
-            "method 'taylor' knows the ideal contact alone, no formulation 'free-body'"
-        )
-    if not scenario.disk.is_round_disk:
-        kind = type(scenario.disk).__name__
-        raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
-    if scenario.disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
-        raise CannotCompileError(
-            "method 'taylor' takes minutes to compile a disk with products of inertia and more "
-            f"than {MOST_FORCES} constraint forces, got {scenario.name}"
-        )
-    if allow_pulling and scenario.rubs and scenario.friction.load == "contact":
-        raise CannotCompileError(
-            "allow_pulling must be left out with method 'taylor' where friction has the load "
-            "'contact', which then comes and goes"
-        )
-    structure = Structure.of(scenario, formulation, conditions, allow_pulling=allow_pulling)
+def code_for(structure: Structure) -> Code:
+    """Code of runs of this structure, which is compiled when a run first asks for it."""
     return _code(structure, COMPACT)
 
 

@@ -1,6 +1,5 @@
 """Compiled runs of many scenarios, as arrays from their fields to their motions."""
 
-import time
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -44,15 +43,12 @@ class CompiledRuns:
     runs : Runs
     watch : Watch, optional
         Of a single member.
-    seconds : float, optional
-        Processor time of the last run of a single member.
     """
 
     request: Request
     group: Group
     runs: Runs
     watch: Watch | None
-    seconds: float | None
 
     def blocks(self) -> Iterator[tuple[slice, Samples]]:
         """Samples of some at a time, at the times asked for and at their ends."""
@@ -72,8 +68,9 @@ class CompiledRuns:
         """Times, coordinates, rates and constraint forces of some."""
         runs, group = self.runs, self.group
         times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
-        states = np.append(runs.states[some], runs.last[some, None], axis=1)
-        coordinates, rates, forces, _ = group.code.readings(states, times, group.numbers[some])
+        coordinates, rates, forces, _ = group.code.readings(
+            runs.states[some], times, group.numbers[some]
+        )
         return times, coordinates, rates, forces
 
     def trajectory(self, row: int, scenario: Scenario) -> Trajectory:
@@ -111,7 +108,6 @@ class CompiledRuns:
             (coordinates, rates, forces),
             method="taylor",
             watch=self.watch,
-            seconds=self.seconds,
         )
 
 
@@ -176,7 +172,10 @@ Columns = tuple[Code, Sequence[float]]
 def _columns(request: Request, scenario: Scenario) -> Columns:
     """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
     formulation = request.formulation or default_formulation(scenario)
-    code = code_for(scenario, formulation, request.conditions, allow_pulling=request.allow_pulling)
+    structure = systems.Structure.of(
+        scenario, formulation, request.conditions, allow_pulling=request.allow_pulling
+    )
+    code = code_for(structure)
     check_formulation(scenario, formulation)
     effort = request.effort(scenario, "taylor")
     numbers = systems.parameters(scenario, float(request.times[0]))
@@ -209,14 +208,9 @@ def _refused(group: Group, scenarios: Scenarios, first: int) -> dict[int, Except
 def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Exception]]:
     """Run a group; its single member as a call that is watched."""
     watch = request.watch(float(group.most[0])) if len(group) == 1 else None
-    seconds: float | None = None
 
     def run(some: Rows, local: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
-        nonlocal seconds
-        begin = time.thread_time()
-        found = integrate(group, some, request.times, local, longest, watch=watch)
-        seconds = None if watch is None else time.thread_time() - begin
-        return found
+        return integrate(group, some, request.times, local, longest, watch=watch)
 
     def estimated(fine: Runs, coarse: Runs, some: Rows) -> Array:
         def rates(runs: Runs) -> Array:
@@ -230,4 +224,4 @@ def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Except
 
     rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
     runs, failures = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
-    return CompiledRuns(request, group, runs, watch, seconds), failures
+    return CompiledRuns(request, group, runs, watch), failures

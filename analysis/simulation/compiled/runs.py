@@ -1,5 +1,6 @@
 """Compiled runs of members alike in structure, as arrays; a single run is a batch of one."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from math import asin, sin
@@ -13,7 +14,7 @@ from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.simulation.compiled.code import Code
 from analysis.simulation.compiled.library import heyoka
-from analysis.simulation.compiled.systems import ALIVE, REASON, SINGULAR, WHEN
+from analysis.simulation.compiled.systems import ALIVE, REASON, WHEN
 from analysis.solve.to_tolerance import RUNNING, Runs
 from analysis.solve.watch import Watch, intervals
 
@@ -85,6 +86,7 @@ def integrate(
     dict
         From members to the errors that ended them; their runs mean nothing.
     """
+    begun = time.thread_time()
     code, begin, end = group.code, float(times[0]), float(times[-1])
     width = code.width if watch is None else 1
     # A batch that is not full repeats its last member.
@@ -117,6 +119,7 @@ def integrate(
                     found.pulling[row] = intervals(each, float(found.ends[row]))
         if watch is not None:
             error = _fault(found, solver, watch, group)
+            found.seconds[:] = time.thread_time() - begun
             return found, {} if error is None else {int(members[0]): error}
     for row in failed:
         member = members[row : row + 1]
@@ -130,13 +133,13 @@ def integrate(
 
 
 def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
-    """Take over what a batch has reached; returns the rows that have failed."""
+    """Take over what a batch has reached; returns the rows that must be run alone."""
     count = min(solver.batch_size, len(found.ends) - first)
     rows = slice(first, first + count)
     results = solver.propagate_res
     # As a matrix, for a sixth of the time.
     flat = samples.reshape(-1, solver.batch_size).T
-    found.states.reshape(len(found.ends), -1)[rows] = flat[:count]
+    found.states.reshape(len(found.ends), -1)[rows, : flat.shape[1]] = flat[:count]
     found.last[rows] = solver.state.T[:count]
     found.steps[rows] = [each[3] for each in results[:count]]
     alive = solver.pars[ALIVE, :count]
@@ -144,50 +147,38 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     if alive.any() and any(each[0] != complete for each in results):
         # What went wrong in one of them must not touch the others.
         return list(range(first, first + count))
-    if alive.all():
-        return []
     ended = np.flatnonzero(alive == 0.0)
     stopped = first + ended
     found.ends[stopped] = solver.pars[WHEN, ended]
     found.reasons[stopped] = solver.pars[REASON, ended]
     for row in stopped.tolist():
         _end(found, row)
-    return [row for row in stopped.tolist() if _name(found, row) == SINGULAR]
+    return []
 
 
 def _end(found: Runs, row: int) -> None:
     """Let a run stay from its end on what it is there."""
     # A sample at the ending itself may have come too late.
-    found.states[row, found.times >= found.ends[row]] = found.last[row]
-
-
-def _name(found: Runs, row: int) -> str:
-    return str(found.names[found.reasons[row]])
+    found.states[row, :-1][found.times >= found.ends[row]] = found.last[row]
 
 
 def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | None:
     """What is wrong with a run that was watched; tells when it has met its time limit."""
     watch.steps += int(found.steps[0])
     kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
-    why = "it does not get on"
-    if found.reasons[0] != RUNNING:
-        if _name(found, 0) != SINGULAR:
-            return None
-        why = "each newton of normal force calls for another one of it through friction"
-    elif outcome == kinds.time_limit:
+    if found.reasons[0] != RUNNING or outcome == kinds.time_limit:
         return None
-    elif outcome == kinds.cb_stop:
+    if outcome == kinds.cb_stop:
         found.ends[0], found.reasons[0] = solver.time[0], found.names.index(TIME_LIMIT)
         _end(found, 0)
         return None
-    elif outcome == kinds.err_nf_state:
-        why = "its state is no longer finite"
     moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.attitudes][0])
     found.states[:] = np.nan
-    found.last[:] = np.nan
     if outcome == kinds.step_limit:
         watch.flattest = (moment, asin(min(1.0, leaning)))
         return watch.given_up("taylor")
+    is_lost = outcome == kinds.err_nf_state
+    why = "its state is no longer finite" if is_lost else "it does not get on"
     return ArithmeticError(f"taylor stopped after t = {moment:g} s: {why}")
 
 

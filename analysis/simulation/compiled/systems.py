@@ -17,6 +17,7 @@ from analysis.mechanics.attitude import EulerTurning, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.choices import Formulation
+from analysis.problem.constraints import multiplier_names
 from analysis.problem.elementary import Members
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import LEAST_TILT
@@ -29,8 +30,8 @@ FAINT = 1e-8
 It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 """
 
-SINGULAR = "singular"
-"""Ending of a run where friction calls for a newton of normal force for each newton of it."""
+MOST_FORCES = 4
+"""Constraint forces up to which a disk with products of inertia is compiled within seconds."""
 
 _NUMBERS = (float, Members)
 
@@ -45,8 +46,8 @@ class Structure(NamedTuple):
     equations : newton_euler.Structure
     options : tuple of pairs
         Fields of the friction law that are no floats.
-    kinked, flips : bool
-        Whether friction has a kink at no slip, and slip one direction, in which it changes sign.
+    kinked : bool
+        Whether friction has a kink at no slip.
     allow_pulling : bool
         Whether a run goes on where the contact pulls.
     conditions : tuple of pairs
@@ -57,7 +58,6 @@ class Structure(NamedTuple):
     equations: newton_euler.Structure
     options: tuple[tuple[str, Any], ...]
     kinked: bool
-    flips: bool
     allow_pulling: bool
     conditions: tuple[tuple[str, Condition], ...]
 
@@ -70,8 +70,41 @@ class Structure(NamedTuple):
         *,
         allow_pulling: bool,
     ) -> "Structure":
-        """Structure of the runs of a scenario, or of members that are alike in it."""
-        law = scenario.friction
+        """Structure of the runs of a scenario, or of members that are alike in it.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        formulation : {"index-1", "reduced"}
+        conditions : mapping
+            From reasons to functions of a `State`; a run ends where one turns negative.
+        allow_pulling : bool
+            Whether to go on where the contact pulls.
+
+        Raises
+        ------
+        CannotCompileError
+            If heyoka is not installed or something cannot be expressed in its symbols.
+        """
+        heyoka()
+        law, disk = scenario.friction, scenario.disk
+        if formulation == "free-body":
+            raise CannotCompileError(
+                "method 'taylor' knows the ideal contact alone, no formulation 'free-body'"
+            )
+        if not disk.is_round_disk:
+            kind = type(disk).__name__
+            raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
+        if disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
+            raise CannotCompileError(
+                "method 'taylor' takes minutes to compile a disk with products of inertia and "
+                f"more than {MOST_FORCES} constraint forces, got {scenario.name}"
+            )
+        if allow_pulling and scenario.rubs and law.load == "contact":
+            raise CannotCompileError(
+                "allow_pulling must be left out with method 'taylor' where friction has the load "
+                "'contact', which then comes and goes"
+            )
         if not law.is_simple:
             raise CannotCompileError(
                 "method 'taylor' takes friction that is isotropic and in proportion to the load, "
@@ -84,17 +117,9 @@ class Structure(NamedTuple):
         kinked = bool(
             scenario.rubs and abs(law.per_speed(little) - law.gradient) > 1e-9 * law.gradient
         )
-        flips = kinked and any(slip in scenario.constraints for slip in SLIPS)
         equations = newton_euler.Structure.of(scenario, EulerTurning)
-        return cls(
-            formulation,
-            equations,
-            options,
-            kinked,
-            flips,
-            allow_pulling,
-            tuple(conditions.items()),
-        )
+        ends = tuple(conditions.items())
+        return cls(formulation, equations, options, kinked, allow_pulling, ends)
 
 
 @cache
@@ -159,6 +184,10 @@ class System:
     readings: list[Any]
 
 
+_Speed = Callable[[Any, Any], Any]
+"""Size of a slip along and across the edge."""
+
+
 def _symbolic(structure: Structure) -> Any:
     """Stand-in for a scenario, with parameters for numbers."""
     symbols = (heyoka().par[number] for number in count(SPIN))
@@ -172,7 +201,9 @@ def _symbolic(structure: Structure) -> Any:
     return SimpleNamespace(
         numbers=given,
         disk=recorded.disk_of(given),
-        per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed),
+        per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed)
+        if structure.equations.load
+        else lambda _: 0.0,
         spin=spin,
         alpha=turned + spin * heyoka().time,
     )
@@ -187,90 +218,71 @@ def build(structure: Structure) -> System:
         If its friction law or a condition does what cannot be done with symbols.
     """
     library, scenario = heyoka(), _symbolic(structure)
-    speed = _signed if structure.flips else _size(FAINT)
+    # Slip in a single direction changes its sign at the kink.
+    single = any(slip in structure.equations.constraints for slip in SLIPS)
+    speed = _signed if structure.kinked and single else _size(FAINT)
+    code = full = recorded.formula(structure.equations)
+    constants = scenario.numbers
     if structure.formulation == "reduced":
         variables = library.make_vars("beta", "gamma", "beta_rate")
         coordinates, rates = reduced.expanded(
             scenario.disk, scenario.spin, scenario.alpha, variables
         )
         state = state_of(scenario.disk, coordinates, rates, EulerTurning)
+        code, constants = reduced.formula(is_simple=True), [*constants, scenario.spin]
     else:
         variables = state = library.make_vars(*recorded.STATE)
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    solve = _reduced if structure.formulation == "reduced" else _index_1
-    derivatives, forces, slips, feedback = solve(structure, scenario, variables, speed)
+    derivatives, forces, slips = _solution(code, constants, scenario.per_speed, variables, speed)
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
-    if feedback:
-        endings[SINGULAR] = 1.0 - feedback[0]
     paper_state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
         endings[reason] = _expressed(f"stop_when {reason!r}", condition, paper_state)
     # The kink does no harm here, but 0 / 0 would.
-    _, forces, single, _ = _index_1(structure, scenario, state, _size(1e-150))
+    _, forces, smooth = _solution(full, scenario.numbers, scenario.per_speed, state, _size(1e-150))
     return System(
         variables=variables,
         derivatives=derivatives,
         kinks=slips if structure.kinked else [],
         endings=endings,
-        readings=_symbols([*coordinates, *rates, *forces, *single]),
+        readings=_symbols([*coordinates, *rates, *forces, *smooth]),
     )
 
 
-_Speed = Callable[[Any, Any], Any]
-"""Size of a slip along and across the edge."""
+def _solution(
+    code: Callable[..., Callable[..., tuple[Any, ...]]],
+    constants: Sequence[Any],
+    per_speed: Callable[[Any], Any],
+    variables: Sequence[Any],
+    speed: _Speed,
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """What code of the equations tells of a state, as symbols.
 
-_Solution = tuple[list[Any], list[Any], list[Any], list[Any]]
-"""Symbols at a state: derivatives, constraint forces, slips, and if there is any the part of the
-normal force that friction calls for."""
-
-
-def _reduced(
-    structure: Structure, scenario: Any, variables: Sequence[Any], speed: _Speed
-) -> _Solution:
+    Returns
+    -------
+    derivatives, forces : list
+        The normal force is the first one.
+    slips : list
+        Of the friction there is.
+    """
     library = heyoka()
     slips: list[Any] = []
-
-    def friction(slip: Any) -> Any:
-        slips.append(slip)
-        return scenario.per_speed(speed(0.0, slip)) * slip
-
-    *derivatives, force, _ = reduced.formula()(
-        *scenario.numbers,
-        scenario.spin,
-        sin=library.sin,
-        cos=library.cos,
-        friction=friction if structure.equations.load else lambda _: 0.0,
-    )(*variables)
-    return derivatives, [force], slips, []
-
-
-def _index_1(
-    structure: Structure, scenario: Any, variables: Sequence[Any], speed: _Speed
-) -> _Solution:
-    """What `recorded.formula` tells of a state."""
-    library = heyoka()
-    slips: list[Any] = []
-    feedback: list[Any] = []
 
     def noted(*both: Any) -> Any:
         slips[:] = [slip for slip in both if not isinstance(slip, float)]
         return speed(*both)
 
-    def contact_load(alone: Any, added: Any) -> Any:
-        feedback.append(added)
-        return alone / (1.0 - added)
-
-    code = recorded.formula(structure.equations)
-    found = code(
-        *scenario.numbers,
+    function = code(
+        *constants,
         sin=library.sin,
         cos=library.cos,
         speed=noted,
-        per_speed=scenario.per_speed,
-        contact_load=contact_load,
-    )(*variables)
-    solution = _symbols(found)
-    return solution[:12], solution[12:], slips, feedback
+        per_speed=per_speed,
+        # It grows beyond all bounds as each newton comes to call for another one.
+        contact_load=lambda alone, added: alone / (1.0 - added),
+    )
+    found, size = _symbols(function(*variables)), len(variables)
+    return found[:size], found[size:], slips
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:

@@ -88,6 +88,17 @@ def test_a_run_ends_at_its_time_limit_or_raises_where_no_tolerance_was_met(side:
         RUNS[side](model(2), times, tolerance=1e-6, time_limit=0.1)
 
 
+@SIDES
+def test_solver_seconds_are_those_of_the_last_run_to_a_tolerance(
+    side: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readings = count()
+    monkeypatch.setattr("analysis.solve.stepping.time.thread_time", lambda: float(next(readings)))
+    assert RUNS[side](model(2), TIMES, tolerance=1e-4).solver_seconds == 1.0
+    # Each run reads the clock twice.
+    assert next(readings) >= 4
+
+
 def test_two_runs_that_agree_up_to_a_time_limit_are_a_result_up_to_the_samples_of_both(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -118,6 +118,8 @@ SEVERAL: list[tuple[str, dict[str, Any], str]] = [
     ("in-house", {"stop_when": lambda _: "low"}, "stop_when <lambda> must say a number of"),
     ("in-house", {"stop_when": "no.such:thing"}, "stop_when 'no.such:thing' cannot be loaded: No"),
     ("in-house", {"stop_when": CONDITIONS}, "stop_when .* different names, got <lambda> twice"),
+    ("many", {"scenarios": 2 * [Scenario()], "workers": 2, "method": "RK45",
+              "stop_when": CONDITIONS[0]}, "stop_when must hold functions that worker processes"),
     ("in-house rest", {"scenario": SHARP}, "half_thickness must be positive for the disk"),
     ("in-house rest", {"scenario": Scenario()}, "contact must be a PenaltyContact, got None"),
     ("in-house rest", {"spacing": 2.0}, "spacing must not exceed end = 0.01"),

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from validation.page.section import Section
 from mbs_models.runs import Recording
+from validation.page.section import Section
 from validation.studies import lean
 
 PART = "friction of coefficient zero"
