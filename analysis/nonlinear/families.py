@@ -28,7 +28,6 @@ from analysis.nonlinear.heteroclinic import (
 from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import (
     Array,
-    function,
     in_range,
     instance,
     number,
@@ -96,8 +95,6 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
-    if progress is not None:
-        function("progress", progress)
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
@@ -241,8 +238,6 @@ def asymmetric_family(
     NoCycleError
         If there is no cycle without symmetry beside the bifurcation.
     """
-    if progress is not None:
-        function("progress", progress)
     if instance("breaking", breaking, Event).kind != "symmetry-breaking":
         raise ValueError(f"breaking must be symmetry-breaking, got {breaking.kind!r}")
     born = breaking.motion
@@ -316,8 +311,6 @@ def rotating_family(
     NoCycleError
         If none is found.
     """
-    if progress is not None:
-        function("progress", progress)
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
