@@ -11,7 +11,11 @@ import pandas as pd
 from analysis import CENTRED_DISK as DISK
 from analysis import Dissipation, PenaltyContact, Scenario, SmoothCoulomb, SpatialMotion, Start
 from analysis.problem.choices import SOURCES
-from analysis.stability.stationary_rolling import (
+from mbs_models.rest import largest_step
+from validation.kit.limits import largest
+from validation.page.content import Content
+from validation.run import run_to_rest
+from validation.studies.rest.rolling import (
     axial_spin,
     euler_disk_energy,
     euler_disk_precession,
@@ -21,10 +25,6 @@ from analysis.stability.stationary_rolling import (
     time_to_flat,
     upright_rolling_spin,
 )
-from mbs_models.rest import largest_step
-from validation.kit.limits import largest
-from validation.page.content import Content
-from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most
 
 RIM = PenaltyContact.rounded(DISK, half_thickness=2e-5)

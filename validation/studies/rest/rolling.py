@@ -1,11 +1,13 @@
 """Closed forms of a centred disk that rolls without slip, and its final stage, fitted.
 
+They hold on a horizontal table for a disk without eccentricity whose A and B are the same.
+
 Notation: A, C moments of inertia across and along the axis about the centre, m mass, r radius,
 beta inclination, Omega precession (rate of alpha), w3 = Omega cos(beta) + rate of gamma, the
 spin along the axis. The contact carries the weight m g in every stationary motion.
 """
 
-from math import cos, pi, sin, sqrt
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +16,8 @@ from scipy.optimize import minimize_scalar
 from analysis.motion import frames
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, in_range, increasing_times, number, positive
-from analysis.problem.scenario import Scenario, require_plain
+from analysis.problem.checks import Array
+from analysis.problem.scenario import Scenario
 from analysis.problem.start import Start
 
 
@@ -28,22 +30,16 @@ def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
     Parameters
     ----------
     scenario : Scenario
-        With a centred disk on a horizontal table; that it rolls without slip is taken for granted.
+        That the disk rolls without slip is taken for granted.
     beta : float
         Inclination in rad, in the open interval (0, pi).
     precession : float
         Rate Omega of alpha in rad/s, not zero.
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of range or the disk is eccentric.
     """
     disk = scenario.disk
-    A, rolling = _across(disk), disk.inertia_z + disk.mass * disk.radius**2
-    sb, cb = sin(_inclination(beta)), cos(beta)
-    Omega = _precession(precession)
-    return (A * Omega**2 * sb * cb - _tipping(scenario) * cb) / (rolling * Omega * sb)
+    rolling = (disk.inertia_z + disk.mass * disk.radius**2) * precession * sin(beta)
+    turning = disk.inertia_x * precession**2 * sin(beta)
+    return (turning - _tipping(scenario)) * cos(beta) / rolling
 
 
 def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> Start:
@@ -56,34 +52,26 @@ def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> St
         Inclination in rad.
     precession, spin : float
         Angular velocities in rad/s about the vertical and about the axis; see `axial_spin`.
-
-    Raises
-    ------
-    ValueError
-        If the disk is not centred, or the precession is zero.
     """
-    _across(disk)
-    rate = _precession(precession)
     return Start(
         beta=beta,
         gamma=0.0,
-        spin=rate,
+        spin=precession,
         beta_rate=0.0,
-        gamma_rate=spin - rate * cos(beta),
-        y=disk.radius * spin / rate,
+        gamma_rate=spin - precession * cos(beta),
+        y=disk.radius * spin / precession,
         y_rate=0.0,
     )
 
 
 def euler_disk_precession(scenario: Scenario, beta: float) -> float:
-    """Precession in rad/s with w3 = 0: Omega² = m g r / (A sin(beta)); `ValueError` as above."""
-    return sqrt(_tipping(scenario) / (_across(scenario.disk) * sin(_inclination(beta))))
+    """Precession in rad/s with w3 = 0: Omega² = m g r / (A sin(beta))."""
+    return sqrt(_tipping(scenario) / (scenario.disk.inertia_x * sin(beta)))
 
 
 def euler_disk_energy(scenario: Scenario, beta: float) -> float:
     """Energy in J with w3 = 0, from the table: E = 3/2 m g r sin(beta)."""
-    _across(scenario.disk)
-    return 1.5 * _tipping(scenario) * sin(_inclination(beta))
+    return 1.5 * _tipping(scenario) * sin(beta)
 
 
 def upright_rolling_spin(scenario: Scenario) -> float:
@@ -92,8 +80,8 @@ def upright_rolling_spin(scenario: Scenario) -> float:
     w3² = A m g r / (C (C + m r²)), which is g / (3 r) for a thin disk.
     """
     disk = scenario.disk
-    A, C = _across(disk), disk.inertia_z
-    return sqrt(A * _tipping(scenario) / (C * (C + disk.mass * disk.radius**2)))
+    rolling = disk.inertia_z + disk.mass * disk.radius**2
+    return sqrt(disk.inertia_x * _tipping(scenario) / (disk.inertia_z * rolling))
 
 
 def time_to_flat(scenario: Scenario, beta: float) -> float:
@@ -103,51 +91,17 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
     r Omega. Viscous: beta² = 4/3 c m g r² / A * time to go, so that beta goes with its power
     1/2 and Omega with -1/4. Dry: beta^(3/2) = c sqrt(m g r / A) * time to go, so that they go
     with 2/3 and -1/3.
-
-    Raises
-    ------
-    ValueError
-        If not exactly one of the rolling resistances is on.
     """
-    disk, dissipation = scenario.disk, scenario.dissipation
-    dry, viscous = dissipation.rolling_dry, dissipation.rolling_viscous
-    if (dry > 0.0) == (viscous > 0.0):
-        raise ValueError(
-            "dissipation must have either rolling_dry or rolling_viscous, "
-            f"got {dry:g} and {viscous:g}"
-        )
-    A, beta = _across(disk), positive("beta", beta)
-    if viscous:
-        return 0.75 * beta * beta * A / (viscous * _tipping(scenario) * disk.radius)
-    return beta * sqrt(beta * A / _tipping(scenario)) / dry
+    disk, loss = scenario.disk, scenario.dissipation
+    slowness = beta * disk.inertia_x / _tipping(scenario)
+    if viscous := loss.rolling_viscous:
+        return 0.75 * beta * slowness / (viscous * disk.radius)
+    return beta * sqrt(slowness) / loss.rolling_dry
 
 
 def _tipping(scenario: Scenario) -> float:
     """Moment m g r in N m of the weight about the rim of a flat disk."""
-    require_plain(scenario, "a closed form of rolling")
     return scenario.weight * scenario.disk.radius
-
-
-def _across(disk: Body) -> float:
-    """Moment of inertia A across the axis of a centred disk."""
-    if disk.eccentricity or abs(disk.inertia_x - disk.inertia_y) > 1e-9 * disk.inertia_x:
-        raise ValueError(
-            "disk must be centred with inertia_x = inertia_y, got eccentricity "
-            f"{disk.eccentricity:g}, inertia_x {disk.inertia_x:g}, inertia_y {disk.inertia_y:g}"
-        )
-    return disk.inertia_x
-
-
-def _precession(precession: float) -> float:
-    precession = number("precession", precession)
-    if precession == 0.0:
-        raise ValueError("precession must not be zero")
-    return precession
-
-
-def _inclination(beta: float) -> float:
-    why = "where a disk leans"
-    return in_range("beta", beta, 0.0, pi, is_above=True, is_below=True, why=why)
 
 
 class PowerLaw(NamedTuple):
@@ -181,17 +135,7 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
         Positive.
     end : float, optional
         Time at which the law ends; fitted too if it is not given.
-
-    Raises
-    ------
-    ValueError
-        If a value is not positive, or `end` does not lie behind all times.
     """
-    times = increasing_times(times)
-    if np.any(values <= 0.0):
-        raise ValueError(f"values must be positive, got {np.min(values):g}")
-    if end is not None and end <= times[-1]:
-        raise ValueError(f"end must lie behind the last time {times[-1]:g}, got {end:g}")
     logs, duration = np.log(values), times[-1] - times[0]
 
     def line(candidate: float) -> tuple[Array, Array]:
