@@ -14,7 +14,7 @@ from analysis import MODELS, STEEL_DISK, Scenario
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from tests.bodies import ELLIPSE
-from tests.calls import Capture, run
+from tests.calls import Capture, printed, run
 from tests.helpers import not_none
 from tests.sweeps import direct
 from validation.maps import figures, problems
@@ -224,3 +224,9 @@ def test_map_is_drawn_and_told(
     assert (tmp_path / f"{name}.svg").stat().st_size > 5000
     stores = {f"{name}-{index}.db" for index in range(1, 1 + panels + starts)}
     assert {path.name for path in tmp_path.glob("*.db")} == stores
+
+
+@pytest.mark.slow
+def test_pairs_that_tell_no_exponent_are_told_of(tmp_path: Path, capsys: Capture) -> None:
+    call = f"map rest --out {tmp_path} --cells 1 --levels 0 --end 0.1 --witnesses 0 --pairs 1"
+    assert "no uncertainty exponent: pairs of starts end" in printed(capsys, call)
