@@ -114,9 +114,9 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
 
         - source, and spin `hopf` and `frequency` of the Hopf point in rad/s;
         - `times` in s, `spins` and `deviations`, shape (n,): samples from the inversion to the
-          loss, mean spin in rad/s and slow deviation of gamma in rad, freed of the fast
-          oscillation; `linear`, shape (n,): deviation in rad by the growth rate alone, fitted
-          soon after the inversion;
+          loss, mean spin in rad/s in the sense of that at the inversion, and slow deviation of
+          gamma in rad, freed of the fast oscillation; `linear`, shape (n,): deviation in rad by
+          the growth rate alone, fitted soon after the inversion;
         - `crossing`, from when on the mean spin is below that of the Hopf point, `lost`, when the
           centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
           come to pi/2: in s, None where it does not happen;
@@ -142,6 +142,8 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     times, gamma = path.times[near], path.coordinate("gamma")[near]
     spins = running_mean(times, path.rate("alpha")[near], 2.0 * np.pi / pair.frequency)
     kept = (times >= inversion.time) & (times <= end)
+    # A disk that spins the other way is a mirror image.
+    spins = np.sign(spins[kept][0]) * spins
     turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
     deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns
     growth, fast = pair.rates_at(spins)
