@@ -28,6 +28,7 @@ from analysis.nonlinear.heteroclinic import (
 from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import (
     Array,
+    function,
     in_range,
     instance,
     number,
@@ -311,6 +312,8 @@ def rotating_family(
     NoCycleError
         If none is found.
     """
+    if progress is not None:
+        function("progress", progress)
     chosen = TILTS if tilts is None else tilts
     wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
