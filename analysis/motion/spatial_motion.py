@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from analysis.motion import frames
 from analysis.motion.frames import Flags, Poses
@@ -63,8 +62,7 @@ def phases_of(motion: "SpatialMotion") -> Phases:
     limit = np.arctan(FLAT * contact.half_thickness / disk.radius) if contact.lies(disk) else 0.0
     flat = _from_here_on(times, leaning < limit)
     upto = times <= (np.inf if flat is None else flat)
-    speeds = motion.slip_speeds, motion.contour_speeds
-    slip, contour = (running_mean(times, each, MEAN_TIME) for each in speeds)
+    slip, contour = (_running_mean(times, s) for s in (motion.slip_speeds, motion.contour_speeds))
     inversion = motion.inversion
     return Phases(
         inversion=inversion.time,
@@ -83,17 +81,13 @@ def _from_here_on(times: Array, condition: Flags) -> float | None:
     return float(times[broken[-1] + 1 if broken.size else 0])
 
 
-def running_mean(times: Array, values: Array, window: float | Array) -> Array:
-    """Mean over a window in s around each sample; over what there is of it at the ends.
-
-    Parameters
-    ----------
-    times, values : ndarray, shape (n,)
-    window : float or ndarray, shape (n,)
-    """
-    integral = cumulative_trapezoid(values, times, initial=0.0)
-    low = np.maximum(times - 0.5 * window, times[0])
-    high = np.minimum(times + 0.5 * window, times[-1])
+def _running_mean(times: Array, values: Array) -> Array:
+    """Mean over `MEAN_TIME` around each sample; over what there is of it at the ends."""
+    integral = np.concatenate(
+        ([0.0], np.cumsum(0.5 * np.diff(times) * (values[1:] + values[:-1])))
+    )
+    low = np.maximum(times - 0.5 * MEAN_TIME, times[0])
+    high = np.minimum(times + 0.5 * MEAN_TIME, times[-1])
     difference = np.interp(high, times, integral) - np.interp(low, times, integral)
     result: Array = difference / (high - low)
     return result

@@ -18,7 +18,6 @@ import numpy.typing as npt
 from scipy.integrate import cumulative_trapezoid
 
 from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
-from analysis.motion.spatial_motion import running_mean
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
@@ -140,7 +139,7 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     path = motion if isinstance(motion, Trajectory) else motion.to_trajectory(beyond)
     near = path.times <= beyond
     times, gamma = path.times[near], path.coordinate("gamma")[near]
-    spins = running_mean(times, path.rate("alpha")[near], 2.0 * np.pi / pair.frequency)
+    spins = _mean(times, path.rate("alpha")[near], 2.0 * np.pi / pair.frequency)
     kept = (times >= inversion.time) & (times <= end)
     # A disk that spins the other way is a mirror image.
     spins = np.sign(spins[kept][0]) * spins
@@ -149,7 +148,7 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     growth, fast = pair.rates_at(spins)
     if fast is not None:
         for _ in range(2):
-            deviation = running_mean(times, deviation, 2.0 * np.pi / fast)
+            deviation = _mean(times, deviation, 2.0 * np.pi / fast)
     amplitude = np.hypot(deviation, np.gradient(deviation, times) / pair.frequency)[kept]
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
@@ -208,6 +207,15 @@ def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, flo
         return np.exp(size), None
     # The disk was lost earlier: the growth goes on at its last rate.
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
+
+
+def _mean(times: Array, values: Array, window: float | Array) -> Array:
+    """Mean over a window about each sample, shorter at the ends."""
+    total = cumulative_trapezoid(values, times, initial=0.0)
+    left = np.clip(times - window / 2.0, times[0], times[-1])
+    right = np.clip(times + window / 2.0, times[0], times[-1])
+    sums = np.interp(right, times, total) - np.interp(left, times, total)
+    return np.asarray(sums / (right - left), dtype=float)
 
 
 # --- The law of the delay -----------------------------------------------------------------------
