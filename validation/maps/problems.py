@@ -67,14 +67,20 @@ PROBLEMS = {
 }
 """By the names of the command."""
 
+_LABELS = {
+    "start.spin": "spinning speed at the start in rad/s",
+    "start.beta": "β at the start in rad",
+    "start.gamma": "γ at the start in rad",
+    "start.beta_rate": "rate of β at the start in rad/s",
+    "friction.coefficient": "friction coefficient μ",
+    "disk.eccentricity": "eccentricity in m",
+}
+
 
 def label(field: str) -> str:
     """What stands at the axis of a field, with its unit."""
-    table, _, name = field.replace("_", " ").rpartition(".")
-    name = name.replace("alpha", "α").replace("beta", "β").replace("gamma", "γ")
-    text = f"{name} at the start" if table == "start" else f"{table} {name}".strip()
-    measure = unit(field)
-    return f"{text} in {measure}" if measure else text
+    name, measure = field.replace("_", " ").replace(".", ": "), unit(field)
+    return _LABELS.get(field, f"{name} in {measure}" if measure else name)
 
 
 def panels(

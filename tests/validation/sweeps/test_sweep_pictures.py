@@ -29,7 +29,7 @@ def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) ->
     np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
     for line, name in zip(forces.lines, ("force_least", "force_largest"), strict=True):
         np.testing.assert_array_equal(line.get_ydata(), results.columns[name])
-    assert forces.get_xlabel() == "friction coefficient"
+    assert forces.get_xlabel() == "friction coefficient μ"
     random = sweep("spin=30:40", layout={"layout": "random", "number": 4})
     figure = draw(swept(random, tmp_path / "b.db"))
     assert np.all(np.diff(np.asarray(figure.axes[0].lines[0].get_xdata(), dtype=float)) > 0.0)
@@ -57,7 +57,7 @@ def test_several_axes_are_drawn_in_pairs(
 ) -> None:
     figure, _ = drawn(sweep(*axes, layout=how, end=4.0, tolerance=1e-2), tmp_path)
     shares, below, listed = (figure.axes[place] for place in (0, 3, 8))
-    assert below.get_ylabel() == "friction coefficient"
+    assert below.get_ylabel() == "friction coefficient μ"
     # A case that is refused counts in no share; where nothing else is, there is a cross.
     crosses = np.asarray(below.lines[0].get_ydata(), dtype=float)
     points = np.asarray(below.collections[0].get_offsets())
