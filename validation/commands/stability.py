@@ -64,6 +64,7 @@ def eigenvalues(
         ]
         values = np.linalg.eigvals(np.concatenate(matrices)).astype(complex)
         found = spectra.matched(found, found, values)
+    found = found + 0.0  # zeros without a sign
     rows = [
         {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
         for spin, values in zip(spins.tolist(), found, strict=True)
