@@ -199,11 +199,13 @@ def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, flo
     grown = cumulative_trapezoid(rates, times, initial=0.0)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
-    size = grown + np.mean(np.log(amplitude[early]) - grown[early])
+    # Of a disk that is exactly upright, nothing grows.
+    with np.errstate(divide="ignore"):
+        size = grown + np.mean(np.log(amplitude[early]) - grown[early])
     reached = np.flatnonzero((size > np.log(LOST)) & (since > 2.0 * SETTLING))
     if reached.size:
         return np.exp(size), float(times[reached[0]])
-    if rates[-1] <= 0.0:
+    if rates[-1] <= 0.0 or np.isneginf(size[-1]):
         return np.exp(size), None
     # The disk was lost earlier: the growth goes on at its last rate.
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])

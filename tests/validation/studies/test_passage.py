@@ -63,6 +63,12 @@ def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
     assert found["rate"] > 0.0
 
 
+def test_a_disk_that_is_exactly_upright_is_not_predicted_to_be_lost() -> None:
+    found = follow(Scenario(start=Start.stationary(29.0)), 2.0, "in-house")
+    assert found["predicted"] is None
+    assert not np.any(found["linear"])
+
+
 def test_a_set_without_a_slow_pair_is_refused() -> None:
     with pytest.raises(ValueError, match="must have a Hopf point"):
         SlowPair.of(Scenario(constraints=("contact", "no-slip-along", "no-slip-across")))
