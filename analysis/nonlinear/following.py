@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 from typing import TypeVar
 
@@ -9,7 +10,7 @@ from scipy.optimize import brentq
 
 from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.motions import Event, PeriodicMotion
-from analysis.problem.checks import instance
+from analysis.problem.checks import function, instance
 from analysis.solve.watch import Progress
 
 _HALVINGS = 5
@@ -53,6 +54,8 @@ class Family:
 
         After each `progress` is called with how many there are and how many are wanted.
         """
+        if progress is not None:
+            function("progress", progress)
         found: list[PeriodicMotion] = []
         reason = None
         for way in ways:
@@ -130,12 +133,6 @@ def events(family: Family) -> tuple[Event, ...]:
 
 def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> PeriodicMotion:
     """Motion between two neighbours that has a multiplier."""
-    found = {first.value: first, last.value: last}
-
-    def at(value: float) -> float:
-        if value not in found:
-            found[value] = continue_to(value, first)
-        return found[value].characteristic(multiplier)
-
-    brentq(at, first.value, last.value, xtol=1e-9)
-    return min(found.values(), key=lambda each: abs(each.characteristic(multiplier)))
+    known = {each.value: each for each in (first, last)}
+    at = cache(lambda value: known.get(value) or continue_to(value, first))
+    return at(brentq(lambda value: at(value).characteristic(multiplier), *known, xtol=1e-9))

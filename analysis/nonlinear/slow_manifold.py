@@ -18,7 +18,7 @@ from analysis.mechanics.paper import critical_speed
 from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
 from analysis.nonlinear.continuation import nearest_root
-from analysis.problem.checks import Array, real_array
+from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
 
 _NODES = 200
@@ -63,21 +63,16 @@ def needed_friction(scenario: Scenario, spin: float, beta: Array, gamma: Array) 
     return result
 
 
-def slip_on(scenario: Scenario, spin: float, beta: Array, gamma: Array) -> Array:
-    """Lateral slip in m/s on the slow manifold to first order, shape (n,).
+def _slip(scenario: Scenario, needed: float) -> float:
+    """The smallest slip in m/s at which friction has a given size, from its law alone.
+
+    That keeps the disk on the slow manifold to first order.
 
     Raises
     ------
     NoManifoldError
-        If the friction law cannot give the force that is needed somewhere.
+        If the friction law cannot give the force that is needed.
     """
-    needed = needed_friction(scenario, spin, beta, gamma)
-    slips = np.sign(needed) * np.array([_slip(scenario, float(f)) for f in np.abs(needed)])
-    return real_array("slips", slips)
-
-
-def _slip(scenario: Scenario, needed: float) -> float:
-    """The smallest slip at which friction has a given size, from its law alone."""
     law = scenario.friction
     if needed == 0.0:
         return 0.0
@@ -160,7 +155,9 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     beta, gamma = np.pi - np.arcsin(height / rho), np.pi / 2 + turn
 
     def gain(spin: float) -> float:
-        return float(steps @ (slip_on(scenario, spin, beta, gamma) * rho / height))
+        needed = needed_friction(scenario, spin, beta, gamma)
+        slips = [np.copysign(_slip(scenario, abs(each)), each) for each in needed.tolist()]
+        return float(steps @ (np.array(slips) * rho / height))
 
     spin = nearest_root(gain, critical_speed(scenario).spin)
     if spin is None:

@@ -208,14 +208,8 @@ def _new(place: Array, found: list[Array]) -> bool:
     return all(np.max(np.abs(place - each)) > _SAME for each in found)
 
 
-def _turned(place: Array) -> Array:
-    """The same with gamma between -pi and pi."""
-    result: Array = np.append(place[:3], np.angle(np.exp(1j * place[3])))
-    return result
-
-
 def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
-    """A root as x / r, y / r, beta, gamma; None if the iteration ends elsewhere."""
+    """A root as x / r, y / r, beta, gamma from -pi to pi; None if the iteration ends elsewhere."""
     far = np.inf
     found = least_squares(
         lambda place: _residual(scenario, spin, place),
@@ -228,7 +222,7 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     )
     if np.max(np.abs(found.fun)) > _SMALL or np.any(found.active_mask):
         return None
-    return _turned(found.x)
+    return np.append(found.x[:3], np.angle(np.exp(1j * found.x[3])))
 
 
 def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:

@@ -7,7 +7,6 @@ larger one gets the positive imaginary part, here and on the way back.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Literal, get_args
 
@@ -98,22 +97,6 @@ _TIE_BREAK = 1e-6
 """Weight of the convention for colliding eigenvalues against distance."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Branches:
-    """Eigenvalues ordered into branches over the spin.
-
-    Parameters
-    ----------
-    spins : ndarray, shape (n,)
-        Strictly increasing spinning speeds in rad/s.
-    values : ndarray, shape (n, k)
-        Eigenvalues in 1/s; one column is one branch.
-    """
-
-    spins: Array
-    values: ComplexArray
-
-
 def chosen_system(scenario: Scenario, system: System | None = None) -> System:
     """Return the linear system of a scenario: the given one, or the closed one if there is one.
 
@@ -201,8 +184,8 @@ def branches(
     spins: npt.ArrayLike,
     system: System | None = None,
     motion: Motion = "inverted",
-) -> Branches:
-    """Eigenvalue branches of a linear system over the spin.
+) -> ComplexArray:
+    """Eigenvalues in 1/s by branches over the spin, one in a column.
 
     A column means the same branch in every call: branches are followed from spin 0, where they
     are numbered by falling real part, in steps fine enough whatever spins are asked for. Where a
@@ -216,6 +199,10 @@ def branches(
         See `matrices_over_spin`.
     spins : array_like, shape (n,)
         Strictly increasing spinning speeds in rad/s.
+
+    Returns
+    -------
+    ndarray, complex, shape (n, k)
 
     Raises
     ------
@@ -234,10 +221,10 @@ def branches(
     fraction = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
     before, after = helpers[right - 1], helpers[right]
     expected = before + fraction * (after - before)
-    values = _next(before, expected, np.linalg.eigvals(matrices(wanted)).astype(complex))
+    values = matched(before, expected, np.linalg.eigvals(matrices(wanted)).astype(complex))
     if has_drift(scenario.constraints):
         values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
-    return Branches(spins=wanted, values=values)
+    return values
 
 
 def helper_spins(scenario: Scenario, low: float, high: float) -> Array:
@@ -270,12 +257,19 @@ def _onward(first: ComplexArray, values: ComplexArray) -> list[ComplexArray]:
     for step in range(len(values)):
         expected = 2.0 * found[-1] - last
         last = found[-1]
-        found.append(_next(last, expected, values[step : step + 1]))
+        found.append(matched(last, expected, values[step : step + 1]))
     return [each[0] for each in found]
 
 
-def _next(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> ComplexArray:
-    """Values in the order of those they are expected to be, no two the same, shape (n, k)."""
+def matched(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> ComplexArray:
+    """Values in the order of those they are expected to be, no two the same.
+
+    Parameters
+    ----------
+    last, expected, values : ndarray, complex, shape (n, k)
+        Where two could take the place of each other, the change from the last ones decides; see
+        the top of the file.
+    """
     cost = np.abs(values[:, None] - expected[:, :, None])
     order = np.argmin(cost, axis=2)
     for step, chosen in enumerate(order.tolist()):

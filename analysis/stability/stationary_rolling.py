@@ -46,9 +46,7 @@ def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
     return (A * Omega**2 * sb * cb - _tipping(scenario) * cb) / (rolling * Omega * sb)
 
 
-def rolling_start(
-    disk: Body, beta: float, precession: float, spin: float, beta_rate: float = 0.0
-) -> Start:
+def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> Start:
     """Start of a centred disk that rolls without slip on a circle about the origin.
 
     Parameters
@@ -58,8 +56,6 @@ def rolling_start(
         Inclination in rad.
     precession, spin : float
         Angular velocities in rad/s about the vertical and about the axis; see `axial_spin`.
-    beta_rate : float
-        Rate of the inclination in rad/s.
 
     Raises
     ------
@@ -72,10 +68,10 @@ def rolling_start(
         beta=beta,
         gamma=0.0,
         spin=rate,
-        beta_rate=beta_rate,
+        beta_rate=0.0,
         gamma_rate=spin - rate * cos(beta),
         y=disk.radius * spin / rate,
-        y_rate=-disk.radius * sin(beta) * beta_rate,
+        y_rate=0.0,
     )
 
 

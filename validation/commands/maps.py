@@ -129,10 +129,12 @@ def _run_panels(
 
 
 def _fineness(starts: Sequence[Panel]) -> str:
-    """The uncertainty exponent of starts and of those beside them, in words; none may be shown."""
-    found = uncertainty([each.cells["outcome"] for each in starts]) if starts else None
-    if found is None:
+    """The uncertainty exponent of starts and of those beside them, in words."""
+    if not starts:
         return ""
+    found = uncertainty([each.cells["outcome"] for each in starts])
+    if found is None:
+        return "no uncertainty exponent: pairs of starts end differently at too few distances"
     parts = ", ".join(f"{100 * part:.0f} %" for part in found.parts)
     return (
         f"uncertainty exponent {found.exponent:.2f} ± {found.error:.2f}: of pairs of starts "

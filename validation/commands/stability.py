@@ -8,11 +8,12 @@ import numpy as np
 
 from analysis import LEVELS, MODELS, Start
 from analysis.mechanics.paper import CriticalSpeed, critical_speed
+from analysis.problem.checks import Array
 from analysis.problem.choices import EngineFormulation, Source
 from analysis.problem.names import ArgumentError
 from analysis.stability import spectra
 from analysis.stability.critical import CriticalSpeeds, critical_speeds, spin_interval
-from analysis.stability.spectra import Branches
+from analysis.stability.linearisation import ComplexArray
 from validation.commands.options import parse_spins
 from validation.kit import figures
 from validation.kit.progress import counted
@@ -51,6 +52,9 @@ def eigenvalues(
     """
     spins, motion = parse_spins(spin), spectrum["motion"]
     scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
+    if source == "in-house" and formulation is not None:
+        raise ArgumentError("formulation", "needs --source engine")
+    found = spectra.branches(scenario, spins, **spectrum)
     if source == "engine":
         from validation.studies.stability.eigenvalue_check import engine_matrices
 
@@ -58,19 +62,17 @@ def eigenvalues(
             engine_matrices(scenario, np.array([each]), formulation=formulation, motion=motion)
             for each in counted(spins, "spins")
         ]
-        found = Branches(spins=spins, values=spectra.follow(np.concatenate(matrices)))
-    elif formulation is not None:
-        raise ArgumentError("formulation", "needs --source engine")
-    else:
-        found = spectra.branches(scenario, spins, **spectrum)
+        values = np.linalg.eigvals(np.concatenate(matrices)).astype(complex)
+        found = spectra.matched(found, found, values)
+    found = found + 0.0  # zeros without a sign
     rows = [
         {"spin": spin, "real": values.real.tolist(), "imag": values.imag.tolist()}
-        for spin, values in zip(found.spins.tolist(), found.values, strict=True)
+        for spin, values in zip(spins.tolist(), found, strict=True)
     ]
     return Result(
-        tables=[_table(scenario.name, found)],
+        tables=[_table(scenario.name, spins, found)],
         values=rows,
-        draw=lambda: _draw(found, f"{motion} spinning, {scenario.name},"),
+        draw=lambda: _draw(spins, found, f"{motion} spinning, {scenario.name},"),
     )
 
 
@@ -103,7 +105,7 @@ def critical(
     def picture() -> Any:
         helpers = spectra.helper_spins(scenario, *ends)
         branches = spectra.branches(scenario, helpers, **spectrum)
-        return _draw(branches, f"{motion} spinning, {scenario.name},", found)
+        return _draw(helpers, branches, f"{motion} spinning, {scenario.name},", found)
 
     return Result(
         tables=[_stable_table(found), crossings],
@@ -172,40 +174,42 @@ def _closed_form(closed: CriticalSpeed) -> str:
     )
 
 
-def _table(name: str, found: Branches) -> Table:
-    size = found.values.shape[1]
+def _table(name: str, spins: Array, values: ComplexArray) -> Table:
+    size = values.shape[1]
     heads = [f"{part} {index + 1}" for index in range(size) for part in ("Re λ", "Im λ")]
     # Real and imaginary parts in turns.
-    parts = np.ascontiguousarray(found.values).view(float)
+    parts = np.ascontiguousarray(values).view(float)
     return Table(
         title=f"Eigenvalues of {name} in 1/s",
         columns=("spin in rad/s", *heads),
-        rows=np.column_stack((found.spins, parts)).tolist(),
+        rows=np.column_stack((spins, parts)).tolist(),
     )
 
 
-def _draw(found: Branches, motion: str, critical: CriticalSpeeds | None = None) -> Any:
+def _draw(
+    spins: Array, values: ComplexArray, motion: str, critical: CriticalSpeeds | None = None
+) -> Any:
     """Figure of the real and imaginary parts, stable spins shaded and crossings marked."""
     stable, crossings = (critical.stable, critical.crossings) if critical else ((), ())
     figure, axes = figures.new_figure(2, height=6.5)
-    for column in range(found.values.shape[1]):
+    for column in range(values.shape[1]):
         look = {
             "color": figures.COLOURS[column % 4],
             "linestyle": figures.STYLES[column // 4 % 4],
-            "marker": "o" if found.spins.size == 1 else None,
+            "marker": "o" if spins.size == 1 else None,
         }
-        axes[0].plot(found.spins, found.values[:, column].real, **look, label=f"λ{column + 1}")
-        axes[1].plot(found.spins, found.values[:, column].imag, **look)
+        axes[0].plot(spins, values[:, column].real, **look, label=f"λ{column + 1}")
+        axes[1].plot(spins, values[:, column].imag, **look)
     axes[0].axhline(0.0, color="#999999", linewidth=0.8, zorder=0)
     for each in axes:
         for index, ends in enumerate(stable):
             label = "" if index else "stable"
             each.axvspan(*ends, color="#cccccc", alpha=0.5, zorder=0, label=label)
     if crossings:
-        spins = [each.spin for each in crossings]
-        axes[0].plot(spins, [0.0] * len(spins), "ko", zorder=4, label="crossing")
+        places = [each.spin for each in crossings]
+        axes[0].plot(places, [0.0] * len(places), "ko", zorder=4, label="crossing")
         for sign in (1.0, -1.0):
-            axes[1].plot(spins, [sign * each.frequency for each in crossings], "ko", zorder=4)
+            axes[1].plot(places, [sign * each.frequency for each in crossings], "ko", zorder=4)
     # What decides on stability is small beside what friction makes decay.
     axes[0].set_yscale("symlog", linthresh=1.0)
     axes[0].set(ylabel="Re λ in 1/s: unstable above 0")

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -113,19 +114,27 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
 def became(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
     """What became of the disk in a case: of its inversion, or which of its faces is up.
 
-    A face is up for good once the disk cannot pass through standing on its rim any more, where
-    its potential energy is m g (r - e) at least, however long it takes to come to rest there.
+    A face is up for good once the disk cannot pass through standing on its rim any more, however
+    long it takes to come to rest there.
     """
     if row["status"] != DONE:
         return "refused" if row["status"] == "refused" and not to_rest else "failed"
     if to_rest:
-        barrier = scenario.weight * (scenario.disk.radius - scenario.disk.eccentricity)
+        barrier = _least_upright_energy(scenario)
         if float(row["energy_end"] or np.inf) >= barrier and row["ending"] != "flat":
             return "not decided"
         return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
     if row["inversion"] in ("inverted", "lost", "not decided"):
         return str(row["inversion"])
     return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
+
+
+@cache
+def _least_upright_energy(scenario: Scenario) -> float:
+    """Least potential energy in J with the axis level: m g (r - e) of a round disk."""
+    disk, gammas = scenario.disk, np.linspace(-np.pi, np.pi, 7201)
+    heights = disk.clearance(np.pi / 2, gammas)[0] + disk.eccentricity * np.sin(gammas)
+    return scenario.weight * float(np.min(heights))
 
 
 def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0) -> Panel:

@@ -10,6 +10,7 @@ import numpy as np
 import analysis
 from analysis import MODELS, Scenario
 from analysis.problem.checks import Array, whole, within
+from analysis.problem.scenario import require_level
 from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
 from validation.sweeps.axes import Axis, Design
@@ -95,8 +96,11 @@ def panels(
     Raises
     ------
     ValueError
-        If a number is out of range.
+        If a number is out of range, or a map that is decided by the energy has a leaning table,
+        which brings more and more of it.
     """
+    if problem.to_rest:
+        require_level(scenario, "a map of the face that is up")
     within("cells", cells, 1, 10_000)
     within("levels", levels, 0, 12)
     whole("witnesses", witnesses, least=0)

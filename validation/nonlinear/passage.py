@@ -114,9 +114,9 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
 
         - source, and spin `hopf` and `frequency` of the Hopf point in rad/s;
         - `times` in s, `spins` and `deviations`, shape (n,): samples from the inversion to the
-          loss, mean spin in rad/s and slow deviation of gamma in rad, freed of the fast
-          oscillation; `linear`, shape (n,): deviation in rad by the growth rate alone, fitted
-          soon after the inversion;
+          loss, mean spin in rad/s in the sense of that at the inversion, and slow deviation of
+          gamma in rad, freed of the fast oscillation; `linear`, shape (n,): deviation in rad by
+          the growth rate alone, fitted soon after the inversion;
         - `crossing`, from when on the mean spin is below that of the Hopf point, `lost`, when the
           centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
           come to pi/2: in s, None where it does not happen;
@@ -142,6 +142,8 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     times, gamma = path.times[near], path.coordinate("gamma")[near]
     spins = running_mean(times, path.rate("alpha")[near], 2.0 * np.pi / pair.frequency)
     kept = (times >= inversion.time) & (times <= end)
+    # A disk that spins the other way is a mirror image.
+    spins = np.sign(spins[kept][0]) * spins
     turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
     deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns
     growth, fast = pair.rates_at(spins)
@@ -198,11 +200,13 @@ def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, flo
     grown = cumulative_trapezoid(rates, times, initial=0.0)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
-    size = grown + np.mean(np.log(amplitude[early]) - grown[early])
+    # Of a disk that is exactly upright, nothing grows.
+    with np.errstate(divide="ignore"):
+        size = grown + np.mean(np.log(amplitude[early]) - grown[early])
     reached = np.flatnonzero((size > np.log(LOST)) & (since > 2.0 * SETTLING))
     if reached.size:
         return np.exp(size), float(times[reached[0]])
-    if rates[-1] <= 0.0:
+    if rates[-1] <= 0.0 or np.isneginf(size[-1]):
         return np.exp(size), None
     # The disk was lost earlier: the growth goes on at its last rate.
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])

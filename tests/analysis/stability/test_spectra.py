@@ -23,20 +23,20 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
     matrices = matrices_over_spin(scenario, system, motion)(spins)
     for index, values in enumerate(np.linalg.eigvals(matrices).astype(complex)):
         drift = np.array((1j, -1j)) * spins[index] if level == 1 else ()
-        for each in (found[index], followed.values[index]):
+        for each in (found[index], followed[index]):
             assert distance(each, np.append(values, drift)) < 1e-9
         falling = [(-value.real, -value.imag) for value in found[index].tolist()]
         assert falling == sorted(falling)
     # The pair of the place on the table is exact.
     if level == 1:
-        np.testing.assert_array_equal(followed.values[:, 2:4].T, [1j * spins, -1j * spins])
+        np.testing.assert_array_equal(followed[:, 2:4].T, [1j * spins, -1j * spins])
 
 
 def test_branches_carry_the_numbers_of_the_paper() -> None:
-    values = branches(PAPER, [0.0, 10.0, 20.0, 30.0]).values
+    values = branches(PAPER, [0.0, 10.0, 20.0, 30.0])
     real = [15.2627, 2.7996, 0.0, 0.0, -2.6297, -10.7108, -91.7299, -163.0212]
     np.testing.assert_allclose(values[0], real, atol=5e-5)
-    np.testing.assert_array_equal(branches(PAPER, [0.0]).values, values[:1])
+    np.testing.assert_array_equal(branches(PAPER, [0.0]), values[:1])
     # red pair, green pair, blue pair, two fast ones, as in Fig. 6
     np.testing.assert_allclose(values[3, :2], [0.0193 + 5.7511j, 0.0193 - 5.7511j], atol=5e-5)
     np.testing.assert_array_equal(values[3, 2:4], [30j, -30j])
@@ -52,7 +52,7 @@ SETS = {set_name(held): Scenario(constraints=held) for held in POSSIBLE_SETS}
 def test_branches_are_continuous(name: str) -> None:
     scenario = {**SETS, **SMOOTH}[name]
     for motion in MOTIONS:
-        values = branches(scenario, np.linspace(0.0, 60.0, 3001), motion=motion).values
+        values = branches(scenario, np.linspace(0.0, 60.0, 3001), motion=motion)
         jumps = np.abs(np.diff(values, axis=0))
         # Colliding eigenvalues leave with the root of the step; a mix-up would jump by more.
         assert np.max(jumps) < 2.0
@@ -66,10 +66,10 @@ def test_a_branch_is_the_same_whatever_spins_are_asked_for(
 ) -> None:
     scenario = Scenario(friction=SmoothCoulomb(coefficient=gradient, smoothing=1.0))
     spins = np.linspace(0.0, 100.0, 4001)
-    fine = branches(scenario, spins, motion=motion).values
-    few = branches(scenario, spins[::500], motion=motion).values
+    fine = branches(scenario, spins, motion=motion)
+    few = branches(scenario, spins[::500], motion=motion)
     np.testing.assert_allclose(few, fine[::500], atol=1e-9)
-    single = branches(scenario, spins[-1:], motion=motion).values
+    single = branches(scenario, spins[-1:], motion=motion)
     np.testing.assert_allclose(single, fine[-1:], atol=1e-9)
 
 

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from math import log
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import MODELS, STEEL_DISK, Scenario
+from analysis import MODELS, STEEL_DISK, Scenario, Table
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from tests.bodies import ELLIPSE
-from tests.calls import Capture, run
+from tests.calls import Capture, printed, run
 from tests.helpers import not_none
 from tests.sweeps import direct
 from validation.maps import figures, problems
@@ -82,6 +83,19 @@ JUDGED: list[tuple[bool, dict[str, Any], str]] = [
 def test_outcomes_are_told_apart(to_rest: bool, row: dict[str, Any], expected: str) -> None:
     done = {"status": "done", "ending": None}
     assert became(Scenario(), done | row, to_rest=to_rest) == expected
+
+
+def test_face_of_an_elliptic_disk_is_up_once_it_cannot_stand_on_its_flattest_side() -> None:
+    flat = replace(ELLIPSE, eccentricity=0.0)
+    row = {"status": "done", "ending": None, "face_end": 0.9}
+    for radius, expected in ((1.001, "not decided"), (0.999, "upper face")):
+        energy = {"energy_end": radius * 9.81 * flat.mass * flat.other_radius}
+        assert became(Scenario(disk=flat), row | energy, to_rest=True) == expected
+
+
+def test_faces_are_not_decided_by_energy_on_a_leaning_table() -> None:
+    with pytest.raises(ValueError, match="needs a horizontal table"):
+        grid("rest", Scenario(table=Table(inclination=0.3)))
 
 
 def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
@@ -224,3 +238,9 @@ def test_map_is_drawn_and_told(
     assert (tmp_path / f"{name}.svg").stat().st_size > 5000
     stores = {f"{name}-{index}.db" for index in range(1, 1 + panels + starts)}
     assert {path.name for path in tmp_path.glob("*.db")} == stores
+
+
+@pytest.mark.slow
+def test_pairs_that_tell_no_exponent_are_told_of(tmp_path: Path, capsys: Capture) -> None:
+    call = f"map rest --out {tmp_path} --cells 1 --levels 0 --end 0.1 --witnesses 0 --pairs 1"
+    assert "no uncertainty exponent: pairs of starts end" in printed(capsys, call)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis import Scenario
+from analysis import Scenario, Start
 from analysis.stability import spectra
 from tests.helpers import not_none
 from validation.nonlinear.passage import SlowPair, delay_law, follow
@@ -52,6 +52,21 @@ def test_the_eigenvalues_alone_tell_when_model_1_is_lost() -> None:
     smallest = found["times"][np.argmin(found["linear"])]
     assert smallest == pytest.approx(found["crossing"], abs=0.01)
     assert np.min(found["deviations"]) < 1e-3
+
+
+def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
+    found, mirrored = (
+        follow(Scenario(start=Start(spin=spin)), 10.0, "in-house") for spin in (40.0, -40.0)
+    )
+    for name in ("crossing", "lowest_spin", "rate"):
+        assert mirrored[name] == pytest.approx(found[name], rel=1e-6)
+    assert found["rate"] > 0.0
+
+
+def test_a_disk_that_is_exactly_upright_is_not_predicted_to_be_lost() -> None:
+    found = follow(Scenario(start=Start.stationary(29.0)), 2.0, "in-house")
+    assert found["predicted"] is None
+    assert not np.any(found["linear"])
 
 
 def test_a_set_without_a_slow_pair_is_refused() -> None:

@@ -15,6 +15,7 @@ from analysis import MODELS, Scenario
 from analysis.mechanics.paper import closed_form
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability.linearisation import ComplexArray
 from validation.kit.figures import ENGINE, SPIN, legend_above, new_figure
 from validation.studies.stability import measured
 
@@ -33,7 +34,7 @@ _CIRCLE = {**ENGINE, "markersize": 3.5, "markeredgewidth": 0.8, "zorder": 3}
 
 
 def spectrum(
-    branches: spectra.Branches,
+    branches: ComplexArray,
     engine: Any,
     labels: Mapping[int, str],
     *limits: tuple[str, float, float],
@@ -42,7 +43,7 @@ def spectrum(
 
     Parameters
     ----------
-    branches : Branches
+    branches : ndarray, complex, shape (n, k)
         Over `SPINS`.
     engine : Series
         A row of `measured.compare`, here and below.
@@ -55,7 +56,7 @@ def spectrum(
     for each, (part, low, high) in zip(axes, limits, strict=True):
         for first, label in labels.items():
             look = {"color": _COLOURS[first // 2]}
-            values = getattr(branches.values, part)
+            values = getattr(branches, part)
             each.plot(SPINS, values[:, first], label=label, **look)
             each.plot(SPINS, values[:, first + 1], "--", **look)
         shown = np.where(np.array(engine["real"]) > _LOWEST, engine[part], np.nan)

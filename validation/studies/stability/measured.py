@@ -163,12 +163,10 @@ def rounds_to(value: float, printed: str) -> bool:
 def in_house_numbers(disk: Body) -> dict[str, float]:
     """Those of the in-house systems, in closed form where the paper has one."""
     reduced = Scenario(constraints=MODELS[4], disk=disk)
-    closed, computed = critical_speed(reduced), critical_speeds(reduced, INTERVAL)
+    closed = critical_speed(reduced)
     return numbers(disk, spectra.matrices_over_spin) | {
         CLOSED: closed.spin,
-        COMPUTED: computed.hopf[0].spin,
         FREQUENCY: closed.frequency,
-        BORN: computed.pair_changes[0].spin,
         LIMIT: float(closed_form(reduced, [SPIN]).a),
     }
 
