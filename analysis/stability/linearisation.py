@@ -70,7 +70,9 @@ def spin_scale(scenario: Scenario) -> float:
     return sqrt(instance("scenario", scenario, Scenario).fall)
 
 
-def require_spinning(scenario: Scenario, analysis: str, level: Level | None = None) -> None:
+def require_spinning(
+    scenario: Scenario, analysis: str, level: Level | None = None, hint: str = ""
+) -> None:
     """Raise `ValueError` unless a scenario has the stationary motions that an analysis knows.
 
     Parameters
@@ -80,6 +82,8 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
         What to call it, such as "the full system".
     level : {1, 2, 3, 4}, optional
         The one model that it describes; any constraints by default.
+    hint : str
+        What takes the others, for the message.
 
     Raises
     ------
@@ -92,10 +96,7 @@ def require_spinning(scenario: Scenario, analysis: str, level: Level | None = No
     if scenario.contact is not None:
         raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
     if level is not None and scenario.model != level:
-        raise ValueError(
-            f"{analysis} is that of Model {level}, got {scenario.name}; eigenvalues of other "
-            "constraints are those of the system 'numeric'"
-        )
+        raise ValueError(f"{analysis} is that of Model {level}, got {scenario.name}{hint}")
 
 
 def has_drift(constraints: ConstraintSet) -> bool:

@@ -141,7 +141,8 @@ def matrices_over_spin(
     if system == "numeric":
         return spinning(scenario, motion).matrices
     level, matrices = CLOSED[system]
-    require_spinning(scenario, f"the {system} system", level)
+    others = "; eigenvalues of other constraints are those of the system 'numeric'"
+    require_spinning(scenario, f"the {system} system", level, others)
     return partial(matrices, scenario, motion=motion)
 
 

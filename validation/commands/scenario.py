@@ -100,7 +100,7 @@ def scene(*, problem: AnyProblem, formulation: EngineFormulation | None = None) 
         title=f"{scene.scenario.name}, formulation {scene.built_as}",
         note=f"{coordinates} coordinates, {equations} algebraic equations ({equations - idle} "
         "constraints; an idle equation only says that an unused constraint force is zero), "
-        f"{functions} user functions.",
+        f"{functions} user function{'s' * (functions != 1)}.",
     )
     return Result(tables=[table], draw=lambda: _start(scene.scenario))
 

@@ -81,5 +81,5 @@ def show(cell: Cell, digits: int = 6) -> str:
     if isinstance(cell, float):
         if 10.0**digits <= abs(cell) < 1e6:
             return f"{cell:.0f}"
-        return f"{cell:.{digits}g}" if 1e-3 <= abs(cell) < 1e6 or cell == 0.0 else f"{cell:.2e}"
+        return f"{cell:.{digits}g}" if 1e-4 <= abs(cell) < 1e6 or cell == 0.0 else f"{cell:.2e}"
     return str(cell)

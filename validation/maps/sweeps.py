@@ -156,7 +156,9 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
             text = fill(up.label, _LETTERS) if row else f"share {counted}"
             each.set_ylabel(text, fontsize=8)
     figure.colorbar(image, ax=axes, label=f"share of cases: {counted}", shrink=0.6)
-    title = f"Sweep of {sweep.scenario.name}: {decided.sum()} cases"
+    varies = "model" in (axis.field for axis in sweep.design.axes)
+    what = "several models" if varies else sweep.scenario.name
+    title = f"Sweep of {what}: {decided.sum()} cases"
     without = f", × {(~decided).sum()} without a motion or not decided" * (not decided.all())
     figure.suptitle(fill(title + without, int(_TITLED * figure.get_figwidth())), fontsize=10)
     return figure
