@@ -29,7 +29,8 @@ class Spawning:
     Parameters
     ----------
     deaf : bool
-        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one.
+        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one; it ends
+        the others at once.
 
     Attributes
     ----------
@@ -59,6 +60,8 @@ class Spawning:
 class Pool(ProcessPoolExecutor):
     """Pool of newly started interpreters whose workers do not outlive this process.
 
+    Where a context of it is left, calls that nobody has begun are forgotten.
+
     Parameters
     ----------
     workers : int, optional
@@ -75,11 +78,14 @@ class Pool(ProcessPoolExecutor):
             initargs=spawning.arguments,
         )
 
+    def __exit__(self, *_: object) -> None:
+        self.shutdown(cancel_futures=True)
+
 
 def _begin(deaf: bool, begun: Event) -> None:
     begun.set()
-    if deaf:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # An exception instead would end one call, and the next would begin.
+    signal.signal(signal.SIGINT, signal.SIG_IGN if deaf else signal.SIG_DFL)
     end_with_parent()
 
 
