@@ -45,15 +45,8 @@ class Processes(Executor):
         )
         return future
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Finish what has been submitted, or end the processes at once."""
-        if cancel_futures:
-            self._pool.stop()
-        else:
-            self._pool.close()
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:  # noqa: ARG002
+        """End the processes at once, with whatever they are at."""
+        self._pool.stop()
         if wait:
             self._pool.join()
-
-    def __exit__(self, kind: object, *_: object) -> None:
-        """End the processes at once if something was raised."""
-        self.shutdown(cancel_futures=kind is not None)

@@ -5,7 +5,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from itertools import chain, islice
 from types import FrameType
 from typing import Any
@@ -72,14 +72,14 @@ def run_cases(
     """
     size, failures = store.sweep.design.size, 0
     todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
-    work = _Work(store.sweep, pool, todo)
     counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
     try:
         with (
             _interrupts_deferred() as check,
-            closing(work),
+            Processes(1) as apart,
             bar(store.path.name, unit="cases", **counted) as shown,
         ):
+            work = _Work(store.sweep, pool, apart, todo)
             while work.fill():
                 rows = work.collect()
                 store.add(rows)
@@ -148,11 +148,11 @@ class _Work:
     """Chunks of cases that are being run.
 
     Where a chunk is lost, with a worker, nobody knows over which case: those it holds run again
-    one by one, in processes of this machine, where a worker that ends has one case alone.
+    one by one, apart, in processes of this machine, where a worker that ends has one case alone.
     """
 
-    def __init__(self, sweep: Sweep, pool: Pool, todo: Iterable[int]) -> None:
-        self._sweep, self._pool, plan = sweep, pool, sweep.plan
+    def __init__(self, sweep: Sweep, pool: Pool, apart: Processes, todo: Iterable[int]) -> None:
+        self._sweep, self._pool, self._apart, plan = sweep, pool, apart, sweep.plan
         self._todo = iter(todo)
         held = LARGEST_SERIES // max(1, plan.series_bytes)
         if plan.runs_in_batches:
@@ -162,7 +162,6 @@ class _Work:
         self._hanging = 3.0 * plan.time_limit + GRACE
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], list[int]] = {}
-        self._processes: Processes | None = None
         self._lost = self._has_rows = False
         # Of a case; the first chunk tells how long one takes.
         self._seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
@@ -213,11 +212,12 @@ class _Work:
                 rows += future.result()
             elif alone is None:
                 self._run_alone(chunk)
-            elif isinstance(error, ProcessExpired):
+            else:
+                self._apart.check_begun()
+                if not isinstance(error, ProcessExpired):
+                    raise error
                 values = self._sweep.design.values_of(chunk[0])
                 rows.append({"number": chunk[0], **values, **self._ended(error)})
-            else:
-                raise error
         if rows:
             self._has_rows = True
             names = ("seconds", "other_seconds")
@@ -226,11 +226,8 @@ class _Work:
         return rows
 
     def _run_alone(self, numbers: Iterable[int]) -> None:
-        if isinstance(self._pool.executor, Processes):
-            self._pool.executor.check_begun()
-        self._processes = self._processes or Processes(1)
         for number in numbers:
-            future = self._processes.submit(run_chunk, self._sweep, [number], self._hanging)
+            future = self._apart.submit(run_chunk, self._sweep, [number], self._hanging)
             self._alone[future] = [number]
 
     def _ended(self, error: ProcessExpired) -> Row:
@@ -239,8 +236,3 @@ class _Work:
             limit = f"no result within {self._hanging:g} s of processor time"
             return failed("too slow", limit)
         return failed("crashed", f"its process ended with code {error.exitcode}")
-
-    def close(self) -> None:
-        """End the processes of cases that run alone."""
-        if self._processes is not None:
-            self._processes.shutdown(cancel_futures=True)
