@@ -111,7 +111,8 @@ def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None
         If the store cannot be written, or is another's; or as `look_ahead` says.
     """
     look_ahead(sweep)
-    with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
+    # A worker of a script without a guard ends there, and does not come to the store.
+    with open_pool("processes", workers=workers) as pool, Store(path, sweep) as store:
         run_cases(store, pool)
 
 
