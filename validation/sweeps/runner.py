@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
-from itertools import chain, islice
+from itertools import islice
 from types import FrameType
 from typing import Any
 
@@ -163,42 +163,19 @@ class _Work:
         self._hanging = 3.0 * plan.time_limit + GRACE
         self._chunks: dict[Future[Any], list[int]] = {}
         self._alone: dict[Future[Any], list[int]] = {}
-        self._lost = self._has_rows = False
         # Of a case; the first chunk tells how long one takes.
         self._seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
         self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
 
     def fill(self) -> bool:
-        """Hand out what the workers can take; whether anything is running then.
-
-        If they are lost, others take their place as soon as nothing is running any more; `OSError`
-        if there are none, or those before have finished nothing.
-        """
-        self._lost = self._lost or self._pool.is_lost()
-        while not self._lost and len(self._chunks) < 2 * self._pool.workers:
+        """Hand out what the workers can take; whether anything is running then."""
+        while len(self._chunks) < 2 * self._pool.workers:
             size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
             chunk = list(islice(self._todo, size))
             if not chunk:
                 break
-            try:
-                future = self._pool.executor.submit(run_chunk, self._sweep, chunk, self._hanging)
-            except RuntimeError:
-                self._lost, self._todo = True, chain(chunk, self._todo)
-            else:
-                self._chunks[future] = chunk
-        if self._lost:
-            # The case over which they were lost would be in the way of the next call, too.
-            for chunk in self._chunks.values():
-                self._run_alone(chunk)
-            self._chunks.clear()
-        if self._lost and not self._alone:
-            if self._pool.renewed is not None and self._has_rows:
-                self._pool = self._pool._replace(executor=self._pool.renewed())
-                self._lost = self._has_rows = False
-                return self.fill()
-            raise OSError(
-                "the workers are lost; what is done is stored, and the same command goes on"
-            )
+            future = self._pool.submit(run_chunk, self._sweep, chunk, self._hanging)
+            self._chunks[future] = chunk
         return bool(self._chunks or self._alone)
 
     def collect(self) -> list[CaseRow]:
@@ -213,20 +190,20 @@ class _Work:
                 rows += future.result()
             elif alone is None:
                 self._run_alone(chunk)
-            else:
-                self._apart.check_begun()
-                if not isinstance(error, ProcessExpired):
-                    raise error
+            elif isinstance(error, ProcessExpired):
                 values = self._sweep.design.values_of(chunk[0])
                 rows.append({"number": chunk[0], **values, **self._ended(error)})
+            else:
+                raise error
         if rows:
-            self._has_rows = True
             names = ("seconds", "other_seconds")
             taken = sum(row.get(name) or 0.0 for row in rows for name in names)
             self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)
         return rows
 
     def _run_alone(self, numbers: Iterable[int]) -> None:
+        if isinstance(self._pool.executor, Processes):
+            self._pool.executor.check_begun()
         for number in numbers:
             future = self._apart.submit(run_chunk, self._sweep, [number], self._hanging)
             self._alone[future] = [number]
