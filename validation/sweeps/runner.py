@@ -161,7 +161,9 @@ def _incoming(
     alone: dict[Future[Any], list[int]] = {}
     while True:
         size = max(1, min(int(chunk_time / seconds), largest))
-        while len(chunks) < 2 * pool.workers and (chunk := list(islice(todo, size))):
+        # Where chunk after chunk is lost, those to be run alone must not become all cases.
+        room = 2 * pool.workers if len(alone) < LARGEST_CHUNK else 0
+        while len(chunks) < room and (chunk := list(islice(todo, size))):
             chunks[pool.submit(run_chunk, sweep, chunk, hanging)] = chunk
         if not (running := chunks | alone):
             return
