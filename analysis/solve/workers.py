@@ -8,6 +8,7 @@ from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
 from threading import Thread
+from typing import Any
 
 ORPHANED = 3
 """Exit code of a worker that has lost its parent,"""
@@ -35,9 +36,8 @@ class Spawning:
     Attributes
     ----------
     context : multiprocessing context
-    initializer : callable
-        To be called first in each worker, with `arguments`.
-    arguments : tuple
+    first : dict
+        `initializer` and `initargs` of a pool: what each worker is to call first.
     """
 
     def __init__(self, *, deaf: bool) -> None:
@@ -45,8 +45,7 @@ class Spawning:
             sys.exit(UNGUARDED)
         self.context = get_context("spawn")
         self._begun = self.context.Event()
-        self.initializer = _begin
-        self.arguments = (deaf, self._begun)
+        self.first: dict[str, Any] = {"initializer": _begin, "initargs": (deaf, self._begun)}
 
     def check_begun(self) -> None:
         """Raise `UnguardedScriptError` if no worker has come as far as to work."""
@@ -64,19 +63,14 @@ class Pool(ProcessPoolExecutor):
 
     Parameters
     ----------
-    workers : int, optional
-        Number of processes, by default that of the cores.
+    workers : int
+        Number of processes.
     """
 
-    def __init__(self, workers: int | None = None) -> None:
+    def __init__(self, workers: int) -> None:
         spawning = Spawning(deaf=False)
         self.check_begun = spawning.check_begun
-        super().__init__(
-            workers or os.cpu_count() or 1,
-            mp_context=spawning.context,
-            initializer=spawning.initializer,
-            initargs=spawning.arguments,
-        )
+        super().__init__(workers, mp_context=spawning.context, **spawning.first)
 
     def __exit__(self, *_: object) -> None:
         self.shutdown(cancel_futures=True)

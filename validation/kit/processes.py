@@ -21,12 +21,7 @@ class Processes(Executor):
     def __init__(self, workers: int) -> None:
         spawning = Spawning(deaf=True)
         self.check_begun = spawning.check_begun
-        self._pool = ProcessPool(
-            max_workers=workers,
-            context=spawning.context,
-            initializer=spawning.initializer,
-            initargs=spawning.arguments,
-        )
+        self._pool = ProcessPool(workers, context=spawning.context, **spawning.first)
 
     def submit(
         self,
