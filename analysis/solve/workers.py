@@ -78,6 +78,8 @@ class Pool(ProcessPoolExecutor):
 
 def _begin(deaf: bool, begun: Event) -> None:
     begun.set()
+    # What runs in the background of a script is born deaf to Ctrl-C, and its workers with it.
+    deaf = deaf or signal.getsignal(signal.SIGINT) == signal.SIG_IGN
     # An exception instead would end one call, and the next would begin.
     signal.signal(signal.SIGINT, signal.SIG_IGN if deaf else signal.SIG_DFL)
     end_with_parent()
