@@ -223,8 +223,6 @@ def _run(
     tasks: Sequence[Task], workers: int, title: str
 ) -> Iterator[tuple[Task, list[Row] | Exception]]:
     """Rows of each task as they come, or what it crashed with."""
-    if not tasks:
-        return
     with bar(title, total=len(tasks), unit="cases") as shown:
         for task, call in _called(tasks, min(workers, len(tasks))):
             yield task, _outcome(task, call)

@@ -8,6 +8,7 @@ from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
 from threading import Thread
+from typing import Any
 
 ORPHANED = 3
 """Exit code of a worker that has lost its parent,"""
@@ -29,14 +30,14 @@ class Spawning:
     Parameters
     ----------
     deaf : bool
-        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one.
+        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one; it ends
+        the others at once.
 
     Attributes
     ----------
     context : multiprocessing context
-    initializer : callable
-        To be called first in each worker, with `arguments`.
-    arguments : tuple
+    first : dict
+        `initializer` and `initargs` of a pool: what each worker is to call first.
     """
 
     def __init__(self, *, deaf: bool) -> None:
@@ -44,8 +45,7 @@ class Spawning:
             sys.exit(UNGUARDED)
         self.context = get_context("spawn")
         self._begun = self.context.Event()
-        self.initializer = _begin
-        self.arguments = (deaf, self._begun)
+        self.first: dict[str, Any] = {"initializer": _begin, "initargs": (deaf, self._begun)}
 
     def check_begun(self) -> None:
         """Raise `UnguardedScriptError` if no worker has come as far as to work."""
@@ -59,27 +59,29 @@ class Spawning:
 class Pool(ProcessPoolExecutor):
     """Pool of newly started interpreters whose workers do not outlive this process.
 
+    Where a context of it is left, calls that nobody has begun are forgotten.
+
     Parameters
     ----------
-    workers : int, optional
-        Number of processes, by default that of the cores.
+    workers : int
+        Number of processes.
     """
 
-    def __init__(self, workers: int | None = None) -> None:
+    def __init__(self, workers: int) -> None:
         spawning = Spawning(deaf=False)
         self.check_begun = spawning.check_begun
-        super().__init__(
-            workers or os.cpu_count() or 1,
-            mp_context=spawning.context,
-            initializer=spawning.initializer,
-            initargs=spawning.arguments,
-        )
+        super().__init__(workers, mp_context=spawning.context, **spawning.first)
+
+    def __exit__(self, *_: object) -> None:
+        self.shutdown(cancel_futures=True)
 
 
 def _begin(deaf: bool, begun: Event) -> None:
     begun.set()
-    if deaf:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What runs in the background of a script is born deaf to Ctrl-C, and its workers with it.
+    deaf = deaf or signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+    # An exception instead would end one call, and the next would begin.
+    signal.signal(signal.SIGINT, signal.SIG_IGN if deaf else signal.SIG_DFL)
     end_with_parent()
 
 

@@ -21,12 +21,7 @@ class Processes(Executor):
     def __init__(self, workers: int) -> None:
         spawning = Spawning(deaf=True)
         self.check_begun = spawning.check_begun
-        self._pool = ProcessPool(
-            max_workers=workers,
-            context=spawning.context,
-            initializer=spawning.initializer,
-            initargs=spawning.arguments,
-        )
+        self._pool = ProcessPool(workers, context=spawning.context, **spawning.first)
 
     def submit(
         self,
@@ -45,15 +40,8 @@ class Processes(Executor):
         )
         return future
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Finish what has been submitted, or end the processes at once."""
-        if cancel_futures:
-            self._pool.stop()
-        else:
-            self._pool.close()
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:  # noqa: ARG002
+        """End the processes at once, with whatever they are at."""
+        self._pool.stop()
         if wait:
             self._pool.join()
-
-    def __exit__(self, kind: object, *_: object) -> None:
-        """End the processes at once if something was raised."""
-        self.shutdown(cancel_futures=kind is not None)

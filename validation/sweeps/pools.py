@@ -2,10 +2,11 @@
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor
-from contextlib import ExitStack, contextmanager
+from concurrent.futures import Executor, Future
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Any
 
 from analysis.problem.checks import choice, whole
 from analysis.problem.names import ArgumentError
@@ -19,7 +20,8 @@ _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""
 
 
-class Pool(NamedTuple):
+@dataclass
+class Pool:
     """Workers for the cases of a sweep.
 
     Parameters
@@ -31,13 +33,24 @@ class Pool(NamedTuple):
     is_lost : callable
         Whether it takes no further calls, as a `RuntimeError` of `executor.submit` says, too.
     renewed : callable, optional
-        Makes an executor in place of one that is lost.
+        Makes an executor in place of one that is lost; what that one was at fails.
     """
 
     executor: Executor
     workers: int
     is_lost: Callable[[], bool] = lambda: False
     renewed: Callable[[], Executor] | None = None
+
+    def submit(self, function: Callable[..., Any], *arguments: Any) -> "Future[Any]":
+        """Call a function; `OSError` if the workers are lost and none can take their place."""
+        with suppress(RuntimeError):
+            if not self.is_lost():
+                return self.executor.submit(function, *arguments)
+        if self.renewed is not None:
+            self.executor = self.renewed()
+            with suppress(RuntimeError):
+                return self.executor.submit(function, *arguments)
+        raise OSError("the workers are lost; what is done is stored, and the same command goes on")
 
 
 @contextmanager

@@ -5,18 +5,19 @@ import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import closing, contextmanager
-from itertools import chain, islice
+from contextlib import contextmanager
+from itertools import islice
 from types import FrameType
 from typing import Any
 
 from pebble import ProcessExpired
 
-from analysis.motion.outcomes import DONE, Row, failed
+from analysis.motion.outcomes import DONE, failed
 from analysis.problem.start import COORDINATES
 from validation.kit.processes import Processes
 from validation.kit.progress import bar
 from validation.sweeps.case import TIMERS, CaseRow, run_chunk
+from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
 from validation.sweeps.sweep import Sweep, look_ahead
@@ -72,16 +73,14 @@ def run_cases(
     """
     size, failures = store.sweep.design.size, 0
     todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
-    work = _Work(store.sweep, pool, todo)
     counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
     try:
         with (
             _interrupts_deferred() as check,
-            closing(work),
+            Processes(1) as apart,
             bar(store.path.name, unit="cases", **counted) as shown,
         ):
-            while work.fill():
-                rows = work.collect()
+            for rows in _incoming(store.sweep, pool, apart, todo):
                 store.add(rows)
                 failures += sum(row["status"] != DONE for row in rows)
                 shown.set_postfix_str(f"{failures} failed" if failures else "", refresh=False)
@@ -111,7 +110,8 @@ def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None
         If the store cannot be written, or is another's; or as `look_ahead` says.
     """
     look_ahead(sweep)
-    with Store(path, sweep) as store, open_pool("processes", workers=workers) as pool:
+    # A worker of a script without a guard ends there, and does not come to the store.
+    with open_pool("processes", workers=workers) as pool, Store(path, sweep) as store:
         run_cases(store, pool)
 
 
@@ -144,103 +144,64 @@ def _interrupts_deferred() -> Iterator[Callable[[], None]]:
     check()
 
 
-class _Work:
-    """Chunks of cases that are being run.
+def _incoming(
+    sweep: Sweep, pool: Pool, apart: Processes, todo: Iterator[int]
+) -> Iterator[list[CaseRow]]:
+    """Rows of cases as they come in, or none, after a second at the latest.
 
     Where a chunk is lost, with a worker, nobody knows over which case: those it holds run again
-    one by one, in processes of this machine, where a worker that ends has one case alone.
+    one by one, apart, in processes of this machine, where a worker that ends has one case alone.
     """
-
-    def __init__(self, sweep: Sweep, pool: Pool, todo: Iterable[int]) -> None:
-        self._sweep, self._pool, plan = sweep, pool, sweep.plan
-        self._todo = iter(todo)
-        held = LARGEST_SERIES // max(1, plan.series_bytes)
-        if plan.runs_in_batches:
-            held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
-        self._largest = max(1, min(LARGEST_CHUNK, held))
-        # A case is two runs if it has a witness.
-        self._hanging = 3.0 * plan.time_limit + GRACE
-        self._chunks: dict[Future[Any], list[int]] = {}
-        self._alone: dict[Future[Any], list[int]] = {}
-        self._processes: Processes | None = None
-        self._lost = self._has_rows = False
-        # Of a case; the first chunk tells how long one takes.
-        self._seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
-        self._chunk_time = max(CHUNK_TIME, pool.workers / MOST_CHUNKS)
-
-    def fill(self) -> bool:
-        """Hand out what the workers can take; whether anything is running then.
-
-        If they are lost, others take their place as soon as nothing is running any more; `OSError`
-        if there are none, or those before have finished nothing.
-        """
-        self._lost = self._lost or self._pool.is_lost()
-        while not self._lost and len(self._chunks) < 2 * self._pool.workers:
-            size = max(1, min(int(self._chunk_time / self._seconds), self._largest))
-            chunk = list(islice(self._todo, size))
-            if not chunk:
-                break
-            try:
-                future = self._pool.executor.submit(run_chunk, self._sweep, chunk, self._hanging)
-            except RuntimeError:
-                self._lost, self._todo = True, chain(chunk, self._todo)
-            else:
-                self._chunks[future] = chunk
-        if self._lost:
-            # The case over which they were lost would be in the way of the next call, too.
-            for chunk in self._chunks.values():
-                self._run_alone(chunk)
-            self._chunks.clear()
-        if self._lost and not self._alone:
-            if self._pool.renewed is not None and self._has_rows:
-                self._pool = self._pool._replace(executor=self._pool.renewed())
-                self._lost = self._has_rows = False
-                return self.fill()
-            raise OSError(
-                "the workers are lost; what is done is stored, and the same command goes on"
-            )
-        return bool(self._chunks or self._alone)
-
-    def collect(self) -> list[CaseRow]:
-        """Rows that have come in, after a second at the latest."""
+    # A case is two runs if it has a witness.
+    hanging = 3.0 * sweep.plan.time_limit + GRACE
+    chunk_time, largest = max(CHUNK_TIME, pool.workers / MOST_CHUNKS), _largest_chunk(sweep.plan)
+    # Of a case; the first chunk tells how long one takes.
+    seconds = CHUNK_TIME / (FIRST_BATCH if sweep.plan.runs_in_batches else 1)
+    chunks: dict[Future[Any], list[int]] = {}
+    alone: dict[Future[Any], list[int]] = {}
+    while True:
+        size = max(1, min(int(chunk_time / seconds), largest))
+        # Where chunk after chunk is lost, those to be run alone must not become all cases.
+        room = 2 * pool.workers if len(alone) < LARGEST_CHUNK else 0
+        while len(chunks) < room and (chunk := list(islice(todo, size))):
+            chunks[pool.submit(run_chunk, sweep, chunk, hanging)] = chunk
+        if not (running := chunks | alone):
+            return
         rows: list[CaseRow] = []
-        running = [*self._chunks, *self._alone]
         for future in wait(running, timeout=COMMIT_EVERY, return_when=FIRST_COMPLETED).done:
-            alone = self._alone.pop(future, None)
-            chunk = alone or self._chunks.pop(future)
+            chunk, is_alone = running[future], future in alone
+            del (alone if is_alone else chunks)[future]
             error = CancelledError() if future.cancelled() else future.exception()
             if error is None:
                 rows += future.result()
-            elif alone is None:
-                self._run_alone(chunk)
-            elif isinstance(error, ProcessExpired):
-                values = self._sweep.design.values_of(chunk[0])
-                rows.append({"number": chunk[0], **values, **self._ended(error)})
+            elif is_alone:
+                rows.append(_ended(sweep, chunk[0], hanging, error))
             else:
-                raise error
+                if isinstance(pool.executor, Processes):
+                    pool.executor.check_begun()
+                for number in chunk:
+                    alone[apart.submit(run_chunk, sweep, [number], hanging)] = [number]
         if rows:
-            self._has_rows = True
             names = ("seconds", "other_seconds")
             taken = sum(row.get(name) or 0.0 for row in rows for name in names)
-            self._seconds = max(0.5 * self._seconds + 0.5 * taken / len(rows), 1e-6)
-        return rows
+            seconds = max(0.5 * seconds + 0.5 * taken / len(rows), 1e-6)
+        yield rows
 
-    def _run_alone(self, numbers: Iterable[int]) -> None:
-        if isinstance(self._pool.executor, Processes):
-            self._pool.executor.check_begun()
-        self._processes = self._processes or Processes(1)
-        for number in numbers:
-            future = self._processes.submit(run_chunk, self._sweep, [number], self._hanging)
-            self._alone[future] = [number]
 
-    def _ended(self, error: ProcessExpired) -> Row:
-        """Why a case has ended its process."""
-        if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
-            limit = f"no result within {self._hanging:g} s of processor time"
-            return failed("too slow", limit)
-        return failed("crashed", f"its process ended with code {error.exitcode}")
+def _largest_chunk(plan: Plan) -> int:
+    """Cases of a chunk whose series and samples can be held."""
+    held = LARGEST_SERIES // max(1, plan.series_bytes)
+    if plan.runs_in_batches:
+        held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
+    return max(1, min(LARGEST_CHUNK, held))
 
-    def close(self) -> None:
-        """End the processes of cases that run alone."""
-        if self._processes is not None:
-            self._processes.shutdown(cancel_futures=True)
+
+def _ended(sweep: Sweep, number: int, hanging: float, error: BaseException) -> CaseRow:
+    """Row of a case that has ended its process; any other error is raised."""
+    if not isinstance(error, ProcessExpired):
+        raise error
+    if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
+        end = failed("too slow", f"no result within {hanging:g} s of processor time")
+    else:
+        end = failed("crashed", f"its process ended with code {error.exitcode}")
+    return {"number": number, **sweep.design.values_of(number), **end}

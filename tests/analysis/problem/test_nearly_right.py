@@ -64,12 +64,20 @@ def test_negative_values_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
         assert f"\ngamma = {read}  # rad" in printed(capsys, "scenario --gamma", written)
 
 
-def test_script_without_guard_is_told_so_and_gets_nothing(tmp_path: Path) -> None:
-    (tmp_path / "script.py").write_text(
-        "from analysis import Scenario, simulate_many\n"
-        "runs = simulate_many([Scenario()] * 4, [0.0, 0.01], method='DOP853', workers=2)\n"
-        "print(runs)\n"
-    )
+MANY = """
+from analysis import Scenario, simulate_many
+print(simulate_many([Scenario()] * 4, [0.0, 0.01], method="DOP853", workers=2))
+"""
+SWEEP = """
+from tests.sweeps import sweep
+from validation.sweeps.runner import run_sweep
+print(run_sweep(sweep("spin=30,40"), "a.db", workers=2))
+"""
+
+
+@pytest.mark.parametrize("script", [MANY, pytest.param(SWEEP, marks=pytest.mark.slow)])
+def test_script_without_guard_is_told_so_and_gets_nothing(script: str, tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(script)
     done = python("script.py", folder=tmp_path, code=1)
     assert done.stdout == ""
     assert done.stderr.count("Traceback") == 1

@@ -1,4 +1,4 @@
-"""Workers of a process that is killed end as well."""
+"""Workers of a process that is killed or interrupted end as well."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ PARENT = """
 from tests.analysis.solve.test_workers import told_and_work
 from analysis.solve.workers import Pool
 with Pool(2) as pool:
-    list(pool.map(told_and_work, range(2)))
+    list(pool.map(told_and_work, range(6)))
 """
 
 
@@ -31,15 +31,19 @@ def told_and_work(_: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
-def test_workers_of_a_killed_parent_end() -> None:
-    call, workers = [sys.executable, "-c", PARENT], list[int]()
+@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
+def test_workers_of_a_killed_or_interrupted_parent_end(sent: signal.Signals) -> None:
+    # What runs in the background of a script is born deaf to Ctrl-C.
+    call = ["env", "--default-signal=INT", sys.executable, "-c", PARENT]
+    workers = list[int]()
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(call, cwd=ROOT, text=True, **pipes) as parent:
+    with subprocess.Popen(call, cwd=ROOT, text=True, start_new_session=True, **pipes) as parent:
         try:
             workers += [int(not_none(parent.stdout).readline()) for _ in range(2)]
             assert all(map(is_running, workers))
-            parent.kill()
-            # They end at once.
+            # A terminal's Ctrl-C reaches them all, and neither they nor it go on with other calls.
+            (os.killpg if sent == signal.SIGINT else os.kill)(parent.pid, sent)
+            parent.wait(20.0)
             limit = time.monotonic() + 60.0
             while any(map(is_running, workers)):
                 assert time.monotonic() < limit, "workers go on without their parent"

@@ -1,17 +1,14 @@
-"""Worker processes: what becomes of calls when their pool is shut down."""
+"""Worker processes: what becomes of calls when their pool is left."""
 
 import time
 
 from validation.kit.processes import Processes
 
 
-def test_shutdown_finishes_what_was_submitted_unless_it_cancels() -> None:
-    pool = Processes(1)
-    calls = [pool.submit(abs, -number) for number in range(3)]
-    pool.shutdown()
-    assert [call.result(0.0) for call in calls] == [0, 1, 2]
-    pool = Processes(1)
-    calls = [pool.submit(time.sleep, 20.0) for _ in range(2)]
-    pool.shutdown(cancel_futures=True)
-    ended = [call for call in calls if call.done() and not call.cancelled()]
-    assert all(call.exception() for call in ended)
+def test_processes_end_at_once_where_their_context_is_left() -> None:
+    begin = time.monotonic()
+    with Processes(1) as pool:
+        done, *calls = pool.submit(abs, -1), *[pool.submit(time.sleep, 60.0) for _ in range(2)]
+        assert done.result() == 1
+    assert time.monotonic() - begin < 30.0
+    assert all(call.exception() for call in calls if call.done() and not call.cancelled())

@@ -313,6 +313,25 @@ def test_own_executor_forgets_what_it_has_not_begun_once_it_is_left() -> None:
     assert waiting.cancelled()
 
 
+def test_cases_wait_where_many_are_to_be_run_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(runner, "LARGEST_CHUNK", 2)
+    sent: list[int] = []
+
+    class Failing(ThreadPoolExecutor):
+        def submit(self, _: Any, /, *given: Any, **__: Any) -> "Future[Any]":
+            sent.extend(given[1])
+            return super().submit(divmod, 1, 0)
+
+    def told(_: object) -> None:
+        assert len(sent) <= 4
+        raise LookupError
+
+    with pytest.raises(LookupError):
+        swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(Failing(1)), told=told)
+
+
 def broken() -> ThreadPoolExecutor:
     """An executor that takes nothing."""
     executor = ThreadPoolExecutor(1)
