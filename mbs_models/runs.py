@@ -35,6 +35,9 @@ ROUNDINGS = 16.0
 """Last digits that a residual may lose together. Nearly flat on a stiff spring, where rotations
 are composed, 14 were seen; which they are differs from one processor to the next."""
 
+_ENDS_EARLY = 1e-10
+"""Time in s before the end of a run at which the engine takes no other step."""
+
 _INITIAL = exu.ConfigurationType.Initial
 
 
@@ -122,16 +125,20 @@ def run(
             awaited = due[len(found)] - early
         if stop is not None and (reason := stop(begin + moment)) is not None:
             stopped.append((begin + moment, reason))
-        return not stopped
+        return not stopped and len(found) < times.size
 
     system.SetPostStepUserFunction(after_step)
-    count = int(np.sum(steps))
+    duration, count = due[-2], int(np.sum(steps))
+    if lengths[-1] < 2.0 * _ENDS_EARLY:
+        # Beyond the last record, where the run is stopped.
+        further = ceil(2.0 * _ENDS_EARLY / lengths[-1])
+        duration, count = duration + further * float(lengths[-1]), count + further
     if integrator.controls_step:
-        count = ceil(due[-2] / longest - 1e-9)
+        count = ceil(duration / longest - 1e-9)
         _limit_steps(system, lambda: due[len(found)], most)
     elif longest - shortest > 1e-9 * longest:
         _keep_to(system, zip(due, lengths.tolist(), steps.tolist(), strict=False))
-    settings = _settings(model, integrator, due[-2], count)
+    settings = _settings(model, integrator, duration, count)
     # Of sensors that a scene itself has none of.
     settings.solution.sensors.writePeriod = float(np.min(np.diff(times)))
     clock, failure = time.process_time(), None
