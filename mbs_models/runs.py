@@ -128,11 +128,8 @@ def run(
         return not stopped and len(found) < times.size
 
     system.SetPostStepUserFunction(after_step)
-    duration, count = due[-2], int(np.sum(steps))
-    if lengths[-1] < 2.0 * _ENDS_EARLY:
-        # Beyond the last record, where the run is stopped.
-        further = ceil(2.0 * _ENDS_EARLY / lengths[-1])
-        duration, count = duration + further * float(lengths[-1]), count + further
+    further = _steps_beyond(float(lengths[-1]))
+    duration, count = due[-2] + further * float(lengths[-1]), int(np.sum(steps)) + further
     if integrator.controls_step:
         count = ceil(duration / longest - 1e-9)
         _limit_steps(system, lambda: due[len(found)], most)
@@ -162,6 +159,14 @@ def run(
         stopped=stopped[0] if stopped else None,
         failure=broken,
     )
+
+
+def _steps_beyond(last: float) -> int:
+    """Steps as long as the last one, in s, by which the end that the engine is told is too late.
+
+    It is stopped before it takes them.
+    """
+    return ceil(2.0 * _ENDS_EARLY / last) if last < 2.0 * _ENDS_EARLY else 0
 
 
 def _finite(found: Sequence[Sequence[Array]]) -> tuple[Array, Array]:

@@ -111,7 +111,9 @@ def test_runs_reach_an_end_however_near_the_last_record_before_it(
     name: Any, spacings: list[float]
 ) -> None:
     times = np.cumsum([0.0, *spacings])
-    for wanted in {"step": 1e-4}, {} if name == "DOPRI5" else {"tolerance": 1e-8}:
+    ways: list[dict[str, Any]] = [{"step": 1e-4}]
+    ways += [] if name == "DOPRI5" else [{"tolerance": 1e-8}]
+    for wanted in ways:
         run = mbs_models.simulate(Scene(), times, integrator=name, **wanted)
         assert run.ending is None
         np.testing.assert_array_equal(run.times, times)
