@@ -195,8 +195,9 @@ def _dips(moments: Array, values: Array, reason: str) -> Iterator[Place]:
         return
     negative = armed + np.flatnonzero(values[armed:] < 0.0)
     end = int(negative[0]) if negative.size else values.size - 1
-    before, here, after = (values[armed + shift : end - 1 + shift] for shift in range(3))
-    first, second = (np.diff(moments)[armed + shift : end - 1 + shift] for shift in range(2))
+    inside = max(0, end - armed - 1)
+    before, here, after = (values[armed + shift :][:inside] for shift in range(3))
+    first, second = (np.diff(moments)[armed + shift :][:inside] for shift in range(2))
     fall, rise = (here - before) / first, (after - here) / second
     lowest = (fall <= 0.0) & (rise >= 0.0) & (after >= 0.0) & (rise > fall)
     # Of the parabola through all three.

@@ -200,6 +200,11 @@ def integrators(
         Whether algebraic equations are left (`Scene.has_constraints`); by default whether the
         formulation has any on the ideal contact.
 
+    Raises
+    ------
+    ValueError
+        If the formulation is unknown.
+
     Examples
     --------
     >>> from mbs_models import integrators
@@ -208,7 +213,7 @@ def integrators(
     """
     implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
     explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
-    if CLASSES[formulation].closes_contact:
+    if CLASSES[choice("formulation", formulation, CLASSES)].closes_contact:
         return explicit + implicit
     # What has no constraints otherwise has a stiff contact.
     return implicit if constrained is None or constrained else implicit + explicit

@@ -35,6 +35,9 @@ ROUNDINGS = 16.0
 """Last digits that a residual may lose together. Nearly flat on a stiff spring, where rotations
 are composed, 14 were seen; which they are differs from one processor to the next."""
 
+_ENDS_EARLY = 1e-10
+"""Time in s before the end of a run at which the engine takes no other step."""
+
 _INITIAL = exu.ConfigurationType.Initial
 
 
@@ -122,16 +125,17 @@ def run(
             awaited = due[len(found)] - early
         if stop is not None and (reason := stop(begin + moment)) is not None:
             stopped.append((begin + moment, reason))
-        return not stopped
+        return not stopped and len(found) < times.size
 
     system.SetPostStepUserFunction(after_step)
-    count = int(np.sum(steps))
+    further = _steps_beyond(float(lengths[-1]))
+    duration, count = due[-2] + further * float(lengths[-1]), int(np.sum(steps)) + further
     if integrator.controls_step:
-        count = ceil(due[-2] / longest - 1e-9)
+        count = ceil(duration / longest - 1e-9)
         _limit_steps(system, lambda: due[len(found)], most)
     elif longest - shortest > 1e-9 * longest:
         _keep_to(system, zip(due, lengths.tolist(), steps.tolist(), strict=False))
-    settings = _settings(model, integrator, due[-2], count)
+    settings = _settings(model, integrator, duration, count)
     # Of sensors that a scene itself has none of.
     settings.solution.sensors.writePeriod = float(np.min(np.diff(times)))
     clock, failure = time.process_time(), None
@@ -155,6 +159,14 @@ def run(
         stopped=stopped[0] if stopped else None,
         failure=broken,
     )
+
+
+def _steps_beyond(last: float) -> int:
+    """Steps as long as the last one, in s, by which the end that the engine is told is too late.
+
+    It is stopped before it takes them.
+    """
+    return ceil(2.0 * _ENDS_EARLY / last) if last < 2.0 * _ENDS_EARLY else 0
 
 
 def _finite(found: Sequence[Sequence[Array]]) -> tuple[Array, Array]:

@@ -29,7 +29,7 @@ from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError, solving, stepping
-from mbs_models.whole_runs import Call, run_over
+from mbs_models.whole_runs import NEARLY_FLAT, Call, run_over
 
 FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
@@ -184,8 +184,8 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
         except (EngineError, ToleranceError, TimeLimitError) as error:
             may_go_on = integrator.steps_accelerations and not is_last
             if not may_go_on or isinstance(error, TimeLimitError):
-                advice = _advice(call.motion.scene, integrators[0])
-                raise type(error)(f"{error}; {advice}") from error
+                hint = advice(call.motion.scene, integrators[0], call.watch.flattest[1])
+                raise type(error)(f"{error}; {hint}") from error
     raise AssertionError("the last way has come to nothing without saying so")
 
 
@@ -275,7 +275,7 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     )
 
 
-def _advice(scene: Scene, integrator: Integrator) -> str:
+def advice(scene: Scene, integrator: Integrator, leaning: float) -> str:
     """Other ways to simulate the same motion, the most promising one first.
 
     Parameters
@@ -283,8 +283,12 @@ def _advice(scene: Scene, integrator: Integrator) -> str:
     scene : Scene
     integrator : Integrator
         What has been tried.
+    leaning : float
+        Angle in rad between disk and table where it came nearest to flat.
     """
     found = []
+    if leaning < NEARLY_FLAT and scene.built_as.endswith("tree"):
+        found.append("formulation 'floating', which loses fewer digits nearly flat")
     if scene.scenario.contact is None:
         best = Scene(scene.scenario)
         if not best.has_constraints:

@@ -186,6 +186,7 @@ class Lookout:
         ended, middle = None, step.middle
         for reason, condition in self._conditions.items():
             first, last = self._values[reason], condition(step.last)
+            passed = int(first < 0.0)
             self._values[reason] = last
             if _keeps_sign(first, condition(middle), last):
                 continue
@@ -193,8 +194,8 @@ class Lookout:
             if self._allow and reason == CONTACT_WOULD_PULL:
                 self._edges += changes
             # Where it is negative from the start on, it waits until it has not been.
-            elif len(changes) > (first < 0.0):
-                step.cut(changes[first < 0.0])
+            elif len(changes) > passed:
+                step.cut(changes[passed])
                 ended = reason
             # What comes later counts for nothing, and there may be no motion after some endings.
             middle = step.middle

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import analysis
+import mbs_models
 from analysis import MODELS, Ensemble, Scenario, Trajectory, simulate, simulate_many
 from analysis.mechanics import paper
 from analysis.nonlinear import families, following, heteroclinic, hopf, slow_manifold
@@ -39,6 +40,7 @@ OF_A_SCENARIO: dict[str, Callable[[Any], Any]] = {
     "scenario_text": analysis.scenario_text,
     "ensemble": lambda given: Ensemble(scenario=given, fields={"spin": SPINS}),
     "formulations": analysis.formulations,
+    "engine's formulations": mbs_models.formulations,
     "critical_speeds": critical.critical_speeds,
     "critical_speed": paper.critical_speed,
     "closed_form": lambda given: paper.closed_form(given, SPINS),

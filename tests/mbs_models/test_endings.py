@@ -14,6 +14,7 @@ from analysis.problem.friction import LubricatedCoulomb, PowerLawCoulomb
 from analysis.solve.stepping import SolverError
 from mbs_models import FORMULATIONS, EngineError, Formulation, IntegratorName, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
+from mbs_models.endings import places
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
@@ -34,6 +35,13 @@ def test_accelerations_know_nothing_of_a_run_that_has_exploded(formulation: Form
     data.SetSystemState([np.full(len(part), np.nan) for part in data.GetSystemState()])
     with solving(motion.system):
         assert np.isfinite(motion.starting_at(start).right_hand_side(0.0, start)).all()
+
+
+@pytest.mark.parametrize("values", [[], [1.0], [1.0, 1.0], [-1.0], [-1.0, 1.0]], ids=str)
+def test_a_run_of_which_next_to_nothing_makes_sense_ends_at_no_condition(
+    values: list[float],
+) -> None:
+    assert not list(places(np.linspace(0.0, 1.0, 11), {"slow": values}, None))
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:

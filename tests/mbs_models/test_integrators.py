@@ -105,6 +105,24 @@ def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> No
     assert deviation(fine, expected) < min(1e-5, deviation(coarse, expected))
 
 
+@pytest.mark.parametrize("name", ["RK67", "DOPRI5", "TrapezoidalIndex2"])
+@pytest.mark.parametrize("spacings", [[1e-10] * 4, [1e-13] * 4, [1e-6, 2e-11]], ids=str)
+def test_runs_reach_an_end_however_near_the_last_record_before_it(
+    name: Any, spacings: list[float]
+) -> None:
+    times = np.cumsum([0.0, *spacings])
+    ways: list[dict[str, Any]] = [{"step": 1e-4}]
+    ways += [] if name == "DOPRI5" else [{"tolerance": 1e-8}]
+    for wanted in ways:
+        run = mbs_models.simulate(Scene(), times, integrator=name, **wanted)
+        assert run.ending is None
+        np.testing.assert_array_equal(run.times, times)
+        assert run.counts["steps"] < 1e3
+        # What the rates at the start make of it.
+        moved = np.array(run.rates[0]) * times[:, None]
+        assert np.abs(run.coordinates - run.coordinates[0] - moved).max() < 1e-9
+
+
 def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
     counts = mbs_models.simulate(Scene(), TIMES, step=1e-2, integrator="RK44").counts
     assert (counts["steps"], counts["right_hand_sides"]) == (50, 4 * 50)

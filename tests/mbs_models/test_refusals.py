@@ -32,6 +32,7 @@ to_rest = mbs_models.simulate_to_rest
 
 integrator: Any = Integrator
 newton: Any = Newton
+integrators: Any = mbs_models.integrators
 scene: Any = scene_of
 YIELDING, ROUNDED = PenaltyContact(stiffness=1e6), PenaltyContact.rounded(STEEL_DISK)
 
@@ -52,6 +53,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(integrator, name="RK67", spectral_radius=0.9), "spectral_radius is no option"),
     (partial(integrator, name="GeneralizedAlpha", spectral_radius=1.5), r"in \[0, 1\], got 1.5"),
     (partial(newton, relative=0.0), "relative must be"),
+    (partial(integrators, 5), "formulation must be one of contact-tree, .* got 5"),
     (partial(scene, formulation="floatng"), "formulation must be one of floating"),
     (partial(scene, 2, "contact-tree"), "exists for Model 1 alone, got Model 2"),
     (partial(scene, 1, "contact-tree", friction=LOADED),

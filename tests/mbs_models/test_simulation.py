@@ -25,10 +25,12 @@ from analysis import (
     Table,
     TimeLimitError,
 )
+from analysis.mechanics.recorded import accelerations
 from analysis.problem.start import FlatError
 from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
+from mbs_models.simulation import advice
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
 from validation.kit.differences import deviation
@@ -125,6 +127,20 @@ def test_impacts_keep_their_tolerance_where_fixed_steps_lose_their_order() -> No
 def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal: str) -> None:
     with pytest.raises(TimeLimitError, match=f"time limit met.*; try {proposal}"):
         mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
+
+
+def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digits() -> None:
+    proposals = [advice(Scene(), Integrator(name="RK67"), leaning) for leaning in (1e-3, 1.0)]
+    assert ["formulation 'floating'" in each for each in proposals] == [True, False]
+    low = Scenario(start=Start(spin=10.0, beta=1e-3))
+    state = low.initial_state
+    right, _ = accelerations(low, state.coordinates, state.rates)
+    errors = [
+        np.abs(mbs_models.acceleration(Scene(low, each))[0] - right).max() / np.abs(right).max()
+        for each in ("contact-tree", "floating")
+    ]
+    assert errors[0] > 1e-11
+    assert errors[1] < 1e-12
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
 
     Compare accelerations, trajectories and, where they are defined, eigenvalues of a scenario
     between the in-house equations and every formulation of the engine that can build it. Exit code
-    1 if they disagree.
+    1 if they disagree; what cannot be compared is told with the reason and counts for neither.
 
     Parameters
     ----------
@@ -61,9 +61,16 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
     return Result(
         tables=[comparisons.table(checks)],
         draw=lambda: against_limits(compared),
-        notes=[f"{failed} checks FAIL." if failed else f"All {held} checks hold."],
+        notes=[_verdict(failed, held, len(checks))],
         code=1 if failed else 0,
     )
+
+
+def _verdict(failed: int, held: int, count: int) -> str:
+    """What is found in all, of comparisons of which some may not be defined."""
+    left = count - failed - held
+    said = f"{failed} checks FAIL" if failed else f"All {held} checks hold"
+    return f"{said}; {left} cannot be made." if left else f"{said}."
 
 
 def scene(*, problem: AnyProblem, formulation: EngineFormulation | None = None) -> Result:

@@ -75,6 +75,17 @@ def slow(state: State) -> float:
     return state.rates[3] - 39.5
 
 
+def test_a_condition_may_say_a_number_of_numpy() -> None:
+    def low(state: State) -> Any:
+        return state.vector[9] - 39.0
+
+    endings = [
+        not_none(simulate(Scenario(), TIMES, stop_when=each).ending).time
+        for each in (low, lambda state: float(low(state)))
+    ]
+    assert endings[0] == endings[1]
+
+
 def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     first, named = (
         simulate(Scenario(), TIMES, tolerance=1e-9, stop_when=[each, "inverted"])

@@ -104,10 +104,18 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
 
 @pytest.mark.parametrize(
     ("difference", "code", "verdict"),
-    [(1e-10, 0, "All 1 checks hold."), (1e-3, 1, "1 checks FAIL.")],
+    [
+        (1e-10, 0, "All 1 checks hold."),
+        (1e-3, 1, "1 checks FAIL."),
+        (None, 0, "All 0 checks hold; 1 cannot be made."),
+    ],
 )
 def test_check_answers_by_its_exit_code(
-    difference: float, code: int, verdict: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    difference: float | None,
+    code: int,
+    verdict: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capture,
 ) -> None:
     def answer(scenario: Scenario, **how: float) -> list[comparisons.Comparison]:
         assert how == {"states": 10, "end": 2.0}

@@ -17,6 +17,7 @@ from analysis import (
     MOTIONS,
     POSSIBLE_SETS,
     STEEL_DISK,
+    FlatError,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -164,6 +165,34 @@ def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
     found = comparisons.compare_motions(falling, 2.0)
     assert found.agrees
     assert found.detail == "over 0.06118 s"
+
+
+def test_a_run_that_fails_nearly_flat_or_a_missing_reference_is_no_disagreement(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    dropped = Scenario(start=Start(spin=0.0, beta=0.5))
+    for formulation in ("euler-tree", "floating-lie"):
+        found = comparisons.compare_motions(Scene(dropped, formulation), 0.1)
+        assert found.agrees
+        assert not_none(found.lasting) == pytest.approx(0.06, abs=0.005)
+    found = comparisons.compare_motions(Scene(dropped), 1.0)
+    assert found.agrees
+    assert found.detail.startswith("over 0.1 s; over 1 s: no in-house motion to compare with: tol")
+
+    def flat(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
+        if how.get("source") == "in-house" or times[-1] < 0.02:
+            return run(scenario, times, **how)
+        raise FlatError("the disk lies nearly flat", 0.05)
+
+    monkeypatch.setattr(comparisons, "run", flat)
+    found = comparisons.compare_motions(Scene(dropped), 0.1)
+    assert found.agrees
+    assert found.detail == (
+        "over 0.01 s; over 0.1 s: the disk lies nearly flat at t = 0.05 s, where a run fails; "
+        "give an earlier end"
+    )
+    # The in-house disk does not.
+    assert comparisons.compare_motions(Scene(), 0.1).difference == inf
 
 
 def test_states_without_a_solution_on_either_side_are_not_counted() -> None:
