@@ -26,6 +26,11 @@ def formulations(scenario: Scenario) -> tuple[EngineFormulation, ...]:
     ----------
     scenario : Scenario
 
+    Raises
+    ------
+    ValueError
+        If it is no scenario.
+
     Examples
     --------
     >>> from analysis import Scenario
@@ -33,7 +38,7 @@ def formulations(scenario: Scenario) -> tuple[EngineFormulation, ...]:
     >>> formulations(Scenario())
     ('contact-tree', 'euler-tree', 'floating', 'floating-lie')
     """
-    contact = scenario.contact
+    contact = instance("scenario", scenario, Scenario).contact
     lies_flat = contact is not None and (scenario.is_smooth or scenario.dissipation.is_on)
     ranked = _TO_REST if lies_flat else _BY_ACCURACY
     return tuple(each.name for each in ranked if not each.obstacle(scenario))
