@@ -44,7 +44,7 @@ from analysis.nonlinear import (
 )
 from analysis.stability import chart, critical, linearisation, sensitivities, spectra
 from mbs_models import Integrator, Newton, Scene
-from tests.helpers import model
+from tests.helpers import model, refusals
 from validation.studies import crosscheck
 from validation.sweeps.plan import Plan
 
@@ -219,11 +219,9 @@ WRONG: dict[str, Callable[[], Any]] = {
 }
 """How a message begins, and the call."""
 
-
-@pytest.mark.parametrize("message", WRONG)
-def test_wrong_value_is_told_with_what_is_allowed(message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}"):
-        WRONG[message]()
+test_wrong_value_is_told_with_what_is_allowed = refusals(
+    {f"^{message}": call for message, call in WRONG.items()}
+)
 
 
 @pytest.mark.parametrize("member", [2, -3, "x", None])
