@@ -280,8 +280,6 @@ def first_asymmetric_family(family: Family, *, progress: Progress | None = None)
     NoCycleError
         If no cycle of the family loses its symmetry, or none without it is found.
     """
-    if progress is not None:
-        function("progress", progress)
     reason = "no cycle of the family loses its symmetry"
     for each in events(family):
         if each.kind == "symmetry-breaking":
