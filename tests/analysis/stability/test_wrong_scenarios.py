@@ -60,7 +60,6 @@ SLIPPERY = replace(PAPER, friction=SmoothCoulomb(coefficient=0.0))
 REFUSED: dict[str, Callable[[], object]] = {
     "gradients must be one-dimensional": lambda: stability_chart(FULL, [1.0], []),
     "must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
-    "gradients must be finite, got nan": lambda: stability_chart(FULL, [1.0], [np.nan]),
     "lowest < highest spin, got 5 to 1": lambda: hopf_curves(FULL, [1.0], (5.0, 1.0)),
     "interval must have .* got 10 to 10": lambda: critical_speeds(FULL, (10.0, 10.0)),
     "interval must have .* got -5 to 10": lambda: critical_speeds(FULL, (-5.0, 10.0)),
