@@ -18,6 +18,7 @@ from analysis.problem.choices import (
     IntegratorName,
     Method,
 )
+from analysis.problem.names import ArgumentError
 from mbs_models.scene import CLASSES, Scene
 
 
@@ -141,8 +142,8 @@ class Integrator:
             if value is None and applies:
                 object.__setattr__(self, option, default)
             elif value is not None and not applies:
-                fault = f"{option} is no option of integrator {self.name!r}, got {value!r}"
-                raise ValueError(fault)
+                fault = f"is no option of integrator {self.name!r}, got {value!r}"
+                raise ArgumentError(option, fault)
         if self.spectral_radius is not None:
             radius = number("spectral_radius", self.spectral_radius)
             if not 0.0 <= radius <= 1.0:
@@ -203,7 +204,7 @@ def integrators(
     Raises
     ------
     ValueError
-        If the formulation is unknown.
+        If there is no such formulation, or an argument is of the wrong kind.
 
     Examples
     --------
@@ -213,10 +214,11 @@ def integrators(
     """
     implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
     explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
+    is_held = True if constrained is None else switch("constrained", constrained)
     if CLASSES[choice("formulation", formulation, CLASSES)].closes_contact:
         return explicit + implicit
     # What has no constraints otherwise has a stiff contact.
-    return implicit if constrained is None or constrained else implicit + explicit
+    return implicit if is_held else implicit + explicit
 
 
 def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) -> Integrator:

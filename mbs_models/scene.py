@@ -29,7 +29,7 @@ def formulations(scenario: Scenario) -> tuple[EngineFormulation, ...]:
     Raises
     ------
     ValueError
-        If it is none.
+        If it is no scenario.
 
     Examples
     --------

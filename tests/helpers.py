@@ -1,6 +1,6 @@
 """What several tests share: random disks and states, own kinematics, derivatives, Lagrange."""
 
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Container, Iterable, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -327,6 +327,21 @@ def lagrange(*, rotating: bool = True) -> Callable[[Body, Table, Array, Array], 
         return Lagrange(*(each.squeeze() for each in function(numbers, z, u)))
 
     return evaluated
+
+
+def refusals(
+    calls: Mapping[str, Callable[[], object]],
+    errors: type[Exception] | tuple[type[Exception], ...] = ValueError,
+) -> Callable[[str], None]:
+    """A test that each call is refused in one line that has its message in it."""
+
+    @pytest.mark.parametrize("message", calls)
+    def test(message: str) -> None:
+        with pytest.raises(errors, match=message) as refused:
+            calls[message]()
+        assert "\n" not in str(refused.value)
+
+    return test
 
 
 def failing(checks: Iterable[Any]) -> set[str]:

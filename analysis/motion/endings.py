@@ -78,7 +78,7 @@ class Ending:
 
     def __post_init__(self) -> None:
         if not isinstance(self.reason, str) or not self.reason:
-            raise ValueError(f"reason must be text, got {self.reason!r}")
+            raise ArgumentError("reason", f"must be text, got {self.reason!r}")
         for name in ("time", "value"):
             value = number(name, getattr(self, name))
             object.__setattr__(self, name, value)

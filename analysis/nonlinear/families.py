@@ -96,6 +96,8 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
+    if progress is not None:
+        function("progress", progress)
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
@@ -239,6 +241,8 @@ def asymmetric_family(
     NoCycleError
         If there is no cycle without symmetry beside the bifurcation.
     """
+    if progress is not None:
+        function("progress", progress)
     if instance("breaking", breaking, Event).kind != "symmetry-breaking":
         raise ValueError(f"breaking must be symmetry-breaking, got {breaking.kind!r}")
     born = breaking.motion

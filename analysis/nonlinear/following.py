@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.motions import Event, PeriodicMotion
-from analysis.problem.checks import function, instance
+from analysis.problem.checks import instance
 from analysis.solve.watch import Progress
 
 _HALVINGS = 5
@@ -54,8 +54,6 @@ class Family:
 
         After each `progress` is called with how many there are and how many are wanted.
         """
-        if progress is not None:
-            function("progress", progress)
         found: list[PeriodicMotion] = []
         reason = None
         for way in ways:

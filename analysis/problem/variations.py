@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.problem.body import Body
-from analysis.problem.checks import choice, float_array, instance, several
+from analysis.problem.checks import choice, float_array, instance, several, switch
 from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import DISKS, Disk
@@ -194,7 +194,7 @@ class Ensemble:
                     f"fields must have one shape, got {shape} of {first} and {other} of {name}"
                 )
         object.__setattr__(self, "fields", found)
-        if not check:
+        if not switch("check", check):
             return
         check_fields(self.scenario, self._values(0))
         for rows, made in self.map_groups(lambda scenario: scenario):

@@ -14,7 +14,16 @@ from scipy.optimize import minimize_scalar
 from analysis.motion import frames
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, increasing_times, number, positive, within
+from analysis.problem.checks import (
+    Array,
+    increasing_times,
+    instance,
+    number,
+    positive,
+    real_array,
+    within,
+)
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import Start
 
@@ -39,11 +48,11 @@ def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
     ValueError
         If an argument is out of range or the disk is eccentric.
     """
-    disk = scenario.disk
+    tipping, disk = _tipping(scenario), scenario.disk
     A, rolling = _across(disk), disk.inertia_z + disk.mass * disk.radius**2
     sb, cb = sin(_inclination(beta)), cos(beta)
     Omega = _precession(precession)
-    return (A * Omega**2 * sb * cb - _tipping(scenario) * cb) / (rolling * Omega * sb)
+    return (A * Omega**2 * sb * cb - tipping * cb) / (rolling * Omega * sb)
 
 
 def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> Start:
@@ -62,10 +71,10 @@ def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> St
     ValueError
         If the disk is not centred, or the precession is zero.
     """
-    _across(disk)
-    rate = _precession(precession)
+    _across(instance("disk", disk, Body))
+    rate, spin = _precession(precession), number("spin", spin)
     return Start(
-        beta=beta,
+        beta=_inclination(beta),
         gamma=0.0,
         spin=rate,
         beta_rate=0.0,
@@ -77,13 +86,15 @@ def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> St
 
 def euler_disk_precession(scenario: Scenario, beta: float) -> float:
     """Precession in rad/s with w3 = 0: Omega² = m g r / (A sin(beta)); `ValueError` as above."""
-    return sqrt(_tipping(scenario) / (_across(scenario.disk) * sin(_inclination(beta))))
+    tipping = _tipping(scenario)
+    return sqrt(tipping / (_across(scenario.disk) * sin(_inclination(beta))))
 
 
 def euler_disk_energy(scenario: Scenario, beta: float) -> float:
     """Energy in J with w3 = 0, from the table: E = 3/2 m g r sin(beta)."""
+    tipping = _tipping(scenario)
     _across(scenario.disk)
-    return 1.5 * _tipping(scenario) * sin(_inclination(beta))
+    return 1.5 * tipping * sin(_inclination(beta))
 
 
 def upright_rolling_spin(scenario: Scenario) -> float:
@@ -91,9 +102,9 @@ def upright_rolling_spin(scenario: Scenario) -> float:
 
     w3² = A m g r / (C (C + m r²)), which is g / (3 r) for a thin disk.
     """
-    disk = scenario.disk
+    tipping, disk = _tipping(scenario), scenario.disk
     A, C = _across(disk), disk.inertia_z
-    return sqrt(A * _tipping(scenario) / (C * (C + disk.mass * disk.radius**2)))
+    return sqrt(A * tipping / (C * (C + disk.mass * disk.radius**2)))
 
 
 def time_to_flat(scenario: Scenario, beta: float) -> float:
@@ -109,7 +120,7 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
     ValueError
         If not exactly one of the rolling resistances is on.
     """
-    disk, dissipation = scenario.disk, scenario.dissipation
+    tipping, disk, dissipation = _tipping(scenario), scenario.disk, scenario.dissipation
     dry, viscous = dissipation.rolling_dry, dissipation.rolling_viscous
     if (dry > 0.0) == (viscous > 0.0):
         raise ValueError(
@@ -118,12 +129,13 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
         )
     A, beta = _across(disk), positive("beta", beta)
     if viscous:
-        return 0.75 * beta * beta * A / (viscous * _tipping(scenario) * disk.radius)
-    return beta * sqrt(beta * A / _tipping(scenario)) / dry
+        return 0.75 * beta * beta * A / (viscous * tipping * disk.radius)
+    return beta * sqrt(beta * A / tipping) / dry
 
 
 def _tipping(scenario: Scenario) -> float:
     """Moment m g r in N m of the weight about the rim of a flat disk."""
+    instance("scenario", scenario, Scenario)
     require_plain(scenario, "a closed form of rolling")
     return scenario.weight * scenario.disk.radius
 
@@ -187,10 +199,12 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
     ValueError
         If a value is not positive, or `end` does not lie behind all times.
     """
-    times = increasing_times(times)
+    times, values = increasing_times(times), real_array("values", values)
+    if values.shape != times.shape:
+        raise ArgumentError("values", f"must have shape {times.shape}, got {values.shape}")
     if np.any(values <= 0.0):
-        raise ValueError(f"values must be positive, got {np.min(values):g}")
-    if end is not None and end <= times[-1]:
+        raise ArgumentError("values", f"must be positive, got {np.min(values):g}")
+    if end is not None and number("end", end) <= times[-1]:
         raise ValueError(f"end must lie behind the last time {times[-1]:g}, got {end:g}")
     logs, duration = np.log(values), times[-1] - times[0]
 

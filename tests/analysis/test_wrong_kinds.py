@@ -1,10 +1,14 @@
-"""Analyses refuse by name what is nothing of the kind that they take, before they compute."""
+"""Whatever is public refuses by name what is nothing of the kind that it takes."""
 
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type, call-overload, dict-item, list-item"
 
+import re
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from importlib import import_module
+from inspect import Parameter, isfunction, signature
 from math import nan
 from typing import Any
 
@@ -13,176 +17,224 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import MODELS, Ensemble, Scenario, Trajectory, simulate, simulate_many
-from analysis.mechanics import paper
-from analysis.nonlinear import families, following, heteroclinic, hopf, slow_manifold
-from analysis.nonlinear.stationary import (
-    Parameter,
-    StationaryMotion,
-    stationary_branch,
-    stationary_motions,
+from analysis import (
+    CENTRED_DISK,
+    LAWS,
+    STEEL_DISK,
+    Disk,
+    Dissipation,
+    Ending,
+    Ensemble,
+    PenaltyContact,
+    RestCriterion,
+    Scenario,
+    Start,
+    Table,
+    Trajectory,
+    simulate,
+    simulate_many,
 )
-from analysis.stability import chart, critical, linearisation, spectra
-from analysis.stability.sensitivities import sensitivities
-from mbs_models import Newton
+from analysis.nonlinear import families, stationary
+from analysis.nonlinear.collocation import hopf_cycle
+from analysis.nonlinear.following import Family
+from analysis.nonlinear.heteroclinic import fall
+from analysis.nonlinear.motions import Event
+from analysis.stability import stationary_rolling
+from analysis.stability.chart import hopf_curves, static_gradient
+from analysis.stability.critical import Crossing
+from analysis.stability.linearisation import stationary_eigenvalues
+from mbs_models import Integrator, Newton, Scene
+from tests.calls import ROOT
+from tests.helpers import model, refusals
+from validation.studies import crosscheck
+from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 
-REDUCED = Scenario(constraints=MODELS[4])
-RUN = simulate(Scenario(), [0.0, 0.01])
-SPINS = [30.0]
-
-TILTED = StationaryMotion(
+FULL, REDUCED, REST = Scenario(), model(4), Scenario.rest()
+RUN, REST_RUN = simulate(FULL, [0.0, 0.01]), analysis.simulate_to_rest(REST, 0.01)
+TILTED = stationary.StationaryMotion(
     spin=30.0, x=0.0, y=0.0, beta=1.0, gamma=1.0, eigenvalues=np.zeros(1, complex), value=30.0
 )
+BORN = Event("symmetry-breaking", hopf_cycle(REDUCED))
 
-OF_A_SCENARIO: dict[str, Callable[[Any], Any]] = {
-    "energies": lambda given: analysis.energies(given, RUN.coordinates, RUN.rates),
-    "scenario_text": analysis.scenario_text,
-    "ensemble": lambda given: Ensemble(scenario=given, fields={"spin": SPINS}),
-    "formulations": analysis.formulations,
-    "engine's formulations": mbs_models.formulations,
-    "critical_speeds": critical.critical_speeds,
-    "critical_speed": paper.critical_speed,
-    "closed_form": lambda given: paper.closed_form(given, SPINS),
-    "eigenvalues": lambda given: spectra.eigenvalues(given, SPINS),
-    "branches": lambda given: spectra.branches(given, SPINS),
-    "spinning": linearisation.spinning,
-    "stationary": lambda given: linearisation.stationary_eigenvalues(
-        given, 30.0, (0.0, 0.0, 1.5, 1.5)
-    ),
-    "unstable_start": linearisation.unstable_start,
-    "stability_chart": lambda given: chart.stability_chart(given, SPINS, [3.0]),
-    "hopf_curves": lambda given: chart.hopf_curves(given, [3.0]),
-    "corners": lambda given: chart.corners(given, [3.0]),
-    "cycle_family": families.cycle_family,
-    "rotating_family": families.rotating_family,
-    "cycle_at": lambda given: families.cycle_at(given, 30.5),
-    "cycles_over": lambda given: families.cycles_over([given], amplitude=1.0),
-    "connection": heteroclinic.heteroclinic_connection,
-    "hopf_type": hopf.hopf_type,
-    "slow_cycle": lambda given: slow_manifold.slow_cycle(given, 1.0),
-    "slow_connection": slow_manifold.slow_connection,
-    "stationary_motions": lambda given: stationary_motions(given, 30.0),
-    "stationary_branch": lambda given: stationary_branch(given, TILTED, (20.0, 40.0)),
+FITTING: dict[str, Any] = {
+    "amplitude": 1.0,
+    "beta": 0.5,
+    "breaking": BORN,
+    "constraints": ("contact",),
+    "coordinates": RUN.coordinates,
+    "crossing": Crossing(spin=30.0, frequency=1.0, kind="hopf", stable_side="above"),
+    "disk": STEEL_DISK,
+    "end": 0.01,
+    "family": Family(motions=(BORN.motion,), begins=30.0, born=BORN),
+    "fields": {"spin": [30.0]},
+    "formulation": "floating",
+    "gradients": [3.0],
+    "index": 0,
+    "interval": (20.0, 40.0),
+    "motions": [RUN],
+    "other": REST_RUN,
+    "path": "run.npz",
+    "place": (0.0, 0.0, 1.5, 1.5),
+    "precession": 10.0,
+    "plate": (0.045, 0.01, 7700.0),
+    "rates": RUN.rates,
+    "scenarios": [REDUCED],
+    "scene": Scene(),
+    "spin": 30.0,
+    "spins": [30.0],
+    "start": TILTED,
+    "state": FULL.initial_state,
+    "stiffness": 1e5,
+    "time": 0.0,
+    "times": [0.0, 0.01],
+    "trajectory": RUN,
+    "values": [2.0, 1.0],
 }
-OF_A_TRAJECTORY: dict[str, Callable[[Any], Any]] = {
-    "contact_forces": analysis.contact_forces,
-    "power": analysis.power,
-    "energy_residual": analysis.energy_residual,
-    "constraint_drift": analysis.constraint_drift,
-}
+"""What goes for an argument of this name that has no default."""
+
+OBJECTS = (
+    FULL, FULL.initial_state, Start(), Table(), STEEL_DISK, crosscheck.ELLIPSE, crosscheck.TOP,
+    *(law() for law in LAWS.values()), PenaltyContact(stiffness=1e5), Dissipation(), RUN, REST_RUN,
+    Ending(reason="x", time=1.0, value=0.0), RestCriterion(), Scene(), Newton(),
+    Integrator(name="DOPRI5"), stationary.Parameter(change=len, value=1.0, unit=1.0), Plan(),
+    Design(axes=(Axis(field="spin", first=0.0, last=1.0),), layout="random", number=3),
+)  # fmt: skip
+"""One of each class that checks its fields."""
+
+NAMES = re.findall(
+    r"^   ((?:analysis|mbs_models)(?:\.\w+)*)\.(\w+)$",
+    (ROOT / "docs" / "api.md").read_text("utf-8"),
+    re.MULTILINE,
+)
+PUBLIC = [getattr(import_module(module), name) for module, name in NAMES]
+OTHERS = (
+    Ensemble, Disk.of_parts, Disk.ring, PenaltyContact.damped, PenaltyContact.rounded,
+    Start.stationary, RUN.at, RUN.resampled, RUN.save, RUN.state, RUN.to_csv, REST_RUN.deviation,
+    REST_RUN.to_trajectory, families.first_asymmetric_family, fall, static_gradient,
+)  # fmt: skip
+"""Methods, and what no page lists."""
+
+CENTRED = Scenario.rest(disk=CENTRED_DISK, dissipation=Dissipation(rolling_dry=1e-3))
+CLOSED_FORMS = (
+    stationary_rolling.axial_spin, stationary_rolling.upright_rolling_spin,
+    stationary_rolling.euler_disk_precession, stationary_rolling.euler_disk_energy,
+    stationary_rolling.time_to_flat,
+)  # fmt: skip
+"""Of a disk that rolls, whose centre of gravity is its centre."""
+
+CALLS: dict[Any, dict[str, Any]] = {
+    **{call: {} for call in (*filter(isfunction, PUBLIC), *OTHERS)},
+    families.cycle_family: {"amplitudes": (0.1,)},
+    families.cycles_over: {"amplitude": None, "spin": 30.0},
+    analysis.simulate_to_rest: {"scenario": REST},
+    mbs_models.simulate_to_rest: {"scene": Scene(REST)},
+    **{call: {"scenario": CENTRED} for call in CLOSED_FORMS},
+    stationary_rolling.rolling_start: {"disk": CENTRED_DISK},
+    **{type(each): {field.name: getattr(each, field.name) for field in fields(each)}
+       for each in OBJECTS},
+}  # fmt: skip
+"""What may be called, and what goes for its arguments where that is another or has a default."""
+
+SAID = {(Integrator, "name"): "integrator", (families.cycles_over, "scenarios"): "scenario"}
+"""Arguments that are spoken of by another name."""
+
+
+def parameters(call: Any) -> dict[str, Parameter]:
+    found = dict(signature(call).parameters)
+    # What it hands on to each run.
+    if found.pop("how", None):
+        found = {**signature(simulate).parameters, **found}
+        del found["scenario"]
+    return {name: each for name, each in found.items() if each.kind != Parameter.VAR_KEYWORD}
+
+
+def wrong_values(name: str, default: Any) -> Iterator[Any]:
+    """Values of kinds that nothing takes, and of those that this argument does not."""
+    yield object()
+    yield np.array([None, None])
+    yield np.ma.array([0.0, 1.0, 2.0], mask=[False, True, False])
+    yield nan
+    if default is not None and name != "time_limit":
+        yield None
+    if not (isinstance(default, bool) or name == "constrained"):
+        yield True
+    if name not in ("path", "reason"):
+        yield "glue"
+
+
+EVERY = [(call, name) for call in CALLS for name in parameters(call)]
 
 
 @pytest.mark.parametrize(
-    "given", [None, 5, "x", Scenario, [Scenario()], RUN.coordinates], ids=type
+    ("call", "name"),
+    EVERY,
+    ids=[f"{call.__module__}.{call.__qualname__}-{name}" for call, name in EVERY],
 )
-@pytest.mark.parametrize("call", OF_A_SCENARIO | OF_A_TRAJECTORY)
-def test_what_is_no_scenario_or_trajectory_is_refused_by_name(call: str, given: Any) -> None:
-    kind = "scenario must be a Scenario" if call in OF_A_SCENARIO else "trajectory must be a Traj"
-    with pytest.raises(ValueError, match=f"^{kind}"):
-        (OF_A_SCENARIO | OF_A_TRAJECTORY)[call](given)
+def test_what_is_of_the_wrong_kind_is_refused_in_one_line_by_the_name_of_its_argument(
+    call: Any, name: str
+) -> None:
+    known = parameters(call)
+    given = {"scenario": REDUCED if "nonlinear" in call.__module__ else FULL} | CALLS[call]
+    needed = [each for each in known if known[each].default is Parameter.empty]
+    given = CALLS[call] | {each: (FITTING | given)[each] for each in needed}
+    for wrong in wrong_values(name, known[name].default):
+        with pytest.raises(ValueError, match=f"^{SAID.get((call, name), name)}") as raised:
+            call(**{**given, name: wrong})
+        assert "\n" not in str(raised.value)
+        assert len(str(raised.value)) < 320
+        # What is frozen is assigned to on the way.
+        assert "__setattr__" not in "".join(traceback.format_exception(raised.value))
 
 
-PLATE = (0.045, 0.01, 7700.0)
-
-
-def _place(*place: Any, spin: Any = 30.0) -> Any:
-    return linearisation.stationary_eigenvalues(REDUCED, spin, place)
+def _place(*place: Any) -> Any:
+    return stationary_eigenvalues(REDUCED, 30.0, place)
 
 
 def _trajectory(**changes: Any) -> Any:
-    names = ("times", "coordinates", "rates", "multipliers", "scenario", "source", "method")
-    return Trajectory(**{name: getattr(RUN, name) for name in names} | changes)
+    return Trajectory(**CALLS[Trajectory] | changes)
 
 
 WRONG: dict[str, Callable[[], Any]] = {
-    "disk must be a Body, got 3": lambda: analysis.PenaltyContact.damped(1e5, 3),
-    "disk must be a Body, got None": lambda: analysis.PenaltyContact.rounded(None),
     "disk must be a Body, got 'x'": lambda: Scenario.rest(disk="x"),
-    "holes must be a list of Hole, got 5": lambda: analysis.Disk.of_parts(PLATE, 5),
-    "masses must be a list of PointMass, got 'x'": lambda: analysis.Disk.of_parts(PLATE, (), "x"),
-    "constraints must be one of contact, .* got 'x'": lambda: analysis.multiplier_names(["x"]),
     "constraints must be one of contact, .* got array": lambda: Scenario(
         constraints=["contact", np.zeros(2)]
     ),
-    "fields must be named by text, got 5": lambda: Ensemble(
-        scenario=Scenario(), fields={5: [1.0]}
-    ),
-    "fields must map names to arrays, got Scenario": lambda: Ensemble(
-        scenario=Scenario(), fields=Scenario()
-    ),
-    "motions must be a list of motions and errors, got 5": lambda: analysis.outcomes(5),
+    "fields must be named by text, got 5": lambda: Ensemble(scenario=FULL, fields={5: [1.0]}),
     r"motions\[1\] must be a SampledMotion, got 'x'": lambda: analysis.outcomes([RUN, "x"]),
-    "executor must be an Executor or act as one, got 'x'": lambda: simulate_many(
-        [Scenario()], [0.0, 0.01], executor="x"
-    ),
+    r"scenarios\[1\] must be a Scenario, got 3": lambda: simulate_many([FULL, 3], [0.0, 0.01]),
     "ax must be the axes of a figure, got 5": lambda: RUN.plot("beta", ax=5),
-    "times must hold no masked values, got": lambda: simulate(
-        Scenario(), np.ma.array([0.0, 1.0, 2.0], mask=[False, True, False])
-    ),
     "index must be at most 1, got 2": lambda: RUN.state(2),
     "index must be at least -2, got -3": lambda: RUN.state(-3),
-    "index must be a whole number, got None": lambda: RUN.state(None),
-    "path must be the path of a file, got 5": lambda: analysis.load_run(5),
-    "path must be the path of a file, got None": lambda: analysis.load_scenario(None),
-    "path must be the path of a file, got True": lambda: RUN.to_csv(True),
     r"path must be the path of a file, got 'a\\x00b'": lambda: RUN.save("a\0b"),
-    "kind must be one of None, .* got 5": lambda: analysis.load_run("run.npz", 5),
-    "scenario must be a Scenario, got 5": lambda: _trajectory(scenario=5),
-    "ending must be an Ending, got 'x'": lambda: _trajectory(ending="x"),
-    "method must be a mapping, got int": lambda: _trajectory(method=5),
     "solver_seconds must not be negative, got -1": lambda: _trajectory(solver_seconds=-1.0),
     "pulling must hold first and last times, got": lambda: _trajectory(pulling=[(1.0,)]),
     "coordinates must have shape .* got": lambda: analysis.energies(
-        Scenario(), np.zeros((3, 5)), RUN.rates
+        FULL, np.zeros((3, 5)), RUN.rates
     ),
     "rates must have shape .* got": lambda: analysis.energies(
-        Scenario(), RUN.coordinates, np.zeros((3, 6))
+        FULL, RUN.coordinates, np.zeros((3, 6))
     ),
-    "spin must be a finite number, got nan": lambda: _place(0.0, 0.0, 1.5, 1.5, spin=nan),
-    "spin must be a finite number, got True": lambda: analysis.Start(spin=True),
-    "spin must lie from -100000 to 100000": lambda: stationary_motions(REDUCED, 1e6),
-    "starts must be at most 10000": lambda: stationary_motions(REDUCED, 30.0, 10**9),
+    "spin must lie from -100000 to 100000": lambda: stationary.stationary_motions(REDUCED, 1e6),
+    "starts must be at most 10000": lambda: stationary.stationary_motions(REDUCED, 30.0, 10**9),
     "place must hold x, y, beta and gamma": lambda: _place(1.0, 2.0),
     "place must be finite": lambda: _place(0.0, nan, 1.5, 1.5),
     "beta must lie in the open interval": lambda: _place(0.0, 0.0, 0.0, 1.5),
-    "gradients must lie from 0 to 1e\\+12": lambda: chart.hopf_curves(Scenario(), [1e15]),
-    "crossing must be a Crossing, got 5": lambda: sensitivities(REDUCED, 5),
-    "breaking must be an Event, got 'x'": lambda: families.asymmetric_family("x"),
-    "family must be a Family, got None": lambda: following.events(None),
-    "scenarios must be a list of Scenario, got 5": lambda: families.cycles_over(5, amplitude=1.0),
-    "progress must be a function, got 3": lambda: families.cycle_family(REDUCED, progress=3),
-    "progress must be a function, got 'x'": lambda: families.rotating_family(
-        REDUCED, progress="x"
+    "gradients must lie from 0 to 1e\\+12": lambda: hopf_curves(FULL, [1e15]),
+    "interval must be lowest and highest value": lambda: stationary.stationary_branch(
+        REDUCED, TILTED, [1.0]
     ),
-    "start must be a StationaryMotion, got 5": lambda: stationary_branch(REDUCED, 5, (20.0, 40.0)),
-    "interval must be lowest and highest value": lambda: stationary_branch(REDUCED, TILTED, [1.0]),
-    "parameter must be a Parameter, got 5": lambda: stationary_branch(
-        REDUCED, TILTED, (20.0, 40.0), 5
-    ),
-    "change must be a function, got 'x'": lambda: Parameter(change="x", value=1.0, unit=1.0),
-    "time must be a finite number, got nan": lambda: analysis.Ending(
-        reason="x", time=nan, value=0.0
-    ),
-    "relative must be a finite number, got nan": lambda: Newton(relative=nan),
-    "keep must be one of .* got 'nothing'": lambda: Plan(keep=("nothing",)),
 }
 """How a message begins, and the call."""
 
-
-@pytest.mark.parametrize("message", WRONG)
-def test_wrong_value_is_told_in_one_short_line(message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}") as raised:
-        WRONG[message]()
-    assert "\n" not in str(raised.value)
-    assert len(str(raised.value)) < 320
-    # What is frozen is assigned to on the way.
-    assert "__setattr__" not in "".join(traceback.format_exception(raised.value))
+test_wrong_value_is_told_with_what_is_allowed = refusals(
+    {f"^{message}": call for message, call in WRONG.items()}
+)
 
 
 @pytest.mark.parametrize("member", [2, -3, "x", None])
 def test_member_that_an_ensemble_does_not_have_is_refused_by_name(member: Any) -> None:
-    ensemble = Ensemble(scenario=Scenario(), fields={"spin": [30.0, 40.0]})
+    ensemble = Ensemble(scenario=FULL, fields={"spin": [30.0, 40.0]})
     runs = simulate_many(ensemble, [0.0, 0.01], workers=1)
     for call in (ensemble.__getitem__, runs.__getitem__, runs.outcome):
         with pytest.raises(IndexError, match=rf"^member must lie from -2 to 1, got {member!r}$"):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.problem.checks import Array, choice, several, whole
+from analysis.problem.checks import Array, choice, instance, several, whole
 from analysis.problem.limits import LARGEST_STORAGE
 from analysis.problem.names import full_name
 from analysis.problem.quantities import declared
@@ -158,7 +158,8 @@ class Design:
     def __post_init__(self) -> None:
         choice("layout", self.layout, LAYOUTS)
         whole("seed", self.seed, least=0)
-        object.__setattr__(self, "axes", tuple(several("axes", self.axes, "Axis")))
+        axes = [instance("axes", each, Axis) for each in several("axes", self.axes, "Axis")]
+        object.__setattr__(self, "axes", tuple(axes))
         names = [axis.field for axis in self.axes]
         if not names:
             raise ValueError("axes must be at least one, such as spin=0:60:61")

@@ -9,7 +9,7 @@ import numpy as np
 from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, StoredRun, Trajectory
 from analysis.motion.endings import check_condition_name
 from analysis.motion.quantities import quantities
-from analysis.problem.checks import Array, choice, positive, whole, within
+from analysis.problem.checks import Array, choice, positive, several, switch, whole, within
 from analysis.problem.choices import SOURCES
 from analysis.problem.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.problem.names import ArgumentError
@@ -42,9 +42,9 @@ def series_named(names: Iterable[str], *, to_rest: bool) -> tuple[str, ...]:
         If there is no such series.
     """
     groups = {} if to_rest else GROUPS
-    found = [each for name in names for each in groups.get(name, (name,))]
-    known = REST_SERIES if to_rest else SERIES
-    return tuple(dict.fromkeys(choice("keep", name, (*groups, *known)) for name in found))
+    known = (*groups, *(REST_SERIES if to_rest else SERIES))
+    chosen = [choice("keep", name, known) for name in names]
+    return tuple(dict.fromkeys(each for name in chosen for each in groups.get(name, (name,))))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,6 +79,8 @@ class Plan(CaseOptions):
 
     def __post_init__(self) -> None:
         CaseOptions.__post_init__(self)
+        for name in ("allow_pulling", "to_rest"):
+            switch(name, getattr(self, name))
         end = within("end", positive("end", self.end), 0.0, LONGEST_MOTION)
         if not positive("spacing", self.spacing) < end:
             raise ArgumentError(
@@ -97,7 +99,7 @@ class Plan(CaseOptions):
         if self.source == "engine" and self.witness_step is not None:
             raise ArgumentError("witness_step", "must be left out for source 'engine'")
         whole("witnesses", self.witnesses, least=0)
-        keep = series_named(self.keep, to_rest=self.to_rest)
+        keep = series_named(several("keep", self.keep, "names"), to_rest=self.to_rest)
         object.__setattr__(self, "keep", keep)
         if not self.given(*ACCURACIES):
             object.__setattr__(self, "tolerance", self._usual_tolerance)

@@ -80,7 +80,6 @@ def motion(request: pytest.FixtureRequest, fine: Trajectory, falling: SpatialMot
         ({"scenario": Scenario()}, r"multipliers must have shape \(5, 1\), got \(5, 4\)"),
         ({"times": [0.0, 1.0, 1.0, 2.0, 3.0]}, "times must increase strictly, got 1 before 1"),
         ({"times": [0.0]}, "times must be one-dimensional with 2 or more entries"),
-        *(({name: np.full((5, 6), np.nan)}, f"{name} must be finite") for name in ARRAYS),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(change: dict[str, Any], message: str) -> None:
@@ -266,7 +265,6 @@ def test_flat_disk_has_no_state_in_angles(falling: SpatialMotion) -> None:
     ("message", "how"),
     [
         ("end must lie from 0.0005 to inf, got 0.0004", {"end": 4e-4}),
-        ("end must be a finite number, got 'x'", {"end": "x"}),
         ("least_leaning must be positive, got 0", {"least_leaning": 0.0}),
     ],
 )

@@ -20,7 +20,7 @@ from analysis.nonlinear.heteroclinic import (
     saddle,
 )
 from analysis.nonlinear.slow_manifold import NoManifoldError, slow_connection, slow_cycle
-from tests.helpers import model
+from tests.helpers import model, refusals
 
 PAPER = model(4)
 TO_THE_END = np.append((1.0, 2.0, 2.7, 3.0), np.pi - np.append(np.geomspace(9e-3, 9e-5, 4), 1e-6))
@@ -142,8 +142,6 @@ REFUSED: dict[str, Callable[[], object]] = {
     "the reduced system is that of Model 4, got Model 2": lambda: saddle(model(2), 30.0),
 }
 
-
-@pytest.mark.parametrize("message", REFUSED)
-def test_what_there_is_not_is_refused(message: str) -> None:
-    with pytest.raises((ValueError, NoManifoldError, NoConnectionError), match=message):
-        REFUSED[message]()
+test_what_there_is_not_is_refused = refusals(
+    REFUSED, errors=(ValueError, NoManifoldError, NoConnectionError)
+)

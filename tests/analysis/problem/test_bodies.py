@@ -32,7 +32,7 @@ from analysis.problem.plain_data import as_plain
 from analysis.stability.critical import critical_speeds
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
 from tests.calls import printed
-from tests.helpers import jacobian, turn_z
+from tests.helpers import jacobian, refusals, turn_z
 
 RINGS: dict[str, Body] = {
     "ring": Disk.ring(hole_radius=0.01),
@@ -231,8 +231,4 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "start must be a stationary motion": partial(mbs_models.eigenvalues, UNEVEN),
 }
 
-
-@pytest.mark.parametrize("message", REFUSED)
-def test_what_is_no_body_or_fits_none_is_refused(message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        REFUSED[message]()
+test_what_is_no_body_or_fits_none_is_refused = refusals(REFUSED)
