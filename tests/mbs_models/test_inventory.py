@@ -126,7 +126,7 @@ def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str
     assert "JointRollingDisc" in shown
     assert "without slip along the edge" in shown
     assert "6 coordinates, 6 algebraic equations (4 constraints" in shown
-    assert "1 user functions" in shown
+    assert "1 user function." in shown
 
 
 @pytest.mark.parametrize(
