@@ -129,6 +129,15 @@ def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal
         mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
 
 
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_nearly_flat_start_is_a_free_body_which_keeps_its_tolerance(level: Level) -> None:
+    scenario, times = model(level, start=Start(beta=1e-3)), np.linspace(0.0, 3e-3, 11)
+    run = mbs_models.simulate(scenario, times, tolerance=1e-7)
+    check = analysis.simulate(scenario, times)
+    assert run.method["formulation"] == "floating"
+    assert np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-7
+
+
 def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digits() -> None:
     proposals = [advice(Scene(), Integrator(name="RK67"), leaning) for leaning in (1e-3, 1.0)]
     assert ["formulation 'floating'" in each for each in proposals] == [True, False]
