@@ -80,6 +80,7 @@ def motion(request: pytest.FixtureRequest, fine: Trajectory, falling: SpatialMot
         ({"scenario": Scenario()}, r"multipliers must have shape \(5, 1\), got \(5, 4\)"),
         ({"times": [0.0, 1.0, 1.0, 2.0, 3.0]}, "times must increase strictly, got 1 before 1"),
         ({"times": [0.0]}, "times must be one-dimensional with 2 or more entries"),
+        *(({name: np.full((5, 6), np.nan)}, f"{name} must be finite") for name in ARRAYS),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(change: dict[str, Any], message: str) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import asin, inf, pi
+from math import asin, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -173,6 +173,16 @@ def test_a_pull_shorter_than_the_samples_are_apart_is_found(middle: float, half:
     assert found.reason == CONTACT_WOULD_PULL
     assert found.time == pytest.approx(middle - half, abs=1e-11)
     assert located(dip(-(half**2))) is None
+
+
+def test_a_pull_with_a_kink_is_located_at_the_kink() -> None:
+    # Friction by the contact force is gone from there on.
+    def force(times: Array) -> Array:
+        left = 1.0 / sqrt(2.0) - times
+        return np.where(left >= 0.0, left, 7.0 * left)
+
+    found = not_none(located(made(1.0, contact=force)))
+    assert found.time == pytest.approx(1.0 / sqrt(2.0), abs=1e-11)
 
 
 def test_an_ending_that_a_finer_run_misses_by_little_is_not_lost() -> None:
