@@ -17,7 +17,7 @@ _TO_REST: tuple[type[Model], ...] = (FloatingLie, Floating)
 
 CLASSES: dict[EngineFormulation, type[Model]] = {each.name: each for each in _BY_ACCURACY}
 
-NEARLY_FLAT = 0.02
+FREE_BELOW = 0.02
 """Sine of the inclination at the start below which a free body comes first: the mass matrix of a
 tree becomes singular with its square, and rounding in accelerations grows against that."""
 
@@ -46,8 +46,8 @@ def formulations(scenario: Scenario) -> tuple[EngineFormulation, ...]:
     contact = instance("scenario", scenario, Scenario).contact
     lies_flat = contact is not None and (scenario.is_smooth or scenario.dissipation.is_on)
     ranked = _TO_REST if lies_flat else _BY_ACCURACY
-    if contact is None and sin(scenario.initial_state.coordinates[4]) < NEARLY_FLAT:
-        ranked = (Floating, FloatingLie, ContactTree, EulerTree)
+    if contact is None and sin(scenario.initial_state.coordinates[4]) < FREE_BELOW:
+        ranked = tuple(sorted(ranked, key=lambda each: each.has_euler_angles))
     return tuple(each.name for each in ranked if not each.obstacle(scenario))
 
 

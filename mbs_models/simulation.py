@@ -27,7 +27,7 @@ from mbs_models.accelerations import AccelerationProblem
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
-from mbs_models.scene import Scene
+from mbs_models.scene import CLASSES, Scene
 from mbs_models.solving import EngineError, solving, stepping
 from mbs_models.whole_runs import NEARLY_FLAT, Call, run_over
 
@@ -287,7 +287,7 @@ def advice(scene: Scene, integrator: Integrator, leaning: float) -> str:
         Angle in rad between disk and table where it came nearest to flat.
     """
     found = []
-    if leaning < NEARLY_FLAT and scene.built_as.endswith("tree"):
+    if leaning < NEARLY_FLAT and CLASSES[scene.built_as].has_euler_angles:
         found.append("formulation 'floating', which loses fewer digits nearly flat")
     if scene.scenario.contact is None:
         best = Scene(scene.scenario)

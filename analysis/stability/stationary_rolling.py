@@ -48,8 +48,8 @@ def axial_spin(scenario: Scenario, beta: float, precession: float) -> float:
     ValueError
         If an argument is out of range or the disk is eccentric.
     """
-    tipping, disk = _tipping(scenario), scenario.disk
-    A, rolling = _across(disk), disk.inertia_z + disk.mass * disk.radius**2
+    (tipping, A), disk = _moments(scenario), scenario.disk
+    rolling = disk.inertia_z + disk.mass * disk.radius**2
     sb, cb = sin(_inclination(beta)), cos(beta)
     Omega = _precession(precession)
     return (A * Omega**2 * sb * cb - tipping * cb) / (rolling * Omega * sb)
@@ -86,14 +86,13 @@ def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> St
 
 def euler_disk_precession(scenario: Scenario, beta: float) -> float:
     """Precession in rad/s with w3 = 0: Omega² = m g r / (A sin(beta)); `ValueError` as above."""
-    tipping = _tipping(scenario)
-    return sqrt(tipping / (_across(scenario.disk) * sin(_inclination(beta))))
+    tipping, A = _moments(scenario)
+    return sqrt(tipping / (A * sin(_inclination(beta))))
 
 
 def euler_disk_energy(scenario: Scenario, beta: float) -> float:
     """Energy in J with w3 = 0, from the table: E = 3/2 m g r sin(beta)."""
-    tipping = _tipping(scenario)
-    _across(scenario.disk)
+    tipping, _ = _moments(scenario)
     return 1.5 * tipping * sin(_inclination(beta))
 
 
@@ -102,8 +101,8 @@ def upright_rolling_spin(scenario: Scenario) -> float:
 
     w3² = A m g r / (C (C + m r²)), which is g / (3 r) for a thin disk.
     """
-    tipping, disk = _tipping(scenario), scenario.disk
-    A, C = _across(disk), disk.inertia_z
+    (tipping, A), disk = _moments(scenario), scenario.disk
+    C = disk.inertia_z
     return sqrt(A * tipping / (C * (C + disk.mass * disk.radius**2)))
 
 
@@ -120,24 +119,24 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
     ValueError
         If not exactly one of the rolling resistances is on.
     """
-    tipping, disk, dissipation = _tipping(scenario), scenario.disk, scenario.dissipation
+    (tipping, A), dissipation = _moments(scenario), scenario.dissipation
     dry, viscous = dissipation.rolling_dry, dissipation.rolling_viscous
     if (dry > 0.0) == (viscous > 0.0):
         raise ValueError(
             "dissipation must have either rolling_dry or rolling_viscous, "
             f"got {dry:g} and {viscous:g}"
         )
-    A, beta = _across(disk), positive("beta", beta)
+    beta = positive("beta", beta)
     if viscous:
-        return 0.75 * beta * beta * A / (viscous * tipping * disk.radius)
+        return 0.75 * beta * beta * A / (viscous * tipping * scenario.disk.radius)
     return beta * sqrt(beta * A / tipping) / dry
 
 
-def _tipping(scenario: Scenario) -> float:
-    """Moment m g r in N m of the weight about the rim of a flat disk."""
+def _moments(scenario: Scenario) -> tuple[float, float]:
+    """Moment m g r in N m of the weight about the rim of a flat disk, and A of a centred one."""
     instance("scenario", scenario, Scenario)
     require_plain(scenario, "a closed form of rolling")
-    return scenario.weight * scenario.disk.radius
+    return scenario.weight * scenario.disk.radius, _across(scenario.disk)
 
 
 def _across(disk: Body) -> float:

@@ -138,7 +138,7 @@ def _stable_table(found: CriticalSpeeds) -> Table:
     )
 
 
-def _critical_table(found: CriticalSpeeds, note: str | None) -> Table:
+def _critical_table(found: CriticalSpeeds, note: str) -> Table:
     """Critical speeds; each row says what becomes of one eigenvalue or pair."""
     what = {"hopf": "pair", "static": "real eigenvalue"}
     side = {"above": "stable", "below": "unstable"}

@@ -57,7 +57,7 @@ PATIENCE = 10.0
 LIMIT = 3.0 * PATIENCE
 """Processor time in s after which a motion that takes longer than expected is given up."""
 
-NEARLY_FLAT = 0.3
+MAY_FAIL_BELOW = 0.3
 """Sine of the least inclination of an in-house motion up to which an engine's run may fail since
 the disk lies nearly flat."""
 
@@ -282,7 +282,7 @@ def _motion(scene: Scene, end: float) -> Found:
     try:
         engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
     except FlatError as error:
-        if np.sin(inhouse.coordinates[:, 4]).min() > NEARLY_FLAT:
+        if np.sin(inhouse.coordinates[:, 4]).min() > MAY_FAIL_BELOW:
             return inf, f"a run fails: {error}", None
         times = _times(0.8 * error.time)
         inhouse = reference(scene.scenario, times)
