@@ -23,6 +23,7 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Table,
+    ToleranceError,
     Trajectory,
 )
 from mbs_models import Scene
@@ -175,9 +176,18 @@ def test_a_run_that_fails_nearly_flat_or_a_missing_reference_is_no_disagreement(
         found = comparisons.compare_motions(Scene(dropped, formulation), 0.1)
         assert found.agrees
         assert not_none(found.lasting) == pytest.approx(0.06, abs=0.005)
-    found = comparisons.compare_motions(Scene(dropped), 1.0)
+
+    # Whether one comes through the dropped disk's near passage of flat, rounding decides.
+    def lacking(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
+        if how.get("source") == "in-house" and times[-1] > 0.5:
+            raise ToleranceError("tolerance 1e-09 is not reached")
+        return run(scenario, times, **how)
+
+    monkeypatch.setattr(comparisons, "run", lacking)
+    found = comparisons.compare_motions(Scene(), 1.0)
     assert found.agrees
-    assert found.detail.startswith("over 0.1 s; over 1 s: no in-house motion to compare with: tol")
+    why = "no in-house motion to compare with: tolerance 1e-09 is not reached"
+    assert found.detail == f"over 0.1 s; over 1 s: {why}"
 
     def flat(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
         if how.get("source") == "in-house" or times[-1] < 0.02:
