@@ -1,7 +1,7 @@
 """The documentation as a site, which is built without the network."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any, get_args
@@ -13,7 +13,7 @@ from sphinx.application import Sphinx
 from sphinx.ext import autosummary
 from sphinx.pycode import ModuleAnalyzer
 
-from analysis.problem.quantities import QUANTITIES
+from analysis.problem.quantities import QUANTITIES, Quantity
 from validation.parser.commands import Command, commands
 
 ROOT = Path(__file__).parent.parent
@@ -66,7 +66,7 @@ BESIDE = {
 
 def setup(app: Sphinx) -> None:
     """Tell Sphinx what this site has of its own."""
-    app.connect("source-read", _with_commands)
+    app.connect("source-read", _with_lists)
     app.connect("doctree-read", _lead_inside)
     app.connect("autodoc-process-signature", _without_signature, priority=1)
     app.connect("autodoc-process-docstring", _describe_constant, priority=1)
@@ -81,13 +81,27 @@ def _lead_inside(_: Sphinx, page: nodes.document) -> None:
             link["refdomain"], link["reftarget"], link["reftargetid"] = "doc", target, None
 
 
-# --- Commands -----------------------------------------------------------------------------------
+# --- Quantities and commands --------------------------------------------------------------------
 
 
-def _with_commands(_: Sphinx, page: str, source: list[str]) -> None:
-    """Add all commands, as their parsers have them, to the page on them."""
+def _with_lists(_: Sphinx, page: str, source: list[str]) -> None:
+    """Add to their pages the quantities as they are declared, and the commands as they parse."""
+    if page == "scenario":
+        columns = ("key", "option", "unit", "default", "meaning (what is allowed)")
+        source[0] += f"\n{_table(columns, map(_described, QUANTITIES.values()))}\n"
     if page == "commands":
         source[0] += "".join(map(_section, commands()))
+
+
+def _table(columns: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
+    ruled = (columns, ["---"] * len(columns), *rows)
+    return "\n".join(f"| {' | '.join(row)} |" for row in ruled)
+
+
+def _described(quantity: Quantity) -> tuple[str, ...]:
+    allowed = f" ({quantity.allowed})" if quantity.allowed else ""
+    told = (quantity.unit or "", quantity.shown_default, f"{quantity.meaning}{allowed}")
+    return f"`{quantity.key}`", f"`{quantity.flag}`", *told
 
 
 def _section(command: Command) -> str:
@@ -97,12 +111,12 @@ def _section(command: Command) -> str:
         for each in (parser.description or "").split("\n\n")
     )
     rows = [
-        f"| {_called(each)} | {_meaning(each)} |"
+        (_called(each), _meaning(each))
         for each in parser.actions
         if each.dest not in QUANTITIES and each.dest != "help"
     ]
     text = [f"## {command.name}", *about, f"```text\n{parser.usage}\n```"]
-    text.append("\n".join(["| option | meaning |", "| --- | --- |", *rows]))
+    text.append(_table(("option", "meaning"), rows))
     known = [QUANTITIES[each.dest] for each in parser.actions if each.dest in QUANTITIES]
     if tables := dict.fromkeys(each.table for each in known):
         named = ", ".join(f"`{each}`" if each else "those before the tables" for each in tables)

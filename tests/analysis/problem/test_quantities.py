@@ -101,13 +101,8 @@ def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quant
 
 def test_every_quantity_is_told_with_what_it_means(capsys: pytest.CaptureFixture[str]) -> None:
     shown = " ".join(printed(capsys, "scenario --help").split())
-    page = (Path(__file__).parents[3] / "docs" / "scenario.md").read_text(encoding="utf-8")
-    rows = [row.split(" | ") for row in page.split("\n") if row.startswith("| `")]
-    for quantity, row in zip(QUANTITIES.values(), rows, strict=True):
+    for quantity in QUANTITIES.values():
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
-        allowed = f" ({quantity.allowed})" if quantity.allowed else ""
-        told = (quantity.unit or "", quantity.shown_default, f"{quantity.meaning}{allowed} |")
-        assert row == [f"| `{quantity.key}`", f"`{quantity.flag}`", *told]
 
 
 @EVERY
