@@ -11,9 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from analysis.motion.trajectory import versions
+from analysis.simulation.compiled.library import is_installed
 
-PACKAGES = ("exudyn", "numpy", "scipy", "matplotlib")
-"""Packages that results depend on."""
+PACKAGES = (
+    *("exudyn", "numpy", "scipy", "matplotlib", "pandas", "jinja2", "markdown-it-py"),
+    *(("heyoka",) if is_installed() else ()),
+)
+"""Packages that results, their tables and their pages depend on; the last one may be missing."""
 
 
 def provenance() -> dict[str, Any]:
