@@ -1,5 +1,5 @@
 // Runs the player of a page in Node: node player_harness.js PAGE TIME...
-// Prints its poses at some times, and what it draws when it is opened at each of them.
+// Prints its poses at some times, and what it draws when it is opened at each of them, and the hull of its body's area.
 "use strict";
 const page = require("fs").readFileSync(process.argv[2], "utf-8");
 const part = (kind) => new RegExp(`<script${kind}>(.*?)</script>`, "s").exec(page)[1];
@@ -39,6 +39,8 @@ function pen(drawn) {
 const bare = createContext({ atob });
 new Script(code).runInContext(bare);
 const pose = new Script("diskPoses").runInContext(bare)(JSON.parse(text));
+const area = JSON.parse(text).shape.areas[0].map(([x, y]) => [x, y]);
+const hull = new Script("hullOf").runInContext(bare)(area);
 const found = process.argv.slice(3).map((each) => {
   const drawn = [];
   const document = element(drawn);
@@ -46,6 +48,6 @@ const found = process.argv.slice(3).map((each) => {
   const scope = { atob, document, window, location: { hash: `#t=${each}` }, ...window,
     Option: function () {}, Path2D: function () {}, ResizeObserver: class { observe() {} }, requestAnimationFrame() {} };
   new Script(code).runInContext(createContext(scope));
-  return { ...pose(+each), drawn };
+  return { ...pose(+each), drawn, hull };
 });
 console.log(JSON.stringify(found));

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from matplotlib.path import Path as Outline
 from PIL.GifImagePlugin import GifImageFile
-from scipy.spatial import ConvexHull
 
 from analysis import (
     ROUNDED_STEEL_DISK,
@@ -37,7 +35,7 @@ from tests.helpers import not_none
 from tests.node import in_node, needs_node
 from validation import play
 from validation.kit.animation import picture as drawing
-from validation.kit.animation.body import LOOK, in_sight, shape
+from validation.kit.animation.body import LOOK, in_sight, outline, shape
 from validation.kit.animation.keyframes import Keyframes, keyframes
 from validation.kit.animation.player import player
 from validation.studies.inversion import draw_instants
@@ -164,19 +162,18 @@ def test_shape_of_a_body_is_that_of_its_mass(disk: Body) -> None:
 
 
 @pytest.mark.parametrize("solid", [TIPPE_TOP, EGG], ids=["sphere", "own"])
-def test_lines_of_a_solid_lie_on_its_surface_and_cover_its_outline(solid: Body) -> None:
+def test_lines_and_outline_of_a_solid_are_those_of_its_surface(solid: Body) -> None:
     body, eye = shape(solid), np.array([0.6, 0.0, 0.8])
     points = np.vstack(body.lines)
     if isinstance(solid, Sphere):
         np.testing.assert_allclose(np.linalg.norm(points, axis=1), solid.radius)
-    across = np.array([[0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]]).T
-    seen = points @ across
-    # Between the middle and what lies farthest out, everything is within one of the lines.
-    inside = 0.97 * seen[ConvexHull(seen).vertices][:, None] * np.linspace(0.0, 1.0, 20)[:, None]
-    covered = [
-        Outline(area @ across).contains_points(inside.reshape(-1, 2)) for area in body.areas
-    ]
-    assert np.all(np.any(covered, axis=0))
+    across = np.array([[0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
+    drawn = outline(body.areas[0] @ across.T)
+    for turn in np.linspace(0.0, 2.0 * np.pi, 50):
+        sideways = np.array([np.cos(turn), np.sin(turn)])
+        farthest = sideways @ across @ solid.lowest_point(sideways @ across)
+        short = np.min(drawn @ sideways) - farthest
+        assert -1e-12 < short < 3e-3 * solid.radius
     visible = in_sight(points, np.zeros(3), eye)
     assert 0.4 < np.mean(np.isnan(visible[:, 0])) < 0.6
 
@@ -198,6 +195,16 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
     assert draw_instants(made, [0.0, 0.05]).axes
     told = embedded(made.animate().text)["shape"]
     assert (told["solid"], len(told["masses"])) == (isinstance(body, Sphere), body is COMPOSED)
+
+
+@needs_node
+def test_player_draws_the_outline_of_a_solid() -> None:
+    made = simulate(Scenario(disk=TIPPE_TOP), np.linspace(0.0, 0.05, 6)).animate()
+    (shown,) = in_node("player_harness.js", made.text, "0.02")
+    expected = outline(np.array(embedded(made.text)["shape"]["areas"][0])[:, :2])
+    assert {tuple(each) for each in shown["hull"]} == {tuple(each) for each in expected.tolist()}
+    # Table, shadow, one surface, contact point, mark and centre of gravity.
+    assert len(shown["drawn"]) == 6
 
 
 @needs_node

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from analysis import Body, Disk, EllipticDisk
 from analysis.problem.checks import Array
@@ -30,6 +31,9 @@ contact point is seen, in s."""
 _CORNERS = 73
 """Points of a circle, the last one the first again."""
 
+_SPREAD = 1200
+"""Points of a solid, whose hull lies within 0.3 % of the radius of its outline."""
+
 _MASS = 0.05
 """Radius of a small mass in radii of the body."""
 
@@ -40,10 +44,10 @@ class Shape(NamedTuple):
     Parameters
     ----------
     areas : list of ndarray, shape (n, k)
-        Outlines that cover the body: one of a plate, counterclockwise, from which the eye goes to
-        its holes and around them clockwise; many of a solid, which overlap.
+        What covers the body: the outline of a plate, counterclockwise, from which the eye goes to
+        its holes and around them clockwise; of a solid, points in whose hull it is seen.
     lines : list of ndarray, shape (n, k)
-        Closed lines that are drawn on it: the edge and those of holes, or all of a solid.
+        Closed lines that are drawn on it: the edge and those of holes, or a net over a solid.
     cog, mark : tuple of 2 float
         Centre of gravity, and a point of the edge by which the eye sees the body turn.
     heavy : list of ndarray, shape (n, 2)
@@ -51,7 +55,7 @@ class Shape(NamedTuple):
     masses : list of ndarray, shape (n, 2)
         Outlines of small masses on a plate.
     solid : bool
-        Whether it hides half of its lines, and has no two faces.
+        Whether it has an outline that hides half of its lines, and no two faces.
     """
 
     areas: list[Array]
@@ -76,8 +80,8 @@ def shape(body: Body) -> Shape:
         straight = circle(1.0) * (body.radius, body.other_radius)
         edges = [straight @ np.array([[c, s], [-s, c]])]
     else:
-        lines, top = surface(body), body.lowest_point((-1.0, 0.0, 0.0))
-        return Shape(lines, lines, cog, mark=(top[0], top[1]), solid=True)
+        top = body.lowest_point((-1.0, 0.0, 0.0))
+        return Shape([_points(body)], surface(body), cog, mark=(top[0], top[1]), solid=True)
     area = np.vstack([part for edge in edges for part in (edge, edges[0][:1])])
     heavy = [area.clip(min=(0.0, -np.inf))] if body.eccentricity else []
     mark = float(edges[0][0, 0]), float(edges[0][0, 1])
@@ -102,6 +106,21 @@ def surface(body: Body) -> list[Array]:
         for side in np.radians(np.arange(0.0, 180.0, 20.0))
     ]
     return [np.column_stack(body.lowest_point(each.T)) for each in (*around, *through)]
+
+
+def _points(body: Body) -> Array:
+    """Points of a surface, lowest for directions that a spiral spreads evenly, shape (n, 3)."""
+    numbers = np.arange(_SPREAD)
+    x = 1.0 - (2.0 * numbers + 1.0) / _SPREAD
+    around, level = np.pi * (3.0 - np.sqrt(5.0)) * numbers, np.sqrt(1.0 - x**2)
+    lowest = body.lowest_point((x, level * np.cos(around), level * np.sin(around)))
+    return np.column_stack(lowest)
+
+
+def outline(points: Array) -> Array:
+    """Closed hull of points of a picture, as the player has it, shape (n, 2)."""
+    corners: Array = points[ConvexHull(points).vertices]
+    return np.append(corners, corners[:1], axis=0)
 
 
 def in_sight(line: Array, middle: Array, eye: Array) -> Array:

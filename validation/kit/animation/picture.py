@@ -14,7 +14,7 @@ from PIL import Image
 
 from analysis.problem.checks import Array, within
 from analysis.problem.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
-from validation.kit.animation.body import LOOK, circle, in_sight, shape
+from validation.kit.animation.body import LOOK, circle, in_sight, outline, shape
 from validation.kit.animation.keyframes import Keyframes
 from validation.kit.progress import counted
 
@@ -85,15 +85,21 @@ def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[A
         points: Array = place + outline @ turned[: outline.shape[1]]
         return points
 
+    def covered(points: Array) -> Array:
+        seen = project(points)
+        return outline(seen) if body.solid else seen
+
     yield from _table(camera)
     for area in body.areas:
-        yield _filled(project(placed(area) * (1.0, 1.0, 0.0)), LOOK["shadow"])
+        yield _filled(covered(placed(area) * (1.0, 1.0, 0.0)), LOOK["shadow"])
     if trail is not None:
         yield _line(project(np.pad(trail, ((0, 0), (0, 1)))), LOOK["path"], 1.6 * scale)
     light, heavy = LOOK["front" if body.solid or turned[2] @ eye > 0.0 else "back"]
     for areas, colour in ((body.areas, light), (body.heavy, heavy), (body.masses, LOOK["ink"])):
         for area in areas:
-            yield _filled(project(placed(area)), colour)
+            yield _filled(covered(placed(area)), colour)
+    if body.solid:
+        yield _line(covered(placed(body.areas[0])), heavy, 1.2 * scale)
     for line in map(placed, body.lines):
         visible = in_sight(line, place, eye) if body.solid else line
         yield _line(project(visible), heavy, 1.2 * scale)

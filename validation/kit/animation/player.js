@@ -30,6 +30,19 @@ function diskPoses(data) {
   };
 }
 
+// Closed hull of points of a picture.
+function hullOf(points) {
+  "use strict";
+  const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const turn = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  const side = (all) => all.reduce((kept, point) => {
+    while (kept.length > 1 && turn(...kept.slice(-2), point) <= 0) kept.pop();
+    kept.push(point);
+    return kept;
+  }, []);
+  return [...side(sorted), ...side(sorted.reverse())];
+}
+
 // Plays a motion of the disk in an element; returns a function that gives it another one.
 function diskPlayer(root, data) {
   "use strict";
@@ -71,17 +84,19 @@ function diskPlayer(root, data) {
     const target = [centre[0], centre[1], LOOK.height * R];
     const [project, eye] = projection(target, 9 * R, width, height);
 
-    const trace = (points) => {
+    const { areas, heavy, masses, lines, solid, cog } = data.shape;
+    const trace = (points, hull) => {
+      const seen = points.map(project);
       pen.beginPath();
-      points.forEach((point) => pen.lineTo(...project(point)));
+      (hull ? hullOf(seen) : seen).forEach((point) => pen.lineTo(...point));
     };
-    const fill = (points, colour) => {
-      trace(points);
+    const fill = (points, colour, hull) => {
+      trace(points, hull);
       pen.fillStyle = colour;
       pen.fill();
     };
-    const stroke = (points, colour, thickness) => {
-      trace(points);
+    const stroke = (points, colour, thickness, hull) => {
+      trace(points, hull);
       pen.strokeStyle = colour;
       pen.lineWidth = thickness;
       pen.stroke();
@@ -107,18 +122,18 @@ function diskPlayer(root, data) {
         stroke(ends.map((end) => [end[axis], end[1 - axis], 0]), LOOK.grid, 1);
       }
     }
-    data.shape.areas.forEach((area) =>
-      fill(area.map(placed).map(([x, y]) => [x, y, 0]), LOOK.shadow));
+    areas.forEach((area) =>
+      fill(area.map(placed).map(([x, y]) => [x, y, 0]), LOOK.shadow, solid));
     const { contactX, contactY } = data.columns;
     stroke([...data.times.flatMap((each, i) =>
       each > t - LOOK.trail && each < t ? [[contactX[i], contactY[i], 0]] : []), now.contact],
       LOOK.path, 2);
 
-    const { areas, heavy, masses, lines, solid, cog } = data.shape;
     const front = solid || dot(now.ez, minus(eye, centre)) > 0;
     const [bright, dark] = front ? LOOK.front : LOOK.back;
     [[areas, bright], [heavy, dark], [masses, LOOK.ink]].forEach(([outlines, colour]) =>
-      outlines.forEach((outline) => fill(outline.map(placed), colour)));
+      outlines.forEach((outline) => fill(outline.map(placed), colour, solid)));
+    if (solid) stroke(areas[0].map(placed), dark, 1.5, solid);
     const faces = (p) => !solid || dot(minus(p, centre), minus(eye, centre)) >= R * R;
     lines.map((line) => line.map(placed)).forEach((line) => line.slice(1).forEach((point, k) => {
       if (faces(point) && faces(line[k])) stroke([line[k], point], dark, 1.5);
