@@ -4,7 +4,17 @@ import csv
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
+from textwrap import wrap
 from typing import Any, TypeVar
+
+_GAP = "  "
+"""Between columns of a text."""
+
+_SHORT, _LONG = 16, 30
+"""Letters of a cell of a text that always stay in a line, and of a word, such as a path."""
+
+_AT_SPACES: Mapping[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 Cell = str | float | int | bool | None
 
@@ -60,16 +70,59 @@ class Table:
         writer.writerows([["" if cell is None else cell for cell in row] for row in self.rows])
         return stream.getvalue()
 
-    def to_text(self) -> str:
-        """Aligned text for a terminal."""
-        lines = [list(self.columns)] + [[show(cell) for cell in row] for row in self.rows]
-        widths = [max(len(line[i]) for line in lines) for i in range(len(self.columns))]
-        padded = [
-            "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
-            for line in lines
-        ]
-        padded.insert(1, "  ".join("-" * width for width in widths))
-        return "\n".join(padded)
+    def to_text(self, width: int = 100) -> str:
+        """Title, aligned cells and note for a terminal of so many columns.
+
+        What is too wide is wrapped within its columns; where even that does not suffice, the last
+        columns stand below the others, beside the first one again.
+        """
+        cells = zip(
+            self.columns, *([show(cell) for cell in row] for row in self.rows), strict=True
+        )
+        first, *others = map(list, cells)
+        blocks = [[first]]
+        for column in others:
+            if _taken(map(_narrowest, [*blocks[-1], column])) > width:
+                blocks.append([first])
+            blocks[-1].append(column)
+        shown = [_aligned(each, width) for each in blocks] if self.rows else ["none"]
+        title, *notes = (
+            "\n".join(wrap(line, width)) for line in (self.title, *self.note.splitlines())
+        )
+        return "\n".join([title, "\n\n".join(shown), *notes, ""])
+
+
+def _narrowest(column: Sequence[str]) -> int:
+    """Width below which words of a column would be cut, or what is short would be wrapped."""
+    parts = (part for cell in column for part in wrap(cell, _SHORT, **_AT_SPACES))
+    return min(_LONG, max(map(len, parts), default=1))
+
+
+def _taken(widths: Iterable[int]) -> int:
+    """Width of columns beside each other."""
+    return sum(each + len(_GAP) for each in widths) - len(_GAP)
+
+
+def _aligned(columns: Sequence[Sequence[str]], width: int) -> str:
+    widths, least = [max(map(len, each)) for each in columns], [*map(_narrowest, columns)]
+    if _taken(widths) > width:
+        # The headings first, which are there once; then the widest column again and again.
+        widths = [max(low, *map(len, each[1:])) for low, each in zip(least, columns, strict=True)]
+    while _taken(widths) > width and widths != least:
+        _, widest = max((wide, n) for n, wide in enumerate(widths) if wide > least[n])
+        widths[widest] -= 1
+    lines = [
+        _GAP.join(cell.ljust(wide) for cell, wide in zip(line, widths, strict=True)).rstrip()
+        for row in zip(*columns, strict=True)
+        for line in zip_longest(*map(_wrapped, row, widths), fillvalue="")
+    ]
+    head = max(len(_wrapped(each[0], wide)) for each, wide in zip(columns, widths, strict=True))
+    lines.insert(head, _GAP.join("-" * each for each in widths))
+    return "\n".join(lines)
+
+
+def _wrapped(cell: str, width: int) -> list[str]:
+    return [cell] if len(cell) <= width else wrap(cell, width, break_on_hyphens=False)
 
 
 def show(cell: Cell, digits: int = 6) -> str:

@@ -10,6 +10,7 @@ from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import Annotated, Any
 
 from validation.kit.tables import Table
@@ -146,18 +147,15 @@ class Result:
             values = self.values() if callable(self.values) else self.values
             print(text_of.dumps(self.tables[0].records() if values is None else values))
             return self.code
-        for line in (*map(_text, self.tables if csv is None else ()), *self.notes):
+        width, _ = get_terminal_size((100, 24))
+        tables = self.tables if csv is None else ()
+        for line in (*(each.to_text(width) for each in tables), *self.notes):
             print(line)
         return self.code
 
     def _draw(self, path: Path) -> None:
         if self.draw is not None:
             save(self.draw(), path)
-
-
-def _text(table: Table) -> str:
-    parts = (table.title, table.to_text() if table.rows else "none", table.note)
-    return "\n".join(part for part in parts if part) + "\n"
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:

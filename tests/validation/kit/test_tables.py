@@ -1,0 +1,28 @@
+"""Tables for a terminal."""
+
+import pytest
+
+from validation.kit.tables import Table
+
+WIDE = Table(
+    title="What is compared, and to which number of digits it has come out",
+    columns=("name", "largest difference", *(f"Re λ {number}" for number in range(8)), "reason"),
+    rows=[
+        (name, 1e-9, *(123.5 + number for number in range(8)), "not defined for a flat disk " * 3)
+        for name in ("accelerations", "eigenvalues")
+    ],
+    note="Columns follow the branches, which keep their colours in the picture.",
+)
+
+
+@pytest.mark.parametrize("width", [40, 80, 120, 400])
+def test_table_fits_its_terminal_and_keeps_every_word(width: int) -> None:
+    shown = WIDE.to_text(width)
+    assert max(map(len, shown.splitlines())) <= width
+    words = " ".join(map(str, (WIDE.title, *WIDE.columns, WIDE.note, *WIDE.rows[0][2:])))
+    assert {*words.split()} <= {*shown.split()}
+    assert shown.count("disk") == 6
+
+
+def test_table_that_fits_has_a_line_for_each_row() -> None:
+    assert WIDE.to_text(400).count("\n") == len(WIDE.rows) + 4
