@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Body, Scenario, Start
+from analysis import Body, Disk, Scenario, Start
 from analysis.problem.elementary import sqrt
 from validation.studies import crosscheck
 
@@ -47,6 +47,11 @@ BODIES: dict[str, Body] = {
     "sphere": TIPPE_TOP,
     "ellipse": ELLIPSE,
     "own": EGG,
+}
+
+RINGS: dict[str, Body] = {
+    "ring": Disk.ring(hole_radius=0.01),
+    "hole ahead": Disk.of_parts((0.045, 0.01, 7700.0), [(0.02, 0.0, 0.012)]),
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import number, within
+from analysis.problem.checks import number, one, within
 from analysis.problem.disk import Disk
 from analysis.problem.elementary import cos, sin, sqrt
 from analysis.problem.names import ArgumentError
@@ -112,12 +112,25 @@ def check_surface(body: Body) -> None:
         return
     deepest = body.radius * (1.0 + 1e-9)
     with BODIES.answering(body):
+        _check_kind(body)
         for up in _DIRECTIONS[body.has_edge :]:
             point = [number(f"lowest_point({up})", each) for each in body.lowest_point(up)]
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
             within(f"depth of lowest_point({up})", depth, 0.0, deepest)
             slopes = [_slope(body, up, axis) for axis in range(3)]
             _check_level(body, up, slopes)
+
+
+def _check_kind(body: Body) -> None:
+    """Raise if a body is one of these but for its surface, which closed forms know already."""
+    for kind in BODIES.values():
+        is_one = isinstance(body, kind) or (body.is_round_disk and kind.is_round_disk)
+        if is_one and type(body).lowest_point is not kind.lowest_point:
+            raise ArgumentError(
+                "lowest_point",
+                f"must be that of {one(kind)}, which the body is by its class; one with another "
+                "surface derives from Body",
+            )
 
 
 def _check_level(body: Body, up: tuple[float, ...], slopes: list[list[float]]) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 from analysis.problem.bodies import BODIES
 from analysis.problem.body import PRODUCTS, Body
 from analysis.problem.checks import choice
+from analysis.problem.constraints import MODELS
 from analysis.problem.contact import Dissipation, PenaltyContact, Table
 from analysis.problem.disk import DISKS, Disk
 from analysis.problem.friction import LAWS, FrictionLaw
@@ -68,6 +69,13 @@ def made_part(table: str, values: Any) -> Any:
         If a key is missing or unknown, or a value out of range.
     """
     return values if table == "constraints" else maker(table, values)(**values)
+
+
+def told_constraints(model: Any = None, constraints: Any = None) -> Any:
+    """Constraints of a model of the paper, or those that are given in place of it."""
+    if model is not None and constraints is not None:
+        raise ArgumentError("constraints", "do not go together with model")
+    return constraints if model is None else MODELS[model]
 
 
 def maker(table: str, values: Any) -> Callable[..., Any]:

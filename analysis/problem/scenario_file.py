@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from numbers import Integral, Real
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 from analysis.problem.body import PRODUCTS
@@ -16,7 +17,7 @@ from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import STEEL_RING
 from analysis.problem.names import ArgumentError, nearest
-from analysis.problem.plain_data import made_part
+from analysis.problem.plain_data import made_part, told_constraints
 from analysis.problem.quantities import CONSTRAINTS, KEYS, QUANTITIES, SECTIONS, SIX, of_table
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
@@ -91,7 +92,7 @@ def scenario_text(scenario: Scenario) -> str:
 
 def _constraint_lines(scenario: Scenario) -> str:
     model = ", ".join(f"{level} {each[-1]}" for level, each in MODELS.items())
-    others = ", ".join(f'"{each}"' for each in CONSTRAINTS[1:])
+    others = "\n# ".join(wrap(", ".join(f'"{each}"' for each in CONSTRAINTS[1:]), 97))
     names = _literal("constraints", list(scenario.constraints))
     level = scenario.model
     return (
@@ -263,9 +264,7 @@ def _constraints(values: Mapping[str, Any]) -> Any:
         raise ArgumentError(
             "model", "or constraints is missing; model = 1 is the disk on the table"
         )
-    if level is not None and given is not None:
-        raise ArgumentError("constraints", "do not go together with model")
-    return given if level is None else MODELS[read_value("model", level)]  # type: ignore[index]
+    return told_constraints(level if level is None else read_value("model", level), given)
 
 
 def _read(table: str, values: Any) -> Any:

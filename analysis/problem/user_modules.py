@@ -141,6 +141,8 @@ class Kinds(Named[str, type[T]]):
         try:
             yield
         except (Exception, SystemExit) as error:
+            if isinstance(error, ArgumentError) and error.argument == self._key:
+                raise
             subject = f"{self._what} {self.name_of(type(one))!r}:"
             raise ArgumentError(self._key, error_text(error, ValueError), subject) from error
 

@@ -1,5 +1,6 @@
 """Variations of a scenario: some quantities changed, in one or in many members at once."""
 
+import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, fields, replace
@@ -11,13 +12,12 @@ import numpy.typing as npt
 
 from analysis.problem.body import Body
 from analysis.problem.checks import choice, float_array, instance, several, switch
-from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import DISKS, Disk
 from analysis.problem.elementary import DividedError, Members, Rows
 from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError, full_name
-from analysis.problem.plain_data import KINDS, fields_of, made_part, maker
+from analysis.problem.plain_data import KINDS, fields_of, made_part, maker, told_constraints
 from analysis.problem.quantities import RING, SIX, declared
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Start
@@ -49,8 +49,8 @@ def check_fields(scenario: Scenario, values: Mapping[str, Any]) -> None:
             raise ArgumentError(key, "needs a penalty contact, and the scenario's is ideal")
         if table:
             maker(table, _merged(scenario, table, given))
-        elif len(given) > 1:
-            raise ArgumentError("constraints", "do not go together with model")
+        else:
+            told_constraints(**given)
 
 
 def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
@@ -70,7 +70,9 @@ def changed(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     numbers = _by_table(changes)
     parts: dict[str, Any] = {}
     if "" in numbers:
-        parts["constraints"] = _constraints(**numbers[""])
+        told = told_constraints(**numbers[""])
+        is_text = isinstance(told, str)
+        parts["constraints"] = re.split(r"\s*[+,]\s*", told.strip()) if is_text else told
     # What a new contact is like follows from the disk, which comes before it.
     for table in (*KINDS, "start"):
         if table in numbers:
@@ -85,14 +87,6 @@ def _by_table(values: Mapping[str, Any]) -> dict[str, Numbers]:
         table, _, name = key.rpartition(".")
         found.setdefault(table, {})[name] = value
     return found
-
-
-def _constraints(model: Any = None, constraints: Any = None) -> Any:
-    if constraints is None:
-        return MODELS[model]
-    if model is not None:
-        raise ArgumentError("constraints", "do not go together with model")
-    return [name.strip() for name in constraints.replace("+", ",").split(",")]
 
 
 def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = None) -> Numbers:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from analysis import (
+    COORDINATES,
     LAWS,
     LOADS,
     MULTIPLIERS,
@@ -32,6 +33,7 @@ from analysis.mechanics.dual import rate
 from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
+from analysis.problem.constraints import PRESCRIBED
 from tests.bodies import BODIES, random_start, spinning_top
 from tests.helpers import (
     OUTER_STEP,
@@ -62,7 +64,8 @@ PRODUCTS = 0.25
 def derived(scenario: Scenario, z: Array, u: Array) -> tuple[Array, ...]:
     """Mass matrix, forces, and directions of what is held and of the slips, by Lagrange."""
     M, gyroscopic, gravity, normal, slips, cog = lagrange()(scenario.disk, scenario.table, z, u)
-    columns = np.column_stack((normal, cog, slips, np.eye(6)[:, 3:5]))
+    rates = [np.eye(6)[COORDINATES.index(held)] for held in PRESCRIBED.values()]
+    columns = np.column_stack((normal, cog, slips, *rates))
     every = dict(zip(MULTIPLIERS, columns.T, strict=True))
     W = np.array([every[name] for name in multiplier_names(scenario.constraints)])
     return M, gyroscopic + gravity, W, slips.T

@@ -1,6 +1,5 @@
 """Friction laws: their closed properties, both sides under each, files and the command line."""
 
-import re
 import sys
 from dataclasses import dataclass, replace
 from functools import partial
@@ -36,7 +35,7 @@ from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.calls import ROOT, python
-from tests.helpers import model
+from tests.helpers import model, refusals
 from tests.wayward_law import Answering, Own
 
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
@@ -144,36 +143,36 @@ class Pushing(Answering):
         return self.says(along, across, load)
 
 
-NO_FRICTION: dict[str, FrictionLaw] = {
-    "slope of force at no slip must be a finite": Answering(says=lambda _: nan),
-    "slope of force at no slip must not be negative, got -3": Answering(says=lambda _: -3.0),
-    "slope of force at no slip must lie from 0 to 1e+12": Answering(says=lambda _: 1e300),
-    "slope of force at no slip must": Pushing(says=lambda x, y, n: (n * x, n * y)),
-    "ZeroDivisionError: ": Answering(says=lambda speed: 1.0 / speed),
-    "finest_speed must be positive, got 0": Answering(says=abs, finest_speed=0.0),
-    "Pushing.force(0.0955, 0.0296, 0.1) must be against the slip if IS_ISOTROPIC": Pushing(
-        says=lambda x, y, n: (-n * x, n * y)
-    ),
-    "Pushing.force(0.0955, 0.0296, 0.1) must double with the load if IS_PROPORTIONAL": Pushing(
-        says=lambda x, y, n: (-n * n * x, -n * n * y)
-    ),
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Silent(FrictionLaw):
+    finest_speed: Any = 0.1
+
+
+SLOPE = r"friction law '.*:Answering': slope of force at no slip must"
+PUSHED = r"friction law '.*:Pushing': Pushing.force\(0\.0955, 0\.0296, 0\.1\) must"
+ALONG = AnisotropicCoulomb(load="contact")
+REFUSED: dict[str, dict[str, Any]] = {
+    f"{SLOPE} be a finite": {"friction": Answering(says=lambda _: nan)},
+    f"{SLOPE} not be negative, got -3": {"friction": Answering(says=lambda _: -3.0)},
+    rf"{SLOPE} lie from 0 to 1e\+12": {"friction": Answering(says=lambda _: 1e300)},
+    ":Pushing': slope of force": {"friction": Pushing(says=lambda x, y, n: (n * x, n * y))},
+    "Answering': ZeroDivisionError: ": {"friction": Answering(says=lambda speed: 1.0 / speed)},
+    "finest_speed must be positive, got 0": {"friction": Answering(says=abs, finest_speed=0.0)},
+    f"{PUSHED} be against the slip if IS_ISOTROPIC": {
+        "friction": Pushing(says=lambda x, y, n: (-n * x, n * y))
+    },
+    f"{PUSHED} double with the load if IS_PROPORTIONAL": {
+        "friction": Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y))
+    },
+    "^friction law '[^']*:Silent' must say per_speed or force": {"friction": Silent()},
+    # There may be no edge that has a direction.
+    "must be isotropic unless the body": {"friction": ALONG, "contact": Scenario.rest().contact},
+    "be isotropic unless the body is a": {"friction": ALONG, "disk": TIPPE_TOP},
 }
 
-
-@pytest.mark.parametrize("message", NO_FRICTION)
-def test_law_that_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs(
-    message: str,
-) -> None:
-    law = NO_FRICTION[message]
-    with pytest.raises(ValueError, match=f"friction law '.*:{name(law)}': {re.escape(message)}"):
-        Scenario(friction=law)
-
-
-def test_edge_without_direction_takes_isotropic_friction_alone() -> None:
-    law = AnisotropicCoulomb(load="contact")
-    for other in ({"contact": Scenario.rest().contact}, {"disk": TIPPE_TOP}):
-        with pytest.raises(ValueError, match="friction must be isotropic unless the body is a"):
-            Scenario(friction=law, **other)
+test_what_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs = refusals(
+    {message: partial(Scenario, **fields) for message, fields in REFUSED.items()}
+)
 
 
 @pytest.mark.slow

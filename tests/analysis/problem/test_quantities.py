@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from analysis import (
+    BODIES,
     LAWS,
     MODELS,
     ROUNDED_STEEL_DISK,
@@ -40,10 +41,11 @@ def home(quantity: Quantity) -> Scenario:
     if quantity.table == "friction":
         laws = [law for law in LAWS.values() if hasattr(law, quantity.name)]
         return Scenario(friction=laws[0]() if laws else LAWS["tanh"]())
-    if quantity.name in ("other_radius", "long_axis"):
-        return changed(Scenario(), {"disk.body": "ellipse"})
     if quantity.table == "disk" and quantity.name not in (*RING, "name"):
-        return Scenario(disk=ROUNDED_STEEL_DISK)
+        every = ((name, each.name) for name, kind in BODIES.items() for each in fields(kind))
+        kinds = [kind for kind, name in every if name == quantity.name]
+        # "body" is no field of any.
+        return changed(Scenario(disk=ROUNDED_STEEL_DISK), {"disk.body": (kinds or ["disk"])[0]})
     soft = quantity.table in ("contact", "dissipation") or quantity.name == "height"
     return Scenario.rest() if soft else Scenario()
 

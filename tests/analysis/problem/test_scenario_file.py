@@ -1,5 +1,6 @@
 """Scenarios as TOML files."""
 
+import pickle
 import re
 import sys
 from dataclasses import replace
@@ -33,6 +34,7 @@ from analysis import (
 from analysis.problem.quantities import SECTIONS
 from analysis.problem.scenario_file import LARGEST_FILE
 from analysis.problem.values import angle, spelled_angle
+from tests.bodies import BODIES, RINGS
 from tests.helpers import TILTED
 from tests.scenario_texts import with_key
 from tests.wayward_law import Own
@@ -57,6 +59,7 @@ IDEAL = st.builds(
 )
 FREE = st.builds(
     Scenario,
+    disk=st.sampled_from([*(BODIES | RINGS).values()]),
     start=st.builds(Start, beta_rate=st.none() | reals(-10.0, 10.0), x=st.none() | AMOUNT)
     | st.builds(
         State,
@@ -75,10 +78,17 @@ COMPLIANT = st.builds(
 @pytest.mark.filterwarnings("ignore::analysis.problem.values.UnitWarning")
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(IDEAL | FREE | COMPLIANT)
-def test_scenario_comes_back_from_its_text(tmp_path: Path, scenario: Scenario) -> None:
+def test_scenario_is_the_same_again(tmp_path: Path, scenario: Scenario) -> None:
     path = tmp_path / "my.toml"
     path.write_text(scenario_text(scenario), encoding="utf-8")
-    assert load_scenario(path) == scenario
+    copies = (
+        load_scenario(path),
+        Scenario.from_values(scenario.values()),
+        pickle.loads(pickle.dumps(scenario)),  # noqa: S301 - ours
+    )
+    for again in copies:
+        assert again == scenario
+        assert again.values() == scenario.values()
 
 
 def test_text_is_the_same_in_every_encoding_of_a_terminal() -> None:
