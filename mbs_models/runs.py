@@ -103,7 +103,7 @@ def run(
         stopped or broke off, as far as they are finite.
     """
     system, begin, lengths = model.system, float(times[0]), np.diff(times) / steps
-    data, shortest, longest = system.systemData, float(np.min(lengths)), float(np.max(lengths))
+    data = system.systemData
     # A run before, or a search, may have left it elsewhere.
     data.SetSystemState(data.GetSystemState(_INITIAL))
     if integrator.implicit or model.closes_contact:
@@ -115,7 +115,7 @@ def run(
     due: list[float] = [*(times - begin).tolist(), inf]
     found, stopped = [[read() for read in readings]], []
     # Rounding may bring a step to an early end.
-    early = 0.0 if integrator.controls_step else 0.5 * shortest
+    early = 0.0 if integrator.controls_step else 0.5 * float(np.min(lengths))
     awaited = due[1] - early
 
     def after_step(_system: Any, moment: float) -> bool:
@@ -128,14 +128,11 @@ def run(
         return not stopped and len(found) < times.size
 
     system.SetPostStepUserFunction(after_step)
-    further = _steps_beyond(float(lengths[-1]))
-    duration, count = due[-2] + further * float(lengths[-1]), int(np.sum(steps)) + further
+    settings = _settings(model, integrator, *_plan(due, lengths, steps, integrator))
     if integrator.controls_step:
-        count = ceil(duration / longest - 1e-9)
         _limit_steps(system, lambda: due[len(found)], most)
-    elif longest - shortest > 1e-9 * longest:
+    elif np.ptp(lengths) > 1e-9 * np.max(lengths):
         _keep_to(system, zip(due, lengths.tolist(), steps.tolist(), strict=False))
-    settings = _settings(model, integrator, duration, count)
     # Of sensors that a scene itself has none of.
     settings.solution.sensors.writePeriod = float(np.min(np.diff(times)))
     clock, failure = time.process_time(), None
@@ -147,26 +144,30 @@ def run(
         failure = error
     seconds = time.process_time() - clock
     records, algebraic = _finite(found)
-    broken = None
-    if failure is not None or (len(records) < times.size and not stopped):
-        broken = _early_end(system, times, failure)
-        broken.__cause__ = failure
+    broken = failure is not None or (len(records) < times.size and not stopped)
     return Recording(
         records=records,
         algebraic=algebraic,
         counts=_counts(system.sys["dynamicSolver"], integrator),
         seconds=seconds,
         stopped=stopped[0] if stopped else None,
-        failure=broken,
+        failure=_early_end(system, times, failure) if broken else None,
     )
 
 
-def _steps_beyond(last: float) -> int:
-    """Steps as long as the last one, in s, by which the end that the engine is told is too late.
+def _plan(
+    due: Sequence[float], lengths: Array, steps: npt.NDArray[np.int_], integrator: Integrator
+) -> tuple[float, int]:
+    """Duration in s and steps that the engine is told: beyond the last record, where it stops.
 
-    It is stopped before it takes them.
+    It takes no step that begins less than `_ENDS_EARLY` before the end.
     """
-    return ceil(2.0 * _ENDS_EARLY / last) if last < 2.0 * _ENDS_EARLY else 0
+    last, margin = float(lengths[-1]), 2.0 * _ENDS_EARLY
+    further = ceil(margin / last) if last < margin else 0
+    duration = due[-2] + further * last
+    if integrator.controls_step:
+        return duration, ceil(duration / float(np.max(lengths)) - 1e-9)
+    return duration, int(np.sum(steps)) + further
 
 
 def _finite(found: Sequence[Sequence[Array]]) -> tuple[Array, Array]:
@@ -346,7 +347,9 @@ def _early_end(system: Any, times: Array, error: Exception | None) -> EngineErro
         cause = f"Newton's iteration did not converge (residual {solver.conv.residual:.1e})"
     elif error is not None and solver.conv.linearSolverFailed:
         cause = "the system matrix is singular"
-    return EngineError(
+    ended = EngineError(
         f"engine run stopped at t = {times[0] + solver.it.currentTime:.6g} s, before the end at "
         f"{times[-1]:.6g} s: {cause}"
     )
+    ended.__cause__ = error
+    return ended

@@ -176,14 +176,7 @@ def integrate(
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
-    make = partial(
-        getattr(solvers, method),
-        problem.right_hand_side,
-        rtol=local_tolerance,
-        atol=problem.absolute * local_tolerance,
-        max_step=problem.longest_step,
-        **({"jac": _jacobian(problem)} if method in _IMPLICIT else {}),
-    )
+    make = _made_by(problem, method, local_tolerance)
 
     def solver(*span: Any, **first: Any) -> Any:
         started.append(make(*span, **first))
@@ -220,6 +213,20 @@ def integrate(
     )
 
 
+def _made_by(
+    problem: InitialValueProblem, method: Method, local_tolerance: float
+) -> Callable[..., Any]:
+    """From a time, a state, a last time and perhaps a `first_step` to a solver of SciPy."""
+    return partial(
+        getattr(solvers, method),
+        problem.right_hand_side,
+        rtol=local_tolerance,
+        atol=problem.absolute * local_tolerance,
+        max_step=problem.longest_step,
+        **({"jac": _jacobian(problem)} if method in _IMPLICIT else {}),
+    )
+
+
 def _steps(
     started: Callable[..., Any], problem: InitialValueProblem, times: Array
 ) -> Iterator[Step]:
@@ -231,7 +238,7 @@ def _steps(
     Parameters
     ----------
     started : callable
-        From a time, a state, a last time and perhaps a `first_step` to a solver.
+        See `_made_by`.
     problem : InitialValueProblem
     times : ndarray, shape (n,)
 

@@ -92,20 +92,13 @@ def integrate(
     # A batch that is not full repeats its last member.
     size = members.size + -members.size % width
     lanes = members[np.minimum(np.arange(size), members.size - 1)]
-    starts, numbers = group.starts[lanes].T, group.numbers[lanes].T
     longest, grid = (step_fraction * group.longest[lanes]).tolist(), np.repeat(times, width)
     found = Runs.empty(members.size, times, code.size, code.reasons)
     failed, errors = list[int](), dict[int, Exception]()
     with code.integrator(local_tolerance, width) as (solver, edges):
         for first in range(0, members.size, width):
             some = slice(first, first + width)
-            solver.set_time(begin)
-            solver.state[:] = starts[:, some]
-            solver.pars[:] = numbers[: len(solver.pars), some]
-            solver.reset_cooldowns()
-            if code.structure.allow_pulling:
-                for each, is_pulled in zip(edges, group.pulled[lanes[some]].tolist(), strict=True):
-                    each[:] = [begin] * is_pulled
+            _start(solver, edges, group, lanes[some], begin)
             limit = watch or Watch(most=float(group.most[lanes[some]].max()))
             _, samples = solver.propagate_grid(
                 grid.reshape(-1, width),
@@ -130,6 +123,17 @@ def integrate(
         found.put(np.array([row]), single)
         errors |= fault
     return found, errors
+
+
+def _start(solver: Any, edges: list[list[float]], group: Group, lanes: Rows, begin: float) -> None:
+    """Put a solver to the start of its members."""
+    solver.set_time(begin)
+    solver.state[:] = group.starts[lanes].T
+    solver.pars[:] = group.numbers[lanes].T[: len(solver.pars)]
+    solver.reset_cooldowns()
+    if group.code.structure.allow_pulling:
+        for each, is_pulled in zip(edges, group.pulled[lanes].tolist(), strict=True):
+            each[:] = [begin] * is_pulled
 
 
 def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
