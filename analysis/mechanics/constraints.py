@@ -5,6 +5,7 @@ angular velocity. Its direction is that linear form; its multiplier acts along i
 force in N, or a moment in N m for a rate of an angle, Eqs. (31), (84), (87) and (88).
 """
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from analysis.mechanics.attitude import EulerAngles, Frame, state_of
@@ -12,6 +13,8 @@ from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, cross, dot
 from analysis.problem.constraints import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
+
+AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class Direction(NamedTuple):
@@ -36,11 +39,13 @@ SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
 
 def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
     """Directions in which a point of the body, seen from S, moves along the axes of the frame."""
-    return (
-        Direction((1.0, 0.0, 0.0), cross(point, frame.ahead)),
-        Direction((0.0, 1.0, 0.0), cross(point, frame.across)),
-        Direction((0.0, 0.0, 1.0), cross(point, frame.up)),
-    )
+    return _along_axes(cross(point, axis) for axis in frame)
+
+
+def _along_axes(turning: Iterable[Vector]) -> tuple[Direction, Direction, Direction]:
+    """Directions along the axes of the frame, and what they are of the turning."""
+    ahead, across, up = map(Direction, AXES, turning)
+    return ahead, across, up
 
 
 def contact_directions(body: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
@@ -59,14 +64,9 @@ def rim_directions(disk: Any, frame: Frame) -> tuple[Direction, Direction, Direc
     """
     r, e, (x, y, _) = disk.radius, disk.eccentricity, frame.ahead
     lever = r, 0.0, 0.0
-    ahead, across, up = (
+    return _along_axes(
         (-(r * c * x), e * c - r * c * y, along - e * b)
         for along, (_, b, c) in zip(lever, frame, strict=True)
-    )
-    return (
-        Direction((1.0, 0.0, 0.0), ahead),
-        Direction((0.0, 1.0, 0.0), across),
-        Direction((0.0, 0.0, 1.0), up),
     )
 
 
@@ -85,8 +85,8 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
     ahead, across, up = contact_directions(disk, frame)
     every = {
         "normal_force": up,
-        "cog_force_x": Direction((1.0, 0.0, 0.0), NONE),
-        "cog_force_y": Direction((0.0, 1.0, 0.0), NONE),
+        "cog_force_x": Direction(AXES[0], NONE),
+        "cog_force_y": Direction(AXES[1], NONE),
         "tangential_force": ahead,
         "lateral_force": across,
         "spin_torque": Direction(NONE, *EulerAngles.turning(angles)),
