@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import Scenario, SmoothCoulomb, Start
+from analysis import Scenario, Start
 from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STABILITY, largest_step
 from mbs_models.runs import force_rounding
@@ -161,15 +161,3 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
     )
     assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
     assert force_rounding(build(scene)) < 1e-11 * scene.scenario.weight
-
-
-def test_the_contact_force_as_load_costs_newton_hardly_more_than_the_weight() -> None:
-    full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
-    weighed, pressed = (
-        mbs_models.simulate(
-            scene_of(1, "euler-tree", friction=friction), SHORT, step=2e-3, integrator=full
-        ).counts["newton_iterations"]
-        for friction in (SmoothCoulomb(), LOADED)
-    )
-    # Where the Jacobian leaves out how friction grows with that force, it takes 1.8 times as many.
-    assert pressed <= 1.4 * weighed
