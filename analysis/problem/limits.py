@@ -43,6 +43,9 @@ MOST_SCENARIOS = 10_000
 MOST_STARTS = 10_000
 """Starts of a search for stationary motions; each takes some 20 ms."""
 
+MOST_WORKERS = 1000
+"""Processes of one machine; each takes some 100 MB."""
+
 WIDEST_PICTURE = 2000
 """Width and height of an animated picture in pixels."""
 

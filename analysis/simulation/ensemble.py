@@ -16,7 +16,7 @@ import numpy.typing as npt
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import ToleranceError, function, instance, whole
 from analysis.problem.choices import Method
-from analysis.problem.limits import check_storage
+from analysis.problem.limits import MOST_WORKERS, check_storage
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
@@ -115,7 +115,7 @@ def simulate_many(
     members = _members(scenarios)
     request = Request(times, **how)
     check_storage("times", len(members) * request.times.size, 2 * len(COORDINATES))
-    workers = (cpu_count() or 1) if workers is None else whole("workers", workers)
+    workers = whole("workers", (cpu_count() or 1) if workers is None else workers, 1, MOST_WORKERS)
     tell = (lambda _done, _all: None) if progress is None else function("progress", progress)
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise ArgumentError("executor", f"must be an Executor or act as one, got {executor!r}")

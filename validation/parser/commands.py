@@ -9,6 +9,7 @@ import ast
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from inspect import Parameter, cleandoc, signature
+from itertools import takewhile
 from pathlib import Path
 from types import MappingProxyType, NoneType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn, get_args, get_origin
@@ -51,10 +52,13 @@ class Parser(argparse.ArgumentParser):
         return self._actions
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Options of a call, all of which must be known."""
-        options, left = super().parse_known_args(args, namespace)
-        if left:
-            hints = (nearest(word.partition("=")[0], self._option_string_actions) for word in left)
+        """Options of a call, all of which must be known; those that are not are told first."""
+        known, words = self._option_string_actions, takewhile("--".__ne__, args)
+        flags = [word for word in words if word.startswith("--")]
+        left = [each for each in flags if each.partition("=")[0] not in known]
+        options, more = (namespace, []) if left else super().parse_known_args(args, namespace)
+        if left := left or more:
+            hints = (nearest(word.partition("=")[0], known) for word in left)
             self.error(f"unrecognized arguments: {' '.join(left)}{''.join(hints)}")
         return options, left
 

@@ -62,7 +62,10 @@ def writable(*suffixes: str) -> Callable[[str], Path]:
         else:
             # A link leads to the file that is replaced.
             path = _with_suffix(value, suffixes)
-            target = Path(os.path.realpath(path)).parent
+            led = Path(os.path.realpath(path))
+            target = led.parent
+            if led.is_symlink():
+                raise ArgumentTypeError(f"must lead to a file, and leads in a circle: {value!r}")
             if not target.is_dir():
                 raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
         if path.is_dir() or not os.access(target, os.W_OK):

@@ -251,9 +251,9 @@ def axis_from_text(text: str) -> Axis:
 
 
 def axis_from(field: str, given: Any) -> Axis:
-    """Axis from what a TOML file says of a field: the text of a range, a list, or one value."""
+    """Axis from the text of a range or a list, from one value, or from None, an empty list."""
     if not isinstance(given, str):
-        return Axis(field=field, values=tuple(given) if isinstance(given, list) else (given,))
+        return Axis(field=field, values=() if given is None else (given,))
     name = full_name(field)
     # A friction law of one's own is called module:Class.
     if ":" not in given or declared(name).is_text:

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from analysis.problem.checks import choice, whole
+from analysis.problem.limits import MOST_WORKERS
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import error_text, is_user_name, user_object
 from validation.kit.processes import Processes
@@ -81,7 +82,8 @@ def open_pool(
         choice("executor", executor, (*KINDS, "module:function"))
     if scheduler is not None and executor != "dask":
         raise ArgumentError("scheduler", f"needs --executor dask, got {executor}")
-    workers = os.cpu_count() or 1 if workers is None else whole("workers", workers)
+    given = os.cpu_count() or 1 if workers is None else workers
+    workers = whole("workers", given, 1, MOST_WORKERS)
     with ExitStack() as stack:
         if executor == "dask":
             pool = _dask(workers, scheduler, stack)

@@ -50,7 +50,12 @@ REFUSED = {
     # Paths.
     "simulate --out run.txt": "--out: must end in .npz, got",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
+    "show run.npz --plot circle.png": "--plot: must lead to a file, and leads in a circle",
+    # What is not known is told before what is missing or wrong besides.
+    "sweep spin=1,2 --typo 3": "unrecognized arguments: --typo",
+    "scenario --slope 95deg": "unrecognized arguments: --slope",
     # Sizes that no memory holds.
+    "map rest --workers 99999999999 --out maps": "--workers: workers must be at most 1000, got",
     ENGINE + "--samples 1000000000000": "--samples: samples asks for 1e+12 samples of 14",
     "animate run.npz --fps 20": "--fps: fps needs a file that ends in .gif",
     "animate run.npz --out a.gif --fps 1e-300": "--fps: fps must lie from 0.01 to 50, got 1e-300",
@@ -74,8 +79,9 @@ def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(
     call: str, folder: Path, capsys: Capture
 ) -> None:
     said = (REFUSED | FAILED)[call]
+    Path("circle.png").symlink_to("circle.png")
     assert said in refusal(capsys, call, code=1 if call in FAILED else 2)
-    assert [entry.name for entry in folder.iterdir()] == ["run.npz"]
+    assert {entry.name for entry in folder.iterdir()} == {"run.npz", "circle.png"}
 
 
 def test_unreadable_run_is_told_by_its_name(capsys: Capture) -> None:

@@ -112,6 +112,6 @@ def test_points_and_axes_of_the_wrong_kind_are_refused() -> None:
     with pytest.raises(ValueError, match="limited by memory, got 1000000000"):
         design("spin=1:2", layout="latin-hypercube", number=10**9)
     with pytest.raises(ValueError, match=r"friction\.load must be text, got 1"):
-        axis_from("load", [1, 2])
+        axis_from("load", 1)
     with pytest.raises(ValueError, match="either values, or first and last"):
         Axis(field="spin", values=(1.0,), first=0.0, last=1.0)
