@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
 from traceback import extract_tb
@@ -114,6 +115,12 @@ class Kinds(Named[str, type[T]]):
         """Name by which `find` finds a class."""
         names = {each: name for name, each in self.items()}
         return names.get(kind, f"{kind.__module__}:{kind.__qualname__}")
+
+    def merged(self, one: Any, given: dict[str, Any]) -> dict[str, Any]:
+        """Data of an object with some changed; another class takes over what all classes have."""
+        kind: Any = self.find(given.get(self._key, type(one)))
+        kept = fields(one if kind is type(one) else self._base)
+        return {self._key: kind} | {each.name: getattr(one, each.name) for each in kept} | given
 
     def made(self, **given: Any) -> T:
         """Object of a class, which may be of one's own, from its name and its fields.

@@ -3,13 +3,14 @@
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import InitVar, dataclass, fields, replace
+from dataclasses import InitVar, dataclass, replace
 from numbers import Integral
 from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from analysis.problem.bodies import BODIES
 from analysis.problem.body import Body
 from analysis.problem.checks import choice, float_array, instance, several, switch
 from analysis.problem.contact import PenaltyContact
@@ -17,7 +18,14 @@ from analysis.problem.disk import DISKS, Disk
 from analysis.problem.elementary import DividedError, Members, Rows
 from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError, full_name
-from analysis.problem.plain_data import KINDS, fields_of, made_part, maker, told_constraints
+from analysis.problem.plain_data import (
+    KINDS,
+    as_plain,
+    fields_of,
+    made_part,
+    maker,
+    told_constraints,
+)
 from analysis.problem.quantities import RING, SIX, declared
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Start
@@ -95,9 +103,7 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = 
     if table == "disk":
         return _body(part, given)
     if table == "friction":
-        # The same law keeps what is not given anew.
-        same = "law" not in given or LAWS.find(given["law"]) is type(part)
-        return {"law": type(part)} | (fields_of(part) if same else {"load": part.load}) | given
+        return LAWS.merged(part, given)
     if table == "start" and not isinstance(part, Start):
         fault = "cannot change: the start is told by its coordinates and rates"
         raise ArgumentError(next(iter(given)), fault)
@@ -112,16 +118,18 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = 
 
 def _body(disk: Body, given: Numbers) -> Numbers:
     """Data of a body with some of it changed; with a geometry, from which the others follow."""
-    if given.keys() >= {*RING} or given.keys() == {"name"}:
-        return given
     if "name" in given:
         disk = DISKS[choice("name", given["name"], DISKS)]
-        given = {name: value for name, value in given.items() if name != "name"}
-    if "body" in given:
-        return {each.name: getattr(disk, each.name) for each in fields(Body)} | given
-    geometry = [name for name in RING if name in given]
-    if not isinstance(disk, Disk) or not geometry or given.keys() >= {*SIX}:
-        return {"body": type(disk)} | fields_of(disk) | given
+    told = {name: value for name, value in given.items() if name != "name"}
+    if "body" in told and BODIES.find(told["body"]) is type(disk):
+        # To name what it is changes nothing.
+        del told["body"]
+    if not told or told.keys() >= {*RING}:
+        return told or as_plain(disk)
+    geometry = [name for name in RING if name in told]
+    is_told = "body" in told or told.keys() >= {*SIX}
+    if is_told or not isinstance(disk, Disk) or not geometry:
+        return BODIES.merged(disk, told)
     ring = None if disk.parts is None else disk.parts.ring
     if ring is None:
         raise ArgumentError(
@@ -130,7 +138,7 @@ def _body(disk: Body, given: Numbers) -> Numbers:
             f"scenario's disk is another: give all of {', '.join(RING)}, or all of "
             f"{', '.join(SIX)}",
         )
-    return ring | given
+    return ring | told
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -25,6 +25,7 @@ from analysis.mechanics.paper import critical_speed
 from analysis.problem import bodies
 from analysis.problem.checks import Array
 from analysis.problem.elementary import sqrt
+from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, RINGS, TIPPE_TOP, Egg
 from tests.calls import printed
@@ -84,6 +85,13 @@ def test_ring_is_a_plate_with_a_hole_and_stays_one_unless_its_mass_changes() -> 
     varied = Ensemble(scenario=Scenario(disk=ring), fields={"disk.thickness": np.array([0.02])})
     assert varied[0].disk == Disk.ring(hole_radius=0.01, hole_distance=0.03, thickness=0.02)
     assert replace(ring, mass=1.0).parts is None
+
+
+@every_body
+def test_to_name_what_a_body_is_changes_nothing(body: Body) -> None:
+    scenario = Scenario(disk=body)
+    named = changed(scenario, {"disk.body": bodies.BODIES.name_of(type(body))})
+    assert named.values() == scenario.values()
 
 
 def test_a_body_of_ones_own_is_told_by_an_option(capsys: pytest.CaptureFixture[str]) -> None:

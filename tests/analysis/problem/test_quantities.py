@@ -149,6 +149,7 @@ def test_what_is_out_of_range_is_refused_by_name(
 # --- Quantities that vary ------------------------------------------------------------------------
 
 PAPER = Scenario(friction=SmoothCoulomb(smoothing=0.05))
+SMALL_HOLE = Disk.ring(**(STEEL_RING | {"hole_radius": 0.01}))
 TWICE = {name: 2.0 * value for name, value in asdict(STEEL_DISK).items()}
 
 
@@ -160,11 +161,22 @@ TWICE = {name: 2.0 * value for name, value in asdict(STEEL_DISK).items()}
         ({"constraints": "contact+fixed-cog"}, "constraints", MODELS[2]),
         ({"friction.static": 0.6, "friction.law": "stribeck"}, "friction", Stribeck(static=0.6)),
         (
+            {"friction.load": "contact", "friction.law": "smooth-coulomb"},
+            "friction",
+            replace(PAPER.friction, load="contact"),
+        ),
+        (
             {"disk.eccentricity": 2e-3, "disk.name": "steel-rounded"},
             "disk",
             replace(ROUNDED_STEEL_DISK, eccentricity=2e-3),
         ),
-        ({"disk.hole_radius": 0.01}, "disk", Disk.ring(**(STEEL_RING | {"hole_radius": 0.01}))),
+        ({"disk.hole_radius": 0.01}, "disk", SMALL_HOLE),
+        ({"disk.hole_radius": 0.01, "disk.body": "disk"}, "disk", SMALL_HOLE),
+        (
+            {"disk.body": "disk"} | {f"disk.{key}": each for key, each in STEEL_RING.items()},
+            "disk",
+            STEEL_DISK,
+        ),
         ({f"disk.{name}": value for name, value in TWICE.items()}, "disk", Disk(**TWICE)),
     ],
 )
