@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isnan
+from math import isnan, sin
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +33,11 @@ from mbs_models.whole_runs import NEARLY_FLAT, Call, run_over
 
 FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
+
+FLAT_ROUNDING = 1e-12
+"""Error in rad, times sin² of the inclination, that rounding leaves over some milliseconds where
+Euler angles are coordinates, up to three quarters of which were seen: a mass matrix that is
+singular on a flat disk leaves 1e-15 of accelerations."""
 
 
 def simulate(
@@ -121,7 +126,7 @@ def simulate(
     scene, times = Scene.of(scene), increasing_times(times)
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
-    step, tolerance = _accuracy(chosen, step, tolerance)
+    step, tolerance = _accuracy(scene, chosen, step, tolerance)
     effort = simulation_effort(scene, times, integrator, step=step, tolerance=tolerance)
     effort.check()
     tried, most = [chosen], effort.most
@@ -146,7 +151,7 @@ def simulate(
 
 
 def _accuracy(
-    chosen: Integrator, step: float | None, tolerance: float | None
+    scene: Scene, chosen: Integrator, step: float | None, tolerance: float | None
 ) -> tuple[float | None, float | None]:
     """Step and tolerance that are asked for, checked; a tolerance by default."""
     if step is not None and tolerance is not None:
@@ -160,11 +165,20 @@ def _accuracy(
             )
     elif step is None or chosen.steps_accelerations:
         tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
-        if tolerance < FINEST:
-            raise ToleranceError(
-                f"tolerance {tolerance:g} rad cannot be reached: rounding leaves {FINEST:g} rad"
-            )
+        _check_reachable(scene, tolerance)
     return step, tolerance
+
+
+def _check_reachable(scene: Scene, tolerance: float) -> None:
+    """Raise `ToleranceError` where rounding hides an error of this size."""
+    finest, where = FINEST, ""
+    beta = scene.scenario.initial_state.coordinates[4]
+    if sin(beta) < NEARLY_FLAT and CLASSES[scene.built_as].has_euler_angles:
+        finest = FLAT_ROUNDING / sin(beta) ** 2
+        where = f" on {scene.built_as!r} from beta = {beta:g}; try formulation 'floating'"
+    if tolerance < finest:
+        leaves = f"rounding leaves {finest:.2g} rad{where}"
+        raise ToleranceError(f"tolerance {tolerance:g} rad cannot be reached: {leaves}")
 
 
 def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
