@@ -1,12 +1,10 @@
 """One way to time one thing against another: calls in turns, after a warm-up each."""
 
-import time
 from collections.abc import Callable, Sequence
 from statistics import median
-from typing import Any, TypeVar
+from typing import TypeVar
 
 T = TypeVar("T")
-Clock = Callable[[], float]
 
 
 def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
@@ -27,17 +25,6 @@ def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
         call()
     rounds = [[call() for call in calls] for _ in range(pairs)]
     return [list(results) for results in zip(*rounds, strict=True)]
-
-
-def clocked(call: Callable[[], Any], clock: Clock = time.process_time) -> Callable[[], float]:
-    """A call in place of another one that returns the time in s which that takes."""
-
-    def taken() -> float:
-        begin = clock()
-        call()
-        return clock() - begin
-
-    return taken
 
 
 def interval(ratios: Sequence[float]) -> tuple[float, float, float]:

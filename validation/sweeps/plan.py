@@ -102,11 +102,7 @@ class Plan(CaseOptions):
         keep = series_named(several("keep", self.keep, "names"), to_rest=self.to_rest)
         object.__setattr__(self, "keep", keep)
         if not self.given(*ACCURACIES):
-            object.__setattr__(self, "tolerance", self._usual_tolerance)
-
-    @property
-    def _usual_tolerance(self) -> float:
-        return 1e-3 if self.to_rest else 1e-6
+            object.__setattr__(self, "tolerance", 1e-3 if self.to_rest else 1e-6)
 
     @property
     def runs_in_batches(self) -> bool:
@@ -126,7 +122,7 @@ class Plan(CaseOptions):
     @property
     def witness(self) -> "Plan":
         """How the other side runs a case."""
-        tolerance = self.witness_tolerance or self.tolerance or self._usual_tolerance
+        tolerance = self.witness_tolerance or self.tolerance
         return Plan(
             source=SOURCES[self.source == SOURCES[0]],
             tolerance=tolerance if self.witness_step is None else None,
