@@ -9,17 +9,17 @@ WIDE = Table(
     columns=("name", "largest difference", *(f"Re λ {number}" for number in range(8)), "reason"),
     rows=[
         (name, 1e-9, *(123.5 + number for number in range(8)), "not defined for a flat disk " * 3)
-        for name in ("accelerations", "eigenvalues")
+        for name in ("elsewhere/eigenvalues.npz", "accelerations")
     ],
     note="Columns follow the branches, which keep their colours in the picture.",
 )
 
 
-@pytest.mark.parametrize("width", [40, 80, 120, 400])
+@pytest.mark.parametrize("width", [60, 80, 120, 400])
 def test_table_fits_its_terminal_and_keeps_every_word(width: int) -> None:
-    shown = WIDE.to_text(width)
+    shown, (name, _, *others) = WIDE.to_text(width), WIDE.rows[0]
     assert max(map(len, shown.splitlines())) <= width
-    words = " ".join(map(str, (WIDE.title, *WIDE.columns, WIDE.note, *WIDE.rows[0][2:])))
+    words = " ".join(map(str, (WIDE.title, *WIDE.columns, WIDE.note, name, *others)))
     assert {*words.split()} <= {*shown.split()}
     assert shown.count("disk") == 6
 
