@@ -122,6 +122,10 @@ def test_speed_lets_the_inversion_be_seen() -> None:
     assert shown(lasting) == (None, 5.2)
     assert shown(lasting, 0.25) == (0.25, 5.2)
     assert shown(replace(lasting, marks=())) == (1.0, None)
+    # A GIF has one speed: the steps between its frames of 0.05 s.
+    for poses, speed in ((short, 0.1), (lasting, 1.0)):
+        moments, hundredths = drawing.frame_times(poses)
+        assert (hundredths, moments[1]) == (5, pytest.approx(0.05 * speed))
 
 
 def test_page_needs_nothing_from_elsewhere_and_no_text_breaks_it() -> None:
