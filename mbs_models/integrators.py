@@ -9,7 +9,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from analysis.problem.checks import choice, number, positive, switch
+from analysis.problem.checks import choice, positive, switch, within
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import (
     ACCELERATED,
@@ -145,9 +145,7 @@ class Integrator:
                 fault = f"is no option of integrator {self.name!r}, got {value!r}"
                 raise ArgumentError(option, fault)
         if self.spectral_radius is not None:
-            radius = number("spectral_radius", self.spectral_radius)
-            if not 0.0 <= radius <= 1.0:
-                raise ValueError(f"spectral_radius must lie in [0, 1], got {radius:g}")
+            within("spectral_radius", self.spectral_radius, 0.0, 1.0)
         if self.local_tolerance is not None:
             least = FINEST_LOCAL if self.steps_accelerations else 0.0
             one_step("local_tolerance", self.local_tolerance, least)

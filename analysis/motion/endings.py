@@ -91,7 +91,11 @@ class Ending:
 
 
 LEAST = 1e-300
-"""What lies below all numbers that a condition says but zero."""
+"""What lies below all numbers that a condition says but zero,"""
+
+ROUNDING = 1e-12
+"""and what one of one's own says, in its unit, that may be zero but for rounding: a state may have
+been taken back from a rotation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,8 @@ class Turning:
 
     def __call__(self, state: State) -> float:
         """What it says of a state."""
-        return self.condition(state) - LEAST
+        is_named = self.condition in CONDITIONS.values()
+        return self.condition(state) - (LEAST if is_named else ROUNDING)
 
 
 def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Turning]:

@@ -1,5 +1,6 @@
 """Why a motion of the engine ends, and where: as the in-house one does."""
 
+from functools import partial
 from math import pi
 from typing import Any
 
@@ -51,6 +52,28 @@ def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
         scene = Scene(inverted, formulation)
         run = mbs_models.simulate(scene, TIMES[:11], step=2e-3, stop_when="inverted")
         assert run.ending is None
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("formulation", [*FORMULATIONS, "to rest"])
+def test_a_condition_that_is_zero_at_the_start_ends_no_run_by_rounding(
+    formulation: Any, sign: float
+) -> None:
+    def turned(state: State) -> float:
+        return sign * (state.rates[3] - 20.0)
+
+    start = Start(gamma=0.3, spin=20.0)
+    how: dict[str, Any] = {"stop_when": turned}
+    accuracies: list[dict[str, Any]] = [{"step": 1e-5}, {"tolerance": 1e-6}]
+    if formulation == "to rest":
+        scenario = Scenario.rest(start=start)
+        to_rest = partial(mbs_models.simulate_to_rest, scenario, 0.02)
+        runs: list[Any] = [to_rest(**how, **each) for each in accuracies]
+        runs.append(analysis.simulate_to_rest(scenario, 0.02, **how))
+    else:
+        scene = scene_of(1, formulation, start=start)
+        runs = [mbs_models.simulate(scene, TIMES[:2], **how, **each) for each in accuracies]
+    assert [run.ending for run in runs] == [None] * len(runs)
 
 
 def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import Scenario, Start
+from analysis import PowerLawCoulomb, Scenario, Start
 from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STABILITY, largest_step
 from mbs_models.runs import force_rounding
@@ -161,3 +161,13 @@ def test_newtons_limit_lies_where_rounding_does(level: Any, formulation: Any, sp
     )
     assert run.counts["newton_iterations"] <= 8 * run.counts["steps"]
     assert force_rounding(build(scene)) < 1e-11 * scene.scenario.weight
+
+
+@pytest.mark.parametrize("formulation", HELD)
+def test_friction_out_of_proportion_to_its_load_breaks_no_run_of_full_newton_off(
+    formulation: Formulation,
+) -> None:
+    scene = scene_of(1, formulation, friction=PowerLawCoulomb(load="contact"))
+    full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
+    run = mbs_models.simulate(scene, np.linspace(0.0, 0.2, 5), step=1e-2, integrator=full)
+    assert run.ending is None
