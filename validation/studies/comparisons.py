@@ -48,8 +48,8 @@ ANGLE_LIMIT = 1e-7
 REST_LIMIT = 1e-5
 """The same of the deviation on the way to rest, in rad and in parts of the energy."""
 
-REFERENCE_TOLERANCE = 0.01 * ANGLE_LIMIT
-"""Tolerance of the in-house runs in rad: two digits better than what is compared with them."""
+IN_HOUSE: Mapping[str, Any] = {"source": "in-house", "tolerance": 0.01 * ANGLE_LIMIT}
+"""How the in-house runs are made: two digits better in rad than what is compared with them."""
 
 PATIENCE = 10.0
 """Processor time in s that a motion is expected to take at most; a longer one is cut."""
@@ -302,8 +302,7 @@ def _comparable(
     scenario: Scenario, end: float, stepped: Mapping[str, Any]
 ) -> tuple[tuple[float, ...], Trajectory]:
     """Times in s as far as `end` if disk and patience allow, and the in-house motion there."""
-    tight = {"source": "in-house", "tolerance": REFERENCE_TOLERANCE}
-    efforts = (run_effort(scenario, _times(end), **how) for how in (stepped, tight))
+    efforts = (run_effort(scenario, _times(end), **how) for how in (stepped, IN_HOUSE))
     longest = max(efforts, key=lambda effort: effort.seconds)
     if longest.seconds > 100.0 * PATIENCE:
         raise ValueError(f"a motion takes {longest}")
@@ -326,9 +325,8 @@ def _reason(motion: Trajectory | SpatialMotion) -> str | None:
 @cache
 def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
     """In-house run, two digits better than what is compared with it."""
-    tight: dict[str, Any] = {"source": "in-house", "tolerance": REFERENCE_TOLERANCE}
     try:
-        return run(scenario, times, **tight, time_limit=LIMIT)
+        return run(scenario, times, **IN_HOUSE, time_limit=LIMIT)
     except ToleranceError as error:
         raise ToleranceError(f"no in-house motion to compare with: {error}") from error
 

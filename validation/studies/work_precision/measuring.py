@@ -15,7 +15,7 @@ import numpy as np
 import analysis
 import mbs_models
 from analysis import Trajectory
-from analysis.problem.choices import ACCELERATED, Source
+from analysis.problem.choices import ACCELERATED, FORMULATIONS, Source
 from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
 from validation.kit.ways import Way
@@ -39,8 +39,6 @@ VARIED = ("model-1", "model-3")
 
 CONSTRAINED = ("euler-tree", "floating", "floating-lie")
 """Formulations that keep constraints."""
-
-IN_HOUSE = ("index-1", "reduced")
 
 INTEGRATORS = {
     **{name: Integrator(name=name) for name in ("RK67", "RK44", "DOPRI5")},
@@ -67,7 +65,7 @@ class Curve(NamedTuple):
     @property
     def integrator(self) -> Integrator | None:
         """Of the engine; None in-house."""
-        return None if self.formulation in IN_HOUSE else INTEGRATORS[self.scheme]
+        return None if self.formulation in FORMULATIONS else INTEGRATORS[self.scheme]
 
     @property
     def kind(self) -> str:
@@ -124,7 +122,7 @@ def curves() -> dict[str, Curve]:
 
 
 def _schemes(problem: str, formulation: str) -> list[str]:
-    if formulation in IN_HOUSE:
+    if formulation in FORMULATIONS:
         return list(FINEST)
     varied, stiff = problem in VARIED, problem == "stiff"
     # On the Lie group alone the stiff one took a third of the time of the whole study.

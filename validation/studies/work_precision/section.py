@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from analysis.problem.choices import FORMULATIONS
 from mbs_models.integrators import RULES
 from validation.kit.figures import new_figure
 from validation.page.content import Content, Rows, Verdict
@@ -22,7 +23,6 @@ from validation.studies.work_precision import problems
 from validation.studies.work_precision.measuring import (
     CONSTRAINED,
     GOALS,
-    IN_HOUSE,
     INTEGRATORS,
     USEFUL,
     curves,
@@ -181,7 +181,7 @@ def prepared(runs: pd.DataFrame) -> pd.DataFrame:
     words = {"extrapolated": ", extrapolated", "tolerance": ", to a tolerance"}
     return runs.fillna({"error": inf, "angle_error": inf}).assign(
         way=runs["scheme"] + runs["kind"].map(words).fillna(""),
-        side=np.where(runs["formulation"].isin(IN_HOUSE), "in-house", "engine"),
+        side=np.where(runs["formulation"].isin(FORMULATIONS), "in-house", "engine"),
         milliseconds=1e3 * runs["seconds"],
         failed=runs["failure"] != "",
     )
