@@ -78,6 +78,15 @@ def test_observed_order_is_that_of_the_integrator(
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=off)
 
 
+@pytest.mark.parametrize("name", ["TrapezoidalIndex2", "GeneralizedAlpha"])
+def test_implicit_steps_are_extrapolated_by_the_orders_of_their_error(name: Any) -> None:
+    scene = scene_of(2, "euler-tree")
+    run = mbs_models.simulate(scene, TIMES, tolerance=1e-7, integrator=name)
+    assert deviation(run, truth(scene.scenario, TIMES)) < 1e-7
+    # By another order the estimate would ask for three halvings more.
+    assert run.counts["steps"] < 4000
+
+
 def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:
     runs = [mbs_models.simulate(Scene(), TIMES, integrator=dopri5(10.0**-k)) for k in (6, 9, 12)]
     errors = [deviation(run, truth(Scenario(), TIMES)) for run in runs]
