@@ -21,6 +21,9 @@ _QUICK = 1e-5, (1, -1), np.array((0.5, -0.5))
 _MET = 1e-9
 """Residual up to which a start meets a constraint, in m, and in m/s for a spin up to 1 rad/s."""
 
+_PART = 1e-6
+"""Part of a contact force over which friction is differentiated by it."""
+
 _SECANTS = 30
 """Most steps towards a contact force that friction is not in proportion to,"""
 
@@ -35,6 +38,11 @@ class Probe:
     ----------
     model : Model
         Its current state is set to its initial state.
+
+    Attributes
+    ----------
+    load_equation : int or None
+        Number of the contact's equation, if friction depends on its multiplier: minus the load.
     """
 
     def __init__(self, model: Model) -> None:
@@ -47,8 +55,7 @@ class Probe:
         self._zeros = np.zeros(2 * (self._size + self._equations,))
         scenario = model.scenario
         feeds_back = scenario.friction.load == "contact" and scenario.rubs
-        # Friction then depends on that equation's multiplier: minus the load.
-        self._load_equation = model.joints.contact_equation if feeds_back else None
+        self.load_equation = model.joints.contact_equation if feeds_back else None
 
     def move_to(self, coordinates: Floats, rates: Floats) -> None:
         """Move to another state that meets the constraints, in co-rotating coordinates."""
@@ -106,11 +113,11 @@ class Probe:
             return _solution(matrix, self._forces()), np.zeros(0)
         right = np.zeros(n + m)
         right[n:] = -self._residual_rate(quick=quick)
-        if self._load_equation is None:
+        if self.load_equation is None:
             right[:n] = self._forces()
             solution = _solution(matrix, right)
         else:
-            solution = self._under_load(matrix, right, n + self._load_equation)
+            solution = self._under_load(matrix, right, n + self.load_equation)
         return solution[:n], solution[n:]
 
     def _saddle_matrix(self) -> Array:
@@ -191,9 +198,23 @@ class Probe:
         """Forces under this load in N, which the contact's multiplier keeps."""
         data = self._system.systemData
         algebraic = np.array(data.GetAECoordinates())
-        algebraic[self._load_equation] = -load
+        algebraic[self.load_equation] = -load
         data.SetAECoordinates(algebraic.tolist())
         return self._forces()
+
+    def forces_per_newton(self) -> Array:
+        """Change of the forces for each newton of contact force, shape (n,); none if it pulls."""
+        data = self._system.systemData
+        present = data.GetAECoordinates()
+        load = self._model.joints.contact_force(present)
+        if load < 0.0:
+            return np.zeros(self._size)
+        little = _PART * max(load, _PART * self._model.scenario.weight)
+        less, more = max(0.0, load - little), load + little
+        change = self._forces_under(more) - self._forces_under(less)
+        data.SetAECoordinates(present)
+        found: Array = change / (more - less)
+        return found
 
     def _residuals(self, *, velocity: bool = True) -> Array:
         if not self._equations:

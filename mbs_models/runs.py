@@ -107,7 +107,11 @@ def run(
     # A run before, or a search, may have left it elsewhere.
     data.SetSystemState(data.GetSystemState(_INITIAL))
     if integrator.implicit or model.closes_contact:
-        settle(model, Probe(model))
+        probe = Probe(model)
+        settle(model, probe)
+        # Full Newton renews its Jacobian, and failed in more scenes with this than without.
+        if integrator.newton is not None and integrator.newton.modified:
+            complete_jacobian(model, probe)
     readings = [*model.readings(), data.GetAECoordinates]
     due: list[float] = [*(times - begin).tolist(), inf]
     found, stopped = [[read() for read in readings]], []
@@ -254,6 +258,29 @@ def settle(model: Model, probe: Probe) -> None:
     # What is recorded at the start.
     data.SetODE2Coordinates_tt(second_derivatives.tolist())
     data.SetAECoordinates(algebraic.tolist())
+
+
+def complete_jacobian(model: Model, probe: Probe) -> None:
+    """Add to the engine's Jacobian how friction grows with the contact force.
+
+    The engine differentiates user functions by coordinates and velocities alone. Without this
+    column, friction with the contact force as its load converges by a constant factor for each
+    iteration, however short the step.
+    """
+    contact, data = probe.load_equation, model.system.systemData
+    if contact is None:
+        return
+
+    def column(*_unused: Any) -> Any:
+        forces = probe.forces_per_newton().tolist()
+        size = len(forces) + len(data.GetAECoordinates())
+        entries = [[row, len(forces) + contact, force] for row, force in enumerate(forces)]
+        matrix = exu.MatrixContainer()
+        # Written into a dense matrix, the engine fails.
+        matrix.SetWithSparseMatrix(entries, size, size, useDenseMatrix=False)
+        return matrix
+
+    model.system.SetSystemJacobianUserFunction(column)
 
 
 def _settings(model: Model, integrator: Integrator, duration: float, steps: int) -> Any:

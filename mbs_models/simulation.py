@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isnan, sin
+from math import isnan, sin, sqrt
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ import numpy.typing as npt
 from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
+    Array,
     TimeLimitError,
     ToleranceError,
     increasing_times,
@@ -35,9 +36,8 @@ FINE = 3e-9
 """Tolerance in rad from which on a first run allows a step less of it."""
 
 FLAT_ROUNDING = 1e-12
-"""Error in rad, times sin² of the inclination, that rounding leaves over some milliseconds where
-Euler angles are coordinates, up to three quarters of which were seen: a mass matrix that is
-singular on a flat disk leaves 1e-15 of accelerations."""
+"""Error in rad, times sin² of the inclination at the start, that rounding may leave where a disk
+falls on and Euler angles are coordinates: their mass matrix is singular on a flat disk."""
 
 
 def simulate(
@@ -126,7 +126,7 @@ def simulate(
     scene, times = Scene.of(scene), increasing_times(times)
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
-    step, tolerance = _accuracy(scene, chosen, step, tolerance)
+    step, tolerance = _accuracy(scene, times, chosen, step, tolerance)
     effort = simulation_effort(scene, times, integrator, step=step, tolerance=tolerance)
     effort.check()
     tried, most = [chosen], effort.most
@@ -151,7 +151,11 @@ def simulate(
 
 
 def _accuracy(
-    scene: Scene, chosen: Integrator, step: float | None, tolerance: float | None
+    scene: Scene,
+    times: Array,
+    chosen: Integrator,
+    step: float | None,
+    tolerance: float | None,
 ) -> tuple[float | None, float | None]:
     """Step and tolerance that are asked for, checked; a tolerance by default."""
     if step is not None and tolerance is not None:
@@ -165,17 +169,19 @@ def _accuracy(
             )
     elif step is None or chosen.steps_accelerations:
         tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
-        _check_reachable(scene, tolerance)
+        _check_reachable(scene, times, tolerance)
     return step, tolerance
 
 
-def _check_reachable(scene: Scene, tolerance: float) -> None:
+def _check_reachable(scene: Scene, times: Array, tolerance: float) -> None:
     """Raise `ToleranceError` where rounding hides an error of this size."""
     finest, where = FINEST, ""
-    beta = scene.scenario.initial_state.coordinates[4]
-    if sin(beta) < NEARLY_FLAT and CLASSES[scene.built_as].has_euler_angles:
-        finest = FLAT_ROUNDING / sin(beta) ** 2
-        where = f" on {scene.built_as!r} from beta = {beta:g}; try formulation 'floating'"
+    flatness = sin(scene.scenario.initial_state.coordinates[4])
+    falls = times[-1] - times[0] > sqrt(2.0 * flatness / scene.scenario.fall)
+    if flatness < NEARLY_FLAT and falls and CLASSES[scene.built_as].has_euler_angles:
+        finest = FLAT_ROUNDING / flatness**2
+        leaning = f"{scene.built_as!r}, which leans by {flatness:.2g} rad and falls"
+        where = f" on {leaning}; try formulation 'floating'"
     if tolerance < finest:
         leaves = f"rounding leaves {finest:.2g} rad{where}"
         raise ToleranceError(f"tolerance {tolerance:g} rad cannot be reached: {leaves}")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import PowerLawCoulomb, Scenario, Start
+from analysis import PowerLawCoulomb, Scenario, SmoothCoulomb, Start
 from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STABILITY, largest_step
 from mbs_models.runs import force_rounding
@@ -179,4 +179,12 @@ def test_friction_out_of_proportion_to_its_load_breaks_no_run_of_full_newton_off
     scene = scene_of(1, formulation, friction=PowerLawCoulomb(load="contact"))
     full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
     run = mbs_models.simulate(scene, np.linspace(0.0, 0.2, 5), step=1e-2, integrator=full)
+    assert run.ending is None
+
+
+def test_modified_newton_converges_where_friction_under_the_contact_force_is_strong() -> None:
+    strong = SmoothCoulomb(coefficient=3.0, load="contact")
+    scene = scene_of(3, "floating", friction=strong, start=Start(spin=300.0))
+    run = mbs_models.simulate(scene, [0.0, 1e-3], step=1e-5, integrator="GeneralizedAlpha")
+    # Without the Jacobian's column for that force it breaks off within a millisecond.
     assert run.ending is None
