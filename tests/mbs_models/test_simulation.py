@@ -26,7 +26,7 @@ from analysis import (
     TimeLimitError,
 )
 from analysis.mechanics.recorded import accelerations
-from analysis.problem.start import FlatError
+from analysis.problem.start import FlatError, State
 from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
@@ -253,6 +253,19 @@ def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_ref
     assert np.ptp(run.coordinate("alpha")) > 4.0 * np.pi
     with pytest.raises(FlatError, match=r"alpha and gamma may turn unseen after t = 0\.05 s"):
         mbs_models.simulate(scene, times[::500], step=1e-5)
+
+
+@pytest.mark.parametrize("formulation", ["floating", "floating-lie"])
+def test_angles_of_a_free_body_go_on_from_those_of_its_start(formulation: Any) -> None:
+    def turned(state: State) -> float:
+        return -17.0 - state.coordinates[3]
+
+    start, times = Start(alpha=-20.0, gamma=30.0), np.linspace(0.0, 0.2, 21)
+    scene = scene_of(1, formulation, start=start)
+    run = mbs_models.simulate(scene, times, step=2e-3, stop_when=turned)
+    check = analysis.simulate(scene.scenario, times, stop_when=turned)
+    assert not_none(run.ending).time == pytest.approx(not_none(check.ending).time, abs=1e-4)
+    np.testing.assert_allclose(run.coordinates, check.coordinates, rtol=0.0, atol=1e-3)
 
 
 def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alone() -> None:
