@@ -105,6 +105,11 @@ def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
     for other, seen, alike in told:
         found = cell(grid(), row | {"other_inversion": other}, to_rest=False)
         assert (found["seen"], found["alike"]) == (seen, alike)
+    # To rest, the face that is up in the end is compared.
+    row |= {"other_inversion": "failed", "face_end": 0.9, "energy_end": 0.0, "ending": None}
+    for face in (0.8, -0.8):
+        found = cell(grid("rest", Scenario.rest()), row | {"other_face_end": face}, to_rest=True)
+        assert found["alike"] == (face > 0.0)
 
 
 def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
@@ -120,6 +125,7 @@ def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(
 
 def test_each_model_and_body_runs_where_it_can_be_built_and_is_quickest() -> None:
     assert grid(scenario=Scenario(disk=ELLIPSE)).plan.source == "in-house"
+    assert grid("rest", Scenario.rest()).plan.to_rest
     how: Any = {"cells": 2, "levels": 1, "witnesses": 9, "end": 4.0, "time_limit": 7.0}
     plans = [each.plan for each in panels(PROBLEMS["basins"], Scenario(), **how)]
     assert [plan.source for plan in plans] == ["engine", *["in-house"] * 3]
