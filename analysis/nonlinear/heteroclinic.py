@@ -19,10 +19,10 @@ from scipy.integrate import solve_ivp
 from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
-from analysis.nonlinear.continuation import WIDEST, nearest_root
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, number, positive
 from analysis.problem.scenario import Scenario
+from analysis.solve.continuation import WIDEST, nearest_root
 from analysis.stability.linearisation import ComplexArray
 from analysis.stability.spectra import matrices_over_spin
 

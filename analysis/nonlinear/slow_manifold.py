@@ -17,9 +17,9 @@ from analysis.mechanics.dual import per_speed_and_slope
 from analysis.mechanics.paper import critical_speed
 from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
-from analysis.nonlinear.continuation import nearest_root
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
+from analysis.solve.continuation import nearest_root
 
 _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""

@@ -24,7 +24,6 @@ from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_r
 from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
-from analysis.nonlinear.continuation import Curve
 from analysis.problem.checks import (
     Array,
     finite_row,
@@ -38,6 +37,7 @@ from analysis.problem.checks import (
 from analysis.problem.limits import MOST_STARTS
 from analysis.problem.quantities import FASTEST_TURN
 from analysis.problem.scenario import Scenario
+from analysis.solve.continuation import Curve
 from analysis.stability.linearisation import (
     ComplexArray,
     require_spinning,
@@ -343,8 +343,11 @@ def stationary_branch(
         begin, here = np.cos((start.beta, start.gamma)), np.cos(point[2:4])
         return bool(np.max(np.abs(here)) < _SAME or np.all(begin * here < 0.0))
 
-    ends = interval[0] / unit, interval[1] / unit
-    points = Curve(equations, ends, _STEP, where, meets_upright).through(point)
+    low, high = (
+        np.append(np.full(4, far), end / unit)
+        for far, end in zip((-np.inf, np.inf), interval, strict=True)
+    )
+    points = Curve(equations, (low, high), _STEP, where, meets_upright).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )

@@ -40,7 +40,8 @@ from analysis.nonlinear.following import Family
 from analysis.nonlinear.heteroclinic import fall
 from analysis.nonlinear.motions import Event
 from analysis.stability import stationary_rolling
-from analysis.stability.chart import hopf_curves, static_gradient
+from analysis.stability.boundaries import hopf_curves
+from analysis.stability.chart import static_gradient
 from analysis.stability.critical import Crossing
 from analysis.stability.linearisation import stationary_eigenvalues
 from mbs_models import Integrator, Newton, Scene
@@ -69,7 +70,7 @@ FITTING: dict[str, Any] = {
     "family": Family(motions=(BORN.motion,), begins=30.0, born=BORN),
     "fields": {"spin": [30.0]},
     "formulation": "floating",
-    "gradients": [3.0],
+    "gradients": [3.0, 4.0],
     "index": 0,
     "interval": (20.0, 40.0),
     "motions": [RUN],

@@ -15,14 +15,12 @@ from analysis import (
     Table,
     simulate,
 )
-from analysis.nonlinear.continuation import Curve
 from analysis.nonlinear.stationary import (
     Parameter,
     StationaryMotion,
     stationary_branch,
     stationary_motions,
 )
-from analysis.problem.checks import Array
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
 from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP
@@ -73,15 +71,6 @@ def test_tilted_motions_at_held_spin_fold_and_meet_inverted_spinning_where_it_is
         for side in (-1.0, 1.0)
     )
     assert below * above < 0.0
-
-
-def test_a_curve_that_goes_on_without_end_says_so() -> None:
-    def circle(point: Array) -> tuple[Array, Array]:
-        return np.array([point @ point - 1.0]), 2.0 * point[None]
-
-    curve = Curve(circle, (-2.0, 2.0), 0.1)
-    with pytest.raises(ArithmeticError, match="has more than 2000 points one way, and goes on"):
-        curve.through(np.array((1.0, 0.0)))
 
 
 FRICTIONLESS = SmoothCoulomb(coefficient=0.0)

@@ -23,7 +23,8 @@ from analysis import (
 )
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
-from analysis.stability.chart import corners, static_gradient, with_gradient
+from analysis.stability.boundaries import corners
+from analysis.stability.chart import static_gradient, with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.spectra import System, matrices_over_spin
 from tests.helpers import model, not_none

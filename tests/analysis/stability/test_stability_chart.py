@@ -1,4 +1,4 @@
-"""The chart over spin and friction gradient, its boundaries, and sensitivities."""
+"""The chart over spin and friction gradient, and sensitivities."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -6,17 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
-from analysis.stability.chart import (
-    corners,
-    hopf_curves,
-    stability_chart,
-    static_gradient,
-    with_gradient,
-)
+from analysis import MODELS, STEEL_DISK, Level, Scenario
+from analysis.stability.chart import stability_chart, static_gradient, with_gradient
 from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.sensitivities import POWERS, sensitivities
-from analysis.stability.spectra import eigenvalues, full_matrices
+from analysis.stability.spectra import eigenvalues
 from tests.bodies import ELLIPSE, TIPPE_TOP
 
 PAPER = Scenario()
@@ -36,42 +30,6 @@ def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
         scenario = with_gradient(PAPER, gradient)
         values = eigenvalues(scenario, spins, "numeric")
         np.testing.assert_array_equal(chart[row], np.sum(values.real > 1e-8, axis=1))
-
-
-@pytest.mark.parametrize("motion", MOTIONS)
-def test_hopf_curves_hold_the_crossings_of_every_gradient(motion: Motion) -> None:
-    curves = hopf_curves(PAPER, (1.25, 3.0, 300.0), motion=motion)
-    for gradient in (1.25, 3.0, 300.0):
-        scenario = with_gradient(PAPER, gradient)
-        expected = critical_speeds(scenario, (0.0, 100.0), motion=motion).hopf
-        found = sorted(spin for each in curves for spin in each.spins[each.gradients == gradient])
-        np.testing.assert_allclose(found, [each.spin for each in expected], rtol=1e-9)
-    for spin, gradient, frequency in np.column_stack(curves).T.tolist():
-        values = np.linalg.eigvals(full_matrices(PAPER, spin, motion, gradient=gradient)[0])
-        assert np.min(np.abs(values - 1j * frequency)) < 1e-9 * max(1.0, np.abs(values).max())
-    assert [each.frequencies[-1] for each in curves] == sorted(e.frequencies[-1] for e in curves)
-
-
-def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable() -> None:
-    found = {each.kind: each for each in corners(PAPER, np.geomspace(0.3, 30.0, 21))}
-    expected = {
-        "double zero": (28.60972, 0.881178),
-        "zero hopf": (36.83647, 1.347031),
-        "double hopf": (29.84697, 1.851081),
-    }
-    assert {kind: (each.spin, each.gradient) for kind, each in found.items()} == {
-        kind: pytest.approx(place, abs=5e-6) for kind, place in expected.items()
-    }
-    double = found["double hopf"]
-    np.testing.assert_allclose(double.frequencies, (5.23009, 25.80421), atol=1e-5)
-    for each, critical in zip(found.values(), (2, 3, 4), strict=True):
-        matrix = full_matrices(PAPER, each.spin, gradient=each.gradient)[0]
-        assert np.sum(np.abs(np.linalg.eigvals(matrix).real) < 1e-6) == critical
-    spins, gradients = np.linspace(10.0, 90.0, 161), np.geomspace(0.1, 100.0, 120)
-    rows, columns = np.nonzero(stability_chart(PAPER, spins, gradients) == 0)
-    assert 28.6 < spins[columns].min() < spins[columns].max() < 36.9
-    assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
-    assert not corners(PAPER, (2.0, 30.0))
 
 
 def crossings(scenario: Scenario, steps: Mapping[str, float]) -> tuple[Crossing, ...]:

@@ -22,7 +22,8 @@ from analysis.mechanics.paper import closed_form, critical_speed
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.stability import spectra
-from analysis.stability.chart import corners, hopf_curves, with_gradient
+from analysis.stability.boundaries import corners, hopf_curves
+from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation
@@ -228,8 +229,8 @@ MEETING = {
 
 INSIDE = "inside"
 
-GRADIENTS = np.sort(np.append(np.geomspace(0.3, 30.0, 81), np.linspace(1.045, 1.12, 16)))
-"""Friction gradients in s/m at which Hopf points are looked for; more where a curve is level."""
+GRADIENTS = np.geomspace(0.3, 30.0, 21)
+"""Friction gradients in s/m at which Hopf curves are looked for."""
 
 
 def stable_region(scenario: Scenario) -> list[Row]:
@@ -244,7 +245,7 @@ def stable_region(scenario: Scenario) -> list[Row]:
         for number, each in enumerate(curves)
     ]
     places = []
-    for corner in corners(scenario, GRADIENTS[::4]):
+    for corner in corners(scenario, GRADIENTS):
         places.append((corner.spin, np.log(corner.gradient)))
         rows.append({"kind": "corner", "place": MEETING[corner.kind], **_place(*places[-1])})
     middle = np.mean(places, axis=0)

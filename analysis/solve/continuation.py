@@ -1,6 +1,6 @@
 """Continuation by pseudo-arclength: along the tangent of a curve, through folds of every unknown.
 
-Periodic motions, whose unknowns are functions, are followed in `families`.
+Periodic motions, whose unknowns are functions, are followed in `analysis.nonlinear.families`.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,8 @@ _NEWTON = 8
 """Iterations at most to a point of a curve."""
 
 _CONVERGED, _FURTHEST = 1e-8, 1.0
-"""Last step of Newton's method, whose error is about its square; and one that leads elsewhere."""
+"""Last step of Newton's method, whose error is about its square; and one that leads elsewhere. As
+near to a bound, in parts of a step, a curve is there."""
 
 _GROWTH = 1.5
 _SMALLEST = 1e-6
@@ -26,6 +27,9 @@ _SMALLEST = 1e-6
 
 _MOST = 2000
 """Points of a curve one way, at most."""
+
+_NO_LOOP = 10
+"""Points beyond its start within which no curve closes: neighbours turn by less than a tenth."""
 
 _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
@@ -52,8 +56,8 @@ class Curve(NamedTuple):
     ----------
     equations : callable
         From a point, shape (n,), to residuals, shape (m,), and their Jacobian, shape (m, n).
-    interval : tuple of 2 floats
-        Lowest and highest value of the last unknown, at which the curve is left.
+    bounds : tuple of 2 ndarrays, shape (n,)
+        Lowest and highest value of each unknown, at which the curve is left.
     step : float
         Longest one.
     where : callable
@@ -63,13 +67,15 @@ class Curve(NamedTuple):
     """
 
     equations: Callable[[Array], tuple[Array, Array]]
-    interval: tuple[float, float]
+    bounds: tuple[Array, Array]
     step: float
     where: Callable[[Array], str] = str
     ends_before: Callable[[Array], bool] = lambda _: False
 
     def through(self, start: Array) -> list[Array]:
         """Points of the curve both ways from one of them: first that on which the last one falls.
+
+        A curve that is closed begins and ends there.
 
         Raises
         ------
@@ -78,18 +84,25 @@ class Curve(NamedTuple):
         """
         tangent = np.linalg.svd(self.equations(start)[1])[2][-1]
         tangent = np.copysign(1.0, tangent[-1]) * tangent
-        before, after = (self._way(start, way * tangent) for way in (-1.0, 1.0))
-        return [*reversed(before), start, *after]
+        before = self._way(start, -tangent)
+        is_closed = bool(before) and before[-1] is start
+        return [*reversed(before), start, *([] if is_closed else self._way(start, tangent))]
 
-    def _way(self, point: Array, tangent: Array) -> list[Array]:
-        """Points beyond one."""
-        step, made = self.step, list[Array]()
+    def _way(self, start: Array, tangent: Array) -> list[Array]:
+        """Points beyond one, which is the last of them if the curve is closed."""
+        point, step, made = start, self.step, list[Array]()
         while step > _SMALLEST:
             ahead = point + step * tangent
-            guess, row, end = ahead, tangent, float(np.clip(ahead[-1], *self.interval))
-            if end != ahead[-1]:
-                fraction = (end - point[-1]) / (ahead - point)[-1]
-                guess, row = point + fraction * (ahead - point), np.eye(point.size)[-1]
+            guess, row = ahead, tangent
+            beyond = np.flatnonzero(ahead != np.clip(ahead, *self.bounds))
+            if beyond.size:
+                # The bound that is met first.
+                ends = np.clip(ahead, *self.bounds)[beyond]
+                fractions = (ends - point[beyond]) / (ahead - point)[beyond]
+                if np.min(fractions) < _CONVERGED:
+                    return made
+                guess = point + np.min(fractions) * (ahead - point)
+                row = np.eye(point.size)[beyond[np.argmin(fractions)]]
             found = self._corrected(guess, row)
             if found is None or not _is_near(*found, ahead, tangent, step):
                 step /= 2.0
@@ -100,11 +113,22 @@ class Curve(NamedTuple):
                 why = f"has more than {_MOST} points one way, and goes on"
                 raise ArithmeticError(f"the curve {why} {self.where(point)}")
             made.append(found[0])
-            if end != ahead[-1]:
+            if beyond.size:
                 return made
             point, tangent = found[0], np.copysign(1.0, found[1] @ tangent) * found[1]
+            if len(made) > _NO_LOOP and self._meets(start, point, tangent):
+                return [*made, start]
             step = min(_GROWTH * step, self.step)
         raise ArithmeticError(f"the curve fails, however short the step, {self.where(point)}")
+
+    def _meets(self, start: Array, point: Array, tangent: Array) -> bool:
+        """Whether the curve comes to its start within a step beyond a point."""
+        way = float((start - point) @ tangent)
+        if way < 0.0 or np.linalg.norm(start - point) > self.step:
+            return False
+        # Where it has folded, it may also pass close by.
+        found = self._corrected(point + way * tangent, tangent)
+        return found is not None and float(np.max(np.abs(found[0] - start))) < _SMALLEST
 
     def _corrected(self, guess: Array, row: Array) -> tuple[Array, Array] | None:
         """Point of the curve in the plane through a guess with this normal, and its unit tangent.

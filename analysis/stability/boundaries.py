@@ -1,0 +1,280 @@
+"""Boundaries of stability of the full system over spin and friction gradient, and where they meet.
+
+Hopf points are followed along curves by pseudo-arclength, from the crossings of pairs at some
+gradients. On the other kind of boundary, known in closed form, a real eigenvalue is zero; see
+`static_gradient`. A Hopf curve starts on it where the frequency comes to zero, or crosses it; and
+Hopf curves cross each other.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import root
+
+from analysis.problem.checks import Array, positive
+from analysis.problem.scenario import Scenario
+from analysis.problem.start import Motion
+from analysis.solve.continuation import Curve
+from analysis.stability.chart import gradient_array
+from analysis.stability.critical import Spectra, spin_interval
+from analysis.stability.linearisation import ZERO, require_spinning, spin_scale
+from analysis.stability.spectra import full_matrices
+
+SPINS = (0.0, 100.0)
+"""Lowest and highest spin in rad/s by default."""
+
+_GRID = 1001
+"""Spins between which crossings are looked for."""
+
+_STEP = 0.1
+"""Longest step along a curve, and how near to its points a Hopf point lies that is on it."""
+
+_DIFFERENCE = 1e-6
+"""Of places, by which pairs of eigenvalues are differentiated; it steers Newton's method alone."""
+
+_MET = 1e-9
+"""Largest residual at a corner."""
+
+Kind = Literal["double zero", "zero hopf", "double hopf"]
+
+
+class HopfCurve(NamedTuple):
+    """Hopf points of the full system along a curve; where the gradient turns back, it folds.
+
+    Parameters
+    ----------
+    spins : ndarray, shape (n,)
+        Spinning speeds in rad/s.
+    gradients : ndarray, shape (n,)
+        Friction gradients mu / epsilon in s/m.
+    frequencies : ndarray, shape (n,)
+        Imaginary part of the crossing pair in rad/s.
+    """
+
+    spins: Array
+    gradients: Array
+    frequencies: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Corner:
+    """A point at which two stability boundaries of the full system meet.
+
+    Parameters
+    ----------
+    kind : {"double zero", "zero hopf", "double hopf"}
+        A Hopf curve starts on the static curve, or crosses it; or two Hopf curves cross.
+    spin : float
+        Spinning speed in rad/s.
+    gradient : float
+        Friction gradient mu / epsilon in s/m.
+    frequencies : tuple of float
+        Imaginary parts of the critical pairs in rad/s.
+    """
+
+    kind: Kind
+    spin: float
+    gradient: float
+    frequencies: tuple[float, ...]
+
+
+def hopf_curves(
+    scenario: Scenario,
+    gradients: npt.ArrayLike,
+    spins: tuple[float, float] = SPINS,
+    motion: Motion = "inverted",
+) -> tuple[HopfCurve, ...]:
+    """Hopf points of the full system over spin and friction gradient.
+
+    Each curve is followed both ways from a Hopf point at one of the gradients, through folds,
+    until it leaves the spins or the gradients or its frequency comes to zero. Those that none of
+    the gradients meets are missed, and so are two that cancel out within a thousandth of the
+    spins.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Of Model 1, on a horizontal table; its friction is not looked at.
+    gradients : array_like, shape (n,)
+        Friction gradients mu / epsilon in s/m, positive, two or more.
+    spins : tuple of 2 floats
+        Lowest, not negative, and highest spin in rad/s.
+    motion : {"inverted", "noninverted"}
+
+    Returns
+    -------
+    tuple of HopfCurve
+        By rising frequency at their ends; each with rising frequency where it was begun.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range, the motion is unknown or the scenario another one.
+    ArithmeticError
+        If a curve is lost; the message names the last good point.
+    """
+    unit, lines = spin_scale(scenario), _Pairs(scenario, motion).lines(gradients, spins)
+    return tuple(
+        HopfCurve(unit * spin, np.exp(log), unit * frequency)
+        for spin, log, frequency in map(np.transpose, lines)
+    )
+
+
+def corners(
+    scenario: Scenario,
+    gradients: npt.ArrayLike,
+    spins: tuple[float, float] = SPINS,
+    motion: Motion = "inverted",
+) -> tuple[Corner, ...]:
+    """Where stability boundaries of the full system meet, by rising gradient.
+
+    Parameters
+    ----------
+    scenario, gradients, spins, motion
+        See `hopf_curves`, on whose curves all corners lie.
+
+    Raises
+    ------
+    ValueError
+        See `hopf_curves`.
+    ArithmeticError
+        See `hopf_curves`, or if the place where two boundaries meet cannot be refined.
+    """
+    pairs = _Pairs(scenario, motion)
+    lines = pairs.lines(gradients, spins)
+    found = [pairs.double_hopf(place) for place in _crossings(lines)]
+    for line in lines:
+        found += [pairs.corner("double zero", place) for place in line[line[:, 2] <= ZERO]]
+        found += pairs.zero_hopfs(line)
+    return tuple(sorted(found, key=lambda corner: corner.gradient))
+
+
+class _Pairs:
+    """Pairs of eigenvalues of a motion, at places of three numbers.
+
+    They are the spin over `spin_scale`, the logarithm of the gradient in s/m, and the frequency
+    over `spin_scale`.
+    """
+
+    def __init__(self, scenario: Scenario, motion: Motion) -> None:
+        require_spinning(scenario, "the full system", 1)
+        self._unit = spin_scale(scenario)
+        self._matrices = partial(full_matrices, scenario, motion=motion)
+
+    def matrices(self, places: Array) -> Array:
+        """State matrices over `spin_scale`, shape (n, k, k), at n places or more of them."""
+        spins, gradients = self._unit * places[:, 0], np.exp(places[:, 1])
+        found: Array = self._matrices(spins, gradient=gradients) / self._unit
+        return found
+
+    def lines(self, gradients: npt.ArrayLike, spins: tuple[float, float]) -> list[Array]:
+        """Hopf curves, each shape (n, 3), of the arguments of `hopf_curves`."""
+        wanted = gradient_array(gradients)
+        least, largest = positive("gradients", float(np.min(wanted))), float(np.max(wanted))
+        if least == largest:
+            raise ValueError(
+                f"gradients must be two or more to follow curves in, got {gradients!r}"
+            )
+        grid = np.linspace(*spin_interval(spins, "spins"), _GRID)
+        low, high = grid[[0, -1]] / self._unit
+        bounds = np.array((low, np.log(least), 0.0)), np.array((high, np.log(largest), np.inf))
+        curve, found = Curve(self._on_axis, bounds, _STEP, self._beyond), list[Array]()
+        for gradient in wanted.tolist():
+            matrices = partial(self._matrices, gradient=gradient)
+            for each in Spectra(matrices, grid, self._unit).crossings():
+                spin, frequency = each.spin / self._unit, each.frequency / self._unit
+                begin = np.array((spin, np.log(gradient), frequency))
+                apart = (np.min(np.linalg.norm(line - begin, axis=1)) for line in found)
+                if each.kind == "hopf" and all(distance > _STEP for distance in apart):
+                    found.append(np.array(curve.through(begin)))
+        return sorted(found, key=lambda line: float(line[-1, 2]))
+
+    def _where(self, place: Array) -> str:
+        spin, gradient = self._unit * place[0], np.exp(place[1])
+        return f"{spin:.6g} rad/s with a friction gradient of {gradient:.6g} s/m"
+
+    def _beyond(self, place: Array) -> str:
+        return f"beyond {self._where(place)}"
+
+    def _on_axis(self, place: Array) -> tuple[Array, Array]:
+        """What is zero at a Hopf point, shape (2,), and its Jacobian, shape (2, 3).
+
+        The sum of a pair, and its product less the squared frequency. Both are smooth, also where
+        the pair comes together in zero.
+        """
+        moved, squared = _DIFFERENCE * np.eye(3)[:2], place[2] ** 2
+        values = np.linalg.eigvals(self.matrices(np.vstack((place, place + moved, place - moved))))
+        nearest = np.argsort(np.abs(values**2 + squared), axis=1)[:, :2]
+        pairs = np.take_along_axis(values, nearest, axis=1)
+        found = np.column_stack((pairs.sum(axis=1).real, pairs.prod(axis=1).real - squared))
+        by_spin, by_gradient = (found[1:3] - found[3:]) / (2.0 * _DIFFERENCE)
+        return found[0], np.column_stack((by_spin, by_gradient, (0.0, -2.0 * place[2])))
+
+    def _others(self, places: Array) -> Any:
+        """Product of all eigenvalues but the pair, which has a frequency."""
+        return np.linalg.det(self.matrices(places)) / places[:, 2] ** 2
+
+    def zero_hopfs(self, line: Array) -> Iterator[Corner]:
+        """Corners along a Hopf curve at which a real eigenvalue is zero, too."""
+        line = line[line[:, 2] > ZERO]
+        others = self._others(line)
+        for step in np.flatnonzero(others[:-1] * others[1:] < 0.0).tolist():
+            rise = others[step + 1] - others[step]
+            begin = line[step] - others[step] / rise * (line[step + 1] - line[step])
+
+            def equations(place: Array, rise: float = rise) -> Array:
+                return np.append(self._on_axis(place)[0], self._others(place[None]) / rise)
+
+            yield self._corner("zero hopf", begin, equations)
+
+    def double_hopf(self, begin: Array) -> Corner:
+        """Corner near a place with a second frequency, at which both pairs lie on the axis."""
+
+        def equations(place: Array) -> Array:
+            return np.append(*(self._on_axis(place[[0, 1, each]])[0] for each in (2, 3)))
+
+        return self._corner("double hopf", begin, equations)
+
+    def _corner(
+        self, kind: Kind, begin: Array, equations: Callable[[Array], npt.ArrayLike]
+    ) -> Corner:
+        """Corner near a place, where equations are zero."""
+        found = root(equations, begin, tol=1e-13)
+        # It may end where rounding lets it get no nearer.
+        if not np.max(np.abs(found.fun)) < _MET:
+            raise ArithmeticError(f"no {kind} found near {self._where(begin)}: {found.message}")
+        return self.corner(kind, found.x)
+
+    def corner(self, kind: Kind, place: Array) -> Corner:
+        """Corner at a place, which has a second frequency if two pairs lie on the axis."""
+        return Corner(
+            kind=kind,
+            spin=float(self._unit * place[0]),
+            gradient=float(np.exp(place[1])),
+            frequencies=tuple(sorted((self._unit * np.abs(place[2:])).tolist())),
+        )
+
+
+def _crossings(lines: Sequence[Array]) -> Iterator[Array]:
+    """Where curves cross each other or themselves: places with two frequencies, shape (4,)."""
+    if not lines:
+        return
+    begins = np.vstack([line[:-1] for line in lines])
+    sides = np.vstack([np.diff(line, axis=0) for line in lines])
+
+    def turn(first: Array, second: Array) -> Array:
+        found: Array = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        return found
+
+    one, other, apart = sides[:, None], sides[None], begins[None] - begins[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        parts = np.array((turn(apart, other), turn(apart, one))) / turn(one, other)
+    meet = np.all((parts >= 0.0) & (parts < 1.0), axis=0)
+    # Neighbours have a point in common.
+    for pair in np.argwhere(np.triu(meet, 2)):
+        first, second = begins[pair] + parts[:, *pair, None] * sides[pair]
+        yield np.append(first, second[2])
