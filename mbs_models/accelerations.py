@@ -133,7 +133,7 @@ class AccelerationProblem:
     def forces(self, found: Sequence[_Solved]) -> Array:
         """Constraint forces, shape (n, k)."""
         z, u, second, algebraic = (np.array(each) for each in zip(*found, strict=True))
-        return self.model.multipliers(second, algebraic, z, u)
+        return self.model.multipliers(second if self.model.closes_contact else algebraic, z, u)
 
     def _whole(self, values: Array) -> tuple[list[float], list[float]]:
         """Coordinates and rates, six floats each, from the free ones."""

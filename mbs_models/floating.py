@@ -217,7 +217,7 @@ class Floating(Model):
         """The engine's coordinates of a rotation, and their rates, from angular velocity."""
         return parameters, quaternion_rates(parameters, local)
 
-    def readings(self) -> list[Reading]:
+    def pose_readings(self) -> list[Reading]:
         """Position, rotation matrix row by row, velocity and angular velocity."""
         return [partial(self.system.GetNodeOutput, self._node, each) for each in _POSE]
 

@@ -143,16 +143,17 @@ class Joints:
         # The engine's constraint forces act with a minus sign on the second body.
         return -float(algebraic[self.contact_equation])
 
-    def forces(self, algebraic: Array, alpha: Array) -> Array:
+    def forces(self, carriers: Array, alpha: Array) -> Array:
         """Constraint forces on the disk in R-frame axes, shape (n, k).
 
         Parameters
         ----------
-        algebraic : ndarray, shape (n, m)
-            The engine's algebraic coordinates.
+        carriers : ndarray, shape (n, i)
+            What ends with the engine's algebraic coordinates.
         alpha : ndarray, shape (n,)
         """
-        columns = []
+        columns, count = [], len(self._assembly.system.systemData.GetAECoordinates())
+        algebraic = carriers[:, -count:]
         for constraint, rows in self.equations.items():
             # Again with a minus sign; but the rolling joint's forward and lateral axes point
             # against e_x and e_y of the R-frame.

@@ -88,7 +88,7 @@ class Model(ABC):
         self._build()
         # What is added later needs that anew, which forgets initial accelerations.
         self.system.Assemble()
-        self._readings = self.readings()
+        self._readings = [*self.pose_readings(), *self._force_readings()]
 
     @abstractmethod
     def _build(self) -> None:
@@ -133,16 +133,25 @@ class Model(ABC):
     # --- Its states ------------------------------------------------------------------------------
 
     @abstractmethod
-    def readings(self) -> list[Reading]:
+    def pose_readings(self) -> list[Reading]:
         """What to read of a state for `decode`, one after the other."""
 
+    def _force_readings(self) -> list[Reading]:
+        """What `multipliers` takes of a state."""
+        has_any = self.has_constraints(self.scenario)
+        return [self.system.systemData.GetAECoordinates] * has_any
+
+    def read(self) -> list[Array]:
+        """The engine's current state: what makes a record, one after the other."""
+        return [read() for read in self._readings]
+
     def record(self) -> Array:
-        """What `decode` takes of the engine's current state, shape (k,)."""
-        return np.concatenate([read() for read in self._readings])
+        """Record of the engine's current state, shape (k,)."""
+        return np.concatenate(self.read())
 
     @abstractmethod
     def decode(self, records: Array) -> tuple[Array, Array]:
-        """Co-rotating coordinates and rates, each shape (n, 6), from records, shape (n, k).
+        """Co-rotating coordinates and rates, each shape (n, 6), from n records, shape (n, k).
 
         Angles taken from rotation matrices lie in (-pi, pi].
         """
@@ -169,24 +178,17 @@ class Model(ABC):
         """The engine's coordinates after so many s of turning one way, shape (n,)."""
         return position + time * velocity
 
-    def multipliers(
-        self,
-        ahead: Array,  # noqa: ARG002 - for models without multipliers
-        algebraic: Array,
-        coordinates: Array,
-        rates: Array,
-    ) -> Array:
+    def multipliers(self, carriers: Array, coordinates: Array, rates: Array) -> Array:
         """Constraint forces on the disk in R-frame axes, shape (n, k).
 
         Parameters
         ----------
-        ahead : ndarray, shape (n, i)
-            Second derivatives of the engine's coordinates, or records that end with them.
-        algebraic : ndarray, shape (n, m)
-            The engine's algebraic coordinates.
+        carriers : ndarray, shape (n, i)
+            The engine's algebraic coordinates, or second derivatives of the others where it
+            `closes_contact`; or records, which end with them.
         coordinates, rates : ndarray, shape (n, 6)
             Co-rotating coordinates and their rates, as `decode` makes them.
         """
         if self.scenario.contact is not None:
             return forces_on(self.scenario, coordinates, rates)[:, None]
-        return self.joints.forces(algebraic, coordinates[:, 3])
+        return self.joints.forces(carriers, coordinates[:, 3])

@@ -215,7 +215,7 @@ class FloatingWithLosses(FloatingLie):
     def _build(self) -> None:
         super()._build()
         # Asked for so often that it is kept.
-        self._pose = super().readings()
+        self._pose = super().pose_readings()
         zeros = [0.0] * len(CAUSES)
         energies = self.assembly.add(
             items.NodeGenericODE1(
@@ -238,7 +238,7 @@ class FloatingWithLosses(FloatingLie):
         assert self.loads is not None
         return self.loads.at(height, matrix, v, w).taken
 
-    def readings(self) -> list[Reading]:
+    def pose_readings(self) -> list[Reading]:
         """What `states_of` takes."""
         return [*self._pose, self.system.systemData.GetODE1Coordinates]
 

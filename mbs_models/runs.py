@@ -49,8 +49,6 @@ class Recording:
     ----------
     records : ndarray, shape (n, k)
         See `Model.record`.
-    algebraic : ndarray, shape (n, m)
-        Algebraic coordinates.
     counts : dict
         Steps, and what they took: evaluations of the right-hand side and rejected steps of
         explicit integrators, Newton iterations and Jacobians of implicit ones.
@@ -63,7 +61,6 @@ class Recording:
     """
 
     records: Array
-    algebraic: Array
     counts: dict[str, int]
     seconds: float
     stopped: tuple[float, str] | None
@@ -112,9 +109,8 @@ def run(
         # Full Newton renews its Jacobian, and failed in more scenes with this than without.
         if integrator.newton is not None and integrator.newton.modified:
             complete_jacobian(model, probe)
-    readings = [*model.readings(), data.GetAECoordinates]
     due: list[float] = [*(times - begin).tolist(), inf]
-    found, stopped = [[read() for read in readings]], []
+    found, stopped = [model.read()], []
     # Rounding may bring a step to an early end.
     early = 0.0 if integrator.controls_step else 0.5 * float(np.min(lengths))
     awaited = due[1] - early
@@ -122,7 +118,7 @@ def run(
     def after_step(_system: Any, moment: float) -> bool:
         nonlocal awaited
         if moment >= awaited:
-            found.append([read() for read in readings])
+            found.append(model.read())
             awaited = due[len(found)] - early
         if stop is not None and (reason := stop(begin + moment)) is not None:
             stopped.append((begin + moment, reason))
@@ -144,11 +140,10 @@ def run(
     except exu.ExudynError as error:
         failure = error
     seconds = time.process_time() - clock
-    records, algebraic = _finite(found)
+    records = _finite(found)
     broken = failure is not None or (len(records) < times.size and not stopped)
     return Recording(
         records=records,
-        algebraic=algebraic,
         counts=_counts(system.sys["dynamicSolver"], integrator),
         seconds=seconds,
         stopped=stopped[0] if stopped else None,
@@ -171,14 +166,13 @@ def _plan(
     return duration, int(np.sum(steps)) + further
 
 
-def _finite(found: Sequence[Sequence[Array]]) -> tuple[Array, Array]:
-    """Records and algebraic coordinates, as far as they are finite, from n lists of readings."""
+def _finite(found: Sequence[Sequence[Array]]) -> Array:
+    """Records, as far as they are finite, from n of `Model.read`."""
     # So much faster than by `numpy.array`.
     parts = [np.concatenate(each).reshape(len(found), -1) for each in zip(*found, strict=True)]
-    records, algebraic = np.hstack(parts[:-1]), parts[-1]
-    finite = np.isfinite(np.hstack((records, algebraic))).all(axis=1)
-    good = int(np.argmin(np.append(finite, False)))
-    return records[:good], algebraic[:good]
+    records: Array = np.hstack(parts)
+    good = int(np.argmin(np.append(np.isfinite(records).all(axis=1), False)))
+    return records[:good]
 
 
 def _keep_to(system: Any, stretches: Iterable[tuple[float, float, int]]) -> None:
@@ -308,7 +302,8 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
         stepping.initialStepSize = min(1e-3, duration / steps)
     stepping.generalizedAlpha.resetAccelerations = False
     # Without a multiplier, the contact force is taken from them.
-    stepping.explicit.computeEndOfStepAccelerations = model.closes_contact
+    is_known = integrator.name == "DOPRI5"  # Its last stage is at the end of the step.
+    stepping.explicit.computeEndOfStepAccelerations = model.closes_contact and not is_known
     return settings
 
 

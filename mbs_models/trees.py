@@ -60,7 +60,7 @@ class _Tree(Model):
         )
         self._add_forces()
 
-    def readings(self) -> list[Reading]:
+    def pose_readings(self) -> list[Reading]:
         data = self.system.systemData
         return [data.GetODE2Coordinates, data.GetODE2Coordinates_t]
 
@@ -150,7 +150,7 @@ class EulerTree(_Tree):
         return force
 
     def decode(self, records: Array) -> tuple[Array, Array]:
-        return records[:, :6][:, self._back], records[:, 6:][:, self._back]
+        return records[:, :6][:, self._back], records[:, 6:12][:, self._back]
 
     def decode_accelerations(
         self, second_derivatives: Array, coordinates: Floats, rates: Floats
@@ -193,12 +193,14 @@ class ContactTree(_Tree):
         of that point plus the rim speed r gamma'.
         """
         r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+        # That of the weight alone, which stays.
+        weight = load()
 
         def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
             x, y, spin = q[1], q[2], u[0]
             slip_x = u[1] - y * spin + r * u[4]
             slip_y = u[2] + x * spin
-            fx, fy = friction(slip_x, slip_y, load())
+            fx, fy = friction(slip_x, slip_y, weight)
             return [x * fy - y * fx, fx, fy, 0.0, r * fx]
 
         return force
@@ -212,9 +214,9 @@ class ContactTree(_Tree):
             [ad, xd, yd + r * sin(beta) * bd, bd, gd],
         )
 
-    def readings(self) -> list[Reading]:
+    def _force_readings(self) -> list[Reading]:
         # No constraint carries the contact force, so it is taken from the accelerations.
-        return [*super().readings(), self.system.systemData.GetODE2Coordinates_tt]
+        return [self.system.systemData.GetODE2Coordinates_tt]
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scenario.disk.radius
@@ -234,14 +236,12 @@ class ContactTree(_Tree):
         back, rise = r * (sb * bdd + cb * bd * bd), r * (cb * bdd - sb * bd * bd)
         return xdd, ydd - back, rise, add, bdd, gdd
 
-    def multipliers(
-        self, ahead: Array, algebraic: Array, coordinates: Array, rates: Array
-    ) -> Array:
+    def multipliers(self, carriers: Array, coordinates: Array, rates: Array) -> Array:
         """Normal force: the mass times gravity and the centre of gravity's rise, shape (n, 1)."""
         disk, table = self.scenario.disk, self.scenario.table
         r, e = disk.radius, disk.eccentricity
         beta, gamma, bd, gd = coordinates[:, 4], coordinates[:, 5], rates[:, 4], rates[:, 5]
-        bdd, gdd = ahead[:, -2:].T
+        bdd, gdd = carriers[:, -2:].T
         sb, cb, sg, cg = np.sin(beta), np.cos(beta), np.sin(gamma), np.cos(gamma)
         rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
         rise += (r + e * sg) * (cb * bdd - sb * bd * bd)

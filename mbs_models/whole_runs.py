@@ -103,7 +103,7 @@ def run_over(
     watch.steps += recording.counts["steps"] + recording.counts.get("rejected_steps", 0)
     call.seconds = recording.seconds
     coordinates, rates = model.decode(recording.records)
-    forces = model.multipliers(recording.records, recording.algebraic, coordinates, rates)
+    forces = model.multipliers(recording.records, coordinates, rates)
     values = np.column_stack((coordinates, rates, forces))
     if not model.has_euler_angles:
         _unwrap(values, moments[: len(values)], start, call.motion.scenario.fall)
