@@ -120,6 +120,20 @@ class Quantities(ABC):
         return self.poses.positions[..., 2] + self._eccentricity * self.cog_direction
 
     @property
+    def cog_positions(self) -> Array:
+        """Inertial position of the centre of gravity in m, shape (n, 3)."""
+        positions, rotations, *_ = self.poses
+        result: Array = positions + np.asarray(self._eccentricity)[..., None] * rotations[..., 0]
+        return result
+
+    @property
+    def cog_velocities(self) -> Array:
+        """Inertial velocity of the centre of gravity in m/s, shape (n, 3)."""
+        positions, _, velocities, angular = self.poses
+        result: Array = velocities + np.cross(angular, self.cog_positions - positions)
+        return result
+
+    @property
     def contact_speed(self) -> Array:
         """Speed with which the contact point moves along the table in m/s, shape (n,)."""
         _, rotations, velocities, angular = self.poses

@@ -122,6 +122,7 @@ def test_heights_are_those_of_the_geometry() -> None:
     disk = run.scenario.disk
     for row, z in enumerate(run.coordinates):
         assert run.cog_height[row] == pytest.approx(cog(disk, z)[2], rel=1e-13)
+        np.testing.assert_allclose(run.cog_positions[row], cog(disk, z), atol=1e-13)
         assert run.cog_direction[row] == pytest.approx(np.sin(z[4]) * np.sin(z[5]), rel=1e-13)
         lowest = centre(z) + contact_arm(disk, z)
         np.testing.assert_allclose(run.contact_points[row], lowest, atol=1e-13)
@@ -133,7 +134,9 @@ def test_quantities_of_a_rounded_rim_are_the_same_of_either_kind(falling: Spatia
         np.testing.assert_allclose(getattr(run, name), getattr(falling, name), atol=1e-12)
 
 
-def test_contact_point_is_on_the_table_and_moves_at_its_speed() -> None:
+def test_contact_point_is_on_the_table_and_moves_at_its_speed_as_does_the_centre_of_gravity() -> (
+    None
+):
     contact = PenaltyContact(stiffness=1e5, damping=100.0, half_thickness=5e-3)
     scenario = Scenario.rest(contact=contact, start=Start(spin=5.0, beta=0.9, beta_rate=3.0))
     ideal = simulate(Scenario(disk=ELLIPSE), np.linspace(0.0, 0.3, 301))
@@ -143,6 +146,8 @@ def test_contact_point_is_on_the_table_and_moves_at_its_speed() -> None:
         places = CubicSpline(motion.times, motion.contact_points[:, :2])(motion.times[inner], 1)
         speeds = motion.contact_speed[inner]
         np.testing.assert_allclose(speeds, np.hypot(*places.T), rtol=1e-5, atol=1e-7)
+        moved = CubicSpline(motion.times, motion.cog_positions)(motion.times[inner], 1)
+        np.testing.assert_allclose(motion.cog_velocities[inner], moved, rtol=1e-5, atol=1e-6)
 
 
 @all_sets

@@ -44,7 +44,10 @@ def spins(*values: float, **fields: Any) -> Ensemble:
     return Ensemble(scenario=model(4), fields={"spin": np.array(values), **fields})
 
 
-QUANTITIES = ("tilt", "cog_height", "contact_points", "contact_speed", "cog_direction_rate")
+QUANTITIES = (
+    *("tilt", "cog_height", "cog_velocities", "cog_direction_rate"),
+    *("contact_points", "contact_speed"),
+)
 
 
 def assert_same_as_alone(runs: Trajectories, relative: float, **how: Any) -> None:

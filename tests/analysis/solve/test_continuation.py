@@ -39,6 +39,8 @@ def test_a_curve_that_comes_back_beside_its_start_is_not_closed() -> None:
     points = np.array(Curve(hairpin, bounds, 0.05).through(start))
     np.testing.assert_allclose(points[[0, -1], 0], 1.0, atol=1e-12)
     assert points[0, 1] * points[-1, 1] < 0.0
+    # It goes round the fold, and not across.
+    assert np.min(points[:, 0]) == pytest.approx(-1e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize("unknown", [0, 1])

@@ -79,10 +79,9 @@ def first(times: Array, holds: Array) -> float:
 
 def paths(run: Trajectory) -> tuple[Array, Array, Array]:
     """Horizontal place and velocity of the COG and the slip, inertial, shape (n, 2) each."""
-    positions, rotations, velocities, turning = run.poses
-    arm = run.scenario.disk.eccentricity * rotations[:, :, 0]
+    positions, _, velocities, turning = run.poses
     slip = velocities + np.cross(turning, run.contact_points - positions)
-    return (positions + arm)[:, :2], (velocities + np.cross(turning, arm))[:, :2], slip[:, :2]
+    return run.cog_positions[:, :2], run.cog_velocities[:, :2], slip[:, :2]
 
 
 def long_run(level: Level) -> list[Row]:

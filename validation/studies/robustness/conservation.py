@@ -121,12 +121,10 @@ def measure(long: LongRun) -> list[Row]:
 
 def _momenta(run: Trajectory) -> tuple[Array, Array]:
     """Momentum, shape (n, 3), and vertical angular momentum about the COG, shape (n,)."""
-    disk, (_, rotation, velocity, angular) = run.scenario.disk, run.poses
-    arm = rotation[:, :, 0] * disk.eccentricity
-    momentum = disk.mass * (velocity + np.cross(angular, arm))
+    disk, (_, rotation, _, angular) = run.scenario.disk, run.poses
     moments = np.array(disk.inertia_about_cog)
     spin: Array = np.einsum("nj,j,nij,ni->n", rotation[:, 2, :], moments, rotation, angular)
-    return momentum, spin
+    return disk.mass * run.cog_velocities, spin
 
 
 COLUMNS = {

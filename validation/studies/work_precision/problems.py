@@ -8,8 +8,6 @@ import numpy as np
 import analysis
 import mbs_models
 from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.motion import frames
-from analysis.problem.checks import Array
 from validation.study import Row
 
 SPACING = 0.02
@@ -87,15 +85,8 @@ def errors(run: Trajectory, truth: Trajectory) -> Row:
         raise ArithmeticError(f"{run.ending.reason} at t = {run.ending.time:.6g} s")
     angles = (run.coordinates - truth.coordinates)[:, 4:6]
     angle = float(np.max(np.abs(angles - 2 * np.pi * np.round(angles / (2 * np.pi)))))
-    apart = np.linalg.norm(_cog(run) - _cog(truth), axis=1)
+    apart = np.linalg.norm(run.cog_positions - truth.cog_positions, axis=1)
     error = float(np.max((angle, np.max(apart) / run.scenario.disk.radius)))
     if not np.isfinite(angle + error):
         raise ArithmeticError("the result is not finite")
     return {"error": error, "angle_error": angle}
-
-
-def _cog(run: Trajectory) -> Array:
-    """Inertial position of the centre of gravity in m, shape (n, 3)."""
-    position, rotation = frames.poses(run.coordinates)
-    place: Array = position + run.scenario.disk.eccentricity * rotation[:, :, 0]
-    return place
