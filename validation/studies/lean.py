@@ -7,10 +7,11 @@ from statistics import median
 import numpy as np
 
 from analysis import MODELS, Level, Scenario, SmoothCoulomb
+from analysis.problem.checks import Array
 from mbs_models import Formulation, Scene
 from mbs_models.integrators import find_integrator
 from mbs_models.inventory import BALLAST, Ballast, six_axes
-from mbs_models.runs import Recording, run
+from mbs_models.runs import run
 from mbs_models.scene import build
 from validation.kit.limits import largest
 from validation.kit.timing import in_turns, interval
@@ -56,24 +57,25 @@ def scene_name(scene: Scene) -> str:
     return f"{scene.built_as}, {scene.scenario.name}, {friction} friction"
 
 
-def timed(scene: Scene, *parts: Ballast) -> Recording:
-    """A run of the engine with some parts added."""
+def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
+    """Processor time in s of a run of the engine with some parts added, and the state at its end."""
     model = build(scene)
     for add in parts:
         add(model)
-    return run(
+    recording = run(
         model,
         find_integrator(scene, None),
         np.linspace(0.0, DURATION, round(DURATION / SPACING) + 1),
         np.full(round(DURATION / SPACING), round(SPACING / STEP)),
     )
+    return recording.seconds, np.hstack(model.decode(recording.records[-1:]))
 
 
 def price(case: Case) -> list[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
     part, scene = case
     runs = in_turns(partial(timed, scene, PARTS[part]), partial(timed, scene), pairs=PAIRS)
-    carried, left_out = ([each.seconds for each in same] for same in runs)
+    (carried, there), (left_out, here) = (zip(*same, strict=True) for same in runs)
     ratios = interval([a / b for a, b in zip(carried, left_out, strict=True)])
     price, least, most = (100.0 * (ratio - 1.0) for ratio in ratios)
     return [
@@ -85,7 +87,7 @@ def price(case: Case) -> list[Row]:
             "price in %": price,
             "from": least,
             "to": most,
-            "change": np.max(np.abs(np.subtract(*(same[-1].records[-1] for same in runs)))),
+            "change": np.max(np.abs(there[-1] - here[-1])),
         }
     ]
 

@@ -1,26 +1,37 @@
 """What scenes pay for what they do not need."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from mbs_models.runs import Recording
+from analysis.problem.checks import Array
 from validation.page.section import Section
 from validation.studies import lean
 
 PART = "friction of coefficient zero"
 
 
-def evenly(*calls: Callable[[], Recording], pairs: int) -> list[list[Recording]]:
+Timed = tuple[float, Array]
+
+
+def evenly(*calls: Callable[[], Timed], pairs: int) -> list[list[Timed]]:
     """Runs in turns on a machine on which the first always takes a fifth longer."""
     return [
-        [replace(call(), seconds=seconds)] * pairs
-        for call, seconds in zip(calls, (1.2, 1.0), strict=True)
+        [(seconds, call()[1])] * pairs for call, seconds in zip(calls, (1.2, 1.0), strict=True)
     ]
+
+
+@pytest.mark.parametrize("name", lean.cases())
+def test_no_part_that_a_scene_does_not_need_changes_its_motion(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lean, "in_turns", evenly)
+    monkeypatch.setattr(lean, "DURATION", 0.01)
+    (row,) = lean.price(lean.cases()[name])
+    assert row["change"] < lean.SAME
 
 
 def test_price_is_that_of_the_part_and_a_change_of_the_motion_is_seen(
