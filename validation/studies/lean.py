@@ -58,7 +58,7 @@ def scene_name(scene: Scene) -> str:
 
 
 def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
-    """Processor time in s of a run of the engine with some parts added, and the state at its end."""
+    """Processor time in s of a run with some parts added, and the state at its end."""
     model = build(scene)
     for add in parts:
         add(model)
