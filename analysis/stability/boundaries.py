@@ -166,7 +166,7 @@ class _Pairs:
         self._matrices = partial(full_matrices, scenario, motion=motion)
 
     def matrices(self, places: Array) -> Array:
-        """State matrices over `spin_scale`, shape (n, k, k), at n places or more of them."""
+        """State matrices over `spin_scale`, shape (n, k, k), at n places."""
         spins, gradients = self._unit * places[:, 0], np.exp(places[:, 1])
         found: Array = self._matrices(spins, gradient=gradients) / self._unit
         return found

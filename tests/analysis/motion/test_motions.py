@@ -134,9 +134,7 @@ def test_quantities_of_a_rounded_rim_are_the_same_of_either_kind(falling: Spatia
         np.testing.assert_allclose(getattr(run, name), getattr(falling, name), atol=1e-12)
 
 
-def test_contact_point_is_on_the_table_and_moves_at_its_speed_as_does_the_centre_of_gravity() -> (
-    None
-):
+def test_contact_point_is_on_the_table_and_moves_at_its_speed_and_the_cog_at_its_own() -> None:
     contact = PenaltyContact(stiffness=1e5, damping=100.0, half_thickness=5e-3)
     scenario = Scenario.rest(contact=contact, start=Start(spin=5.0, beta=0.9, beta_rate=3.0))
     ideal = simulate(Scenario(disk=ELLIPSE), np.linspace(0.0, 0.3, 301))

@@ -41,6 +41,9 @@ def test_a_curve_that_comes_back_beside_its_start_is_not_closed() -> None:
     assert points[0, 1] * points[-1, 1] < 0.0
     # It goes round the fold, and not across.
     assert np.min(points[:, 0]) == pytest.approx(-1e-4, abs=1e-5)
+    chords = np.diff(points, axis=0)
+    chords /= np.linalg.norm(chords, axis=1, keepdims=True)
+    assert np.min(np.sum(chords[1:] * chords[:-1], axis=1)) > 0.95
 
 
 @pytest.mark.parametrize("unknown", [0, 1])
