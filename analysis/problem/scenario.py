@@ -21,7 +21,7 @@ from analysis.problem.friction import FrictionLaw, SmoothCoulomb, check_answers
 from analysis.problem.names import ArgumentError
 from analysis.problem.plain_data import KINDS, as_plain, made_part
 from analysis.problem.quantities import Level, default
-from analysis.problem.start import Start, State
+from analysis.problem.start import Start, State, check_leaning
 
 PAPER_FRICTION = SmoothCoulomb()
 HORIZONTAL = Table()
@@ -89,7 +89,9 @@ class Scenario(Described):
         self._check_body()
         self._check_contact()
         # A start that breaks a constraint is refused here, and not when it is first used.
-        _ = self.initial_state
+        start = self.initial_state
+        if self.contact is None or not self.is_smooth:
+            check_leaning(start.coordinates[4])
 
     def _check_body(self) -> None:
         """Refuse what is known of a round disk alone."""

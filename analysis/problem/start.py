@@ -3,14 +3,14 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from analysis.problem.body import Body
 from analysis.problem.checks import Array, Described, checked, choice, number
 from analysis.problem.constraints import FOLLOWING, ConstraintSet, demanded, set_name
-from analysis.problem.elementary import cos
+from analysis.problem.elementary import cos, sin
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import QUANTITIES, default
@@ -59,6 +59,17 @@ class State:
     def vector(self) -> Array:
         """Coordinates and rates in one array, shape (12,)."""
         return np.array(self.coordinates + self.rates)
+
+
+def check_leaning(beta: Any) -> None:
+    """Raise `ValueError` if a disk that starts with this beta in rad lies flat."""
+    # By the sine, of which solvers look for the end of a motion.
+    if not sin(beta) > LEAST_TILT:
+        raise ArgumentError(
+            "beta",
+            f"must keep more than {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and "
+            f"the Euler angles are singular, got {min(beta, pi - beta):g} rad of it",
+        )
 
 
 def check_upright(times: Array, coordinates: Array) -> None:
@@ -159,13 +170,7 @@ class Start(Described):
     height: float | None = None
 
     def __post_init__(self) -> None:
-        if not LEAST_TILT <= self.beta <= pi - LEAST_TILT:
-            from_flat = min(self.beta, pi - self.beta)
-            raise ArgumentError(
-                "beta",
-                f"must keep {LEAST_TILT:g} rad from 0 and pi, where the disk lies flat and the "
-                f"Euler angles are singular, got {from_flat:g} rad of it",
-            )
+        check_leaning(self.beta)
 
     @classmethod
     def stationary(cls, spin: float, motion: Motion = "inverted") -> "Start":

@@ -31,6 +31,7 @@ from analysis import (
 )
 from analysis.mechanics import constraints as rows
 from analysis.problem.constraints import DEMANDS
+from analysis.problem.limits import LEAST_TILT
 from tests.helpers import all_sets, model, random_scenario
 
 
@@ -151,3 +152,25 @@ def test_a_disk_dropped_from_a_height_starts_at_it() -> None:
     rounded = Scenario.rest(start=Start(beta=0.3, height=0.005))
     reach = np.hypot(0.045 * np.sin(0.3), 2e-4 * np.cos(0.3))
     assert rounded.initial_state.coordinates[2] == pytest.approx(0.005 + reach, rel=1e-12)
+
+
+@pytest.mark.parametrize("is_turned", [False, True])
+def test_a_disk_that_starts_flat_is_refused_unless_its_rim_is_rounded(*, is_turned: bool) -> None:
+    def lying(part: float) -> State:
+        leaning = part * LEAST_TILT
+        beta = pi - leaning if is_turned else leaning
+        return shifted(Scenario().initial_state, "coordinates", 4, beta - pi / 2)
+
+    for contact in (None, SOFT):
+        assert Scenario(contact=contact, start=lying(1.001)).contact == contact
+        with pytest.raises(ValueError, match=r"^beta must keep more than 1e-06 rad from 0"):
+            Scenario(contact=contact, start=lying(0.999))
+    rounded = Scenario.rest(start=lying(0.999))
+    assert rounded.initial_state == rounded.start
+
+
+def test_start_that_a_run_would_not_see_leave_the_table_is_refused() -> None:
+    # The sine of it, by which runs end, is that of a flat disk.
+    for beta in (LEAST_TILT, np.nextafter(LEAST_TILT, 1.0)):
+        with pytest.raises(ValueError, match=r"^beta must keep more than 1e-06 rad"):
+            Start(beta=beta)

@@ -242,7 +242,7 @@ REFUSED: list[tuple[Scenario, str, str, str]] = [
     (PAPER, "friction.smoothing = 1e-12; friction.coefficient = 1e8",
      "smoothing must be at least coefficient / 1e+12", "smoothing"),
     (Scenario(friction=Stribeck()), "friction.static = 0.1", "kinetic must not exceed", "kinetic"),
-    (PAPER, "start.beta = 1e-9", "beta must keep 1e-06 rad from 0 and pi", "beta"),
+    (PAPER, "start.beta = 1e-9", "beta must keep more than 1e-06 rad from 0", "beta"),
     (STATE, "start.coordinates = [0, 0, 0, 0, 4, 0]", "beta must lie in the open", "[start]"),
     (PAPER, "start.height = 0.1", "height must be 0 or left out on an ideal", "height"),
     (PAPER, "dissipation.pivoting = 1e-4", "dissipation acts on a penalty", "[dissipation]"),
