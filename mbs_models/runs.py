@@ -100,46 +100,38 @@ def run(
         stopped or broke off, as far as they are finite.
     """
     system, begin, lengths = model.system, float(times[0]), np.diff(times) / steps
-    data = system.systemData
-    # A run before, or a search, may have left it elsewhere.
-    data.SetSystemState(data.GetSystemState(_INITIAL))
-    if integrator.implicit or model.closes_contact:
-        probe = Probe(model)
-        settle(model, probe)
-        # Full Newton renews its Jacobian, and failed in more scenes with this than without.
-        if integrator.newton is not None and integrator.newton.modified:
-            complete_jacobian(model, probe)
+    _begin(model, integrator)
     due: list[float] = [*(times - begin).tolist(), inf]
     found, stopped = [model.read()], []
     # Rounding may bring a step to an early end.
     early = 0.0 if integrator.controls_step else 0.5 * float(np.min(lengths))
-    awaited = due[1] - early
+    awaited, longest = due[1] - early, float(np.max(lengths))
+    settings = _settings(model, integrator, *_plan(due, lengths, steps, integrator))
+    explicit = settings.timeIntegration.explicit
+    # Without a multiplier, a record holds accelerations at the end of a step, which cost a further
+    # evaluation, except by DOPRI5, whose last stage is there.
+    evaluates_ends = model.closes_contact and integrator.name != "DOPRI5"
+    explicit.computeEndOfStepAccelerations = evaluates_ends
 
     def after_step(_system: Any, moment: float) -> bool:
         nonlocal awaited
         if moment >= awaited:
             found.append(model.read())
             awaited = due[len(found)] - early
+        if evaluates_ends:
+            explicit.computeEndOfStepAccelerations = moment + longest >= awaited
         if stop is not None and (reason := stop(begin + moment)) is not None:
             stopped.append((begin + moment, reason))
         return not stopped and len(found) < times.size
 
     system.SetPostStepUserFunction(after_step)
-    settings = _settings(model, integrator, *_plan(due, lengths, steps, integrator))
     if integrator.controls_step:
         _limit_steps(system, lambda: due[len(found)], most)
     elif np.ptp(lengths) > 1e-9 * np.max(lengths):
         _keep_to(system, zip(due, lengths.tolist(), steps.tolist(), strict=False))
     # Of sensors that a scene itself has none of.
     settings.solution.sensors.writePeriod = float(np.min(np.diff(times)))
-    clock, failure = time.process_time(), None
-    try:
-        with solving(system):
-            kind = getattr(exu.DynamicSolverType, integrator.name)
-            system.SolveDynamic(settings, solverType=kind)
-    except exu.ExudynError as error:
-        failure = error
-    seconds = time.process_time() - clock
+    seconds, failure = _solved(system, settings, integrator)
     records = _finite(found)
     broken = failure is not None or (len(records) < times.size and not stopped)
     return Recording(
@@ -149,6 +141,33 @@ def run(
         stopped=stopped[0] if stopped else None,
         failure=_early_end(system, times, failure) if broken else None,
     )
+
+
+def _begin(model: Model, integrator: Integrator) -> None:
+    """Put a model in its initial state, and tell the engine what it leaves out there."""
+    data = model.system.systemData
+    # A run before, or a search, may have left it elsewhere.
+    data.SetSystemState(data.GetSystemState(_INITIAL))
+    if integrator.implicit or model.closes_contact:
+        probe = Probe(model)
+        settle(model, probe)
+        # Full Newton renews its Jacobian, and failed in more scenes with this than without.
+        if integrator.newton is not None and integrator.newton.modified:
+            complete_jacobian(model, probe)
+
+
+def _solved(
+    system: Any, settings: Any, integrator: Integrator
+) -> tuple[float, exu.ExudynError | None]:
+    """Processor time in s that the engine's solver takes, and why it breaks off, if it does."""
+    clock, failure = time.process_time(), None
+    try:
+        with solving(system):
+            kind = getattr(exu.DynamicSolverType, integrator.name)
+            system.SolveDynamic(settings, solverType=kind)
+    except exu.ExudynError as error:
+        failure = error
+    return time.process_time() - clock, failure
 
 
 def _plan(
@@ -301,9 +320,6 @@ def _settings(model: Model, integrator: Integrator, duration: float, steps: int)
         stepping.minimumStepSize = MINIMUM_STEP
         stepping.initialStepSize = min(1e-3, duration / steps)
     stepping.generalizedAlpha.resetAccelerations = False
-    # Without a multiplier, the contact force is taken from them.
-    is_known = integrator.name == "DOPRI5"  # Its last stage is at the end of the step.
-    stepping.explicit.computeEndOfStepAccelerations = model.closes_contact and not is_known
     return settings
 
 
