@@ -33,15 +33,15 @@ MOST_STEPS_OF_A_SEARCH = 1000
 """Of the accelerations; between two records some ten are usual."""
 
 
-class Place(NamedTuple):
-    """Where a condition is negative, or may be between two records.
+class Suspect(NamedTuple):
+    """An ending that a run may have: a condition is negative, or may be between two records.
 
     Parameters
     ----------
     row : int
         Record before it, where it is not negative.
     width : float
-        Time in s after it that holds the place.
+        Time in s after it within which the ending may lie.
     reason : str
         That of the condition if it is known to be negative at the end of them, else empty.
     """
@@ -71,10 +71,10 @@ def turning_negative(
     return turned
 
 
-def places(
+def suspects(
     moments: Array, told: Mapping[str, npt.ArrayLike], stopped: tuple[float, str] | None
-) -> Iterator[Place]:
-    """Places where a run may end, in no order.
+) -> Iterator[Suspect]:
+    """Where a run may end, in no order.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def places(
     for reason, values in told.items():
         yield from _dips(moments, np.asarray(values), reason)
     if stopped is not None and stopped[1] != TIME_LIMIT and stopped[0] > moments[-1]:
-        yield Place(len(moments) - 1, stopped[0] - moments[-1], stopped[1])
+        yield Suspect(len(moments) - 1, stopped[0] - moments[-1], stopped[1])
 
 
 class Stepped(Protocol):
@@ -110,7 +110,7 @@ class Stepped(Protocol):
 def until_ending(
     moments: Array,
     records: Array,
-    places: Iterable[Place],
+    suspects: Iterable[Suspect],
     motion: Stepped,
     *,
     margin: float,
@@ -124,7 +124,7 @@ def until_ending(
     moments : ndarray, shape (n,)
         In s.
     records : ndarray, shape (n, k)
-    places : iterable of Place
+    suspects : iterable of Suspect
         In any order.
     motion : Stepped
     margin : float
@@ -145,18 +145,18 @@ def until_ending(
     EngineError
         If the search fails where a condition is known to be negative.
     """
-    for place in sorted(places):
+    for suspect in sorted(suspects):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
-        end, size = place.width + margin * bool(place.reason), place.row + 1
+        end, size = suspect.width + margin * bool(suspect.reason), suspect.row + 1
         try:
-            found, last = _located(records[place.row], end, motion, work, allow_pulling)
+            found, last = _located(records[suspect.row], end, motion, work, allow_pulling)
         except EngineError as error:
             # Where a condition is known to be negative, an ending must not be passed over.
-            if place.reason:
-                at = f"the ending {place.reason!r} after t = {moments[place.row]:.6g} s"
+            if suspect.reason:
+                at = f"the ending {suspect.reason!r} after t = {moments[suspect.row]:.6g} s"
                 raise EngineError(f"{at} is not found: {error}") from error
             continue
-        if ended := found.ended or place.reason:
+        if ended := found.ended or suspect.reason:
             moments, records = moments[:size], records[:size]
             if found.times[-1] > 0.0:
                 moments = np.append(moments, moments[-1] + found.times[-1])
@@ -185,7 +185,7 @@ def _located(
         return found, motion.samples(found.states[-1:])[0]
 
 
-def _dips(moments: Array, values: Array, reason: str) -> Iterator[Place]:
+def _dips(moments: Array, values: Array, reason: str) -> Iterator[Suspect]:
     """Places up to the first record at which a condition turns negative.
 
     Where it is negative from the start on, it waits until it has not been.
@@ -205,9 +205,9 @@ def _dips(moments: Array, values: Array, reason: str) -> Iterator[Place]:
     vertex = here - slope**2 / (4.0 * bend * (first + second))
     near = vertex < 0.1 * (np.maximum(before, after) - here)
     for row in (armed + np.flatnonzero(lowest & near)).tolist():
-        yield Place(row, float(moments[row + 2] - moments[row]), "")
+        yield Suspect(row, float(moments[row + 2] - moments[row]), "")
     if negative.size:
-        yield Place(end - 1, float(moments[end] - moments[end - 1]), reason)
+        yield Suspect(end - 1, float(moments[end] - moments[end - 1]), reason)
 
 
 def pulling_times(

@@ -27,7 +27,7 @@ from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import Progress
 from mbs_models.effort import rest_effort
-from mbs_models.endings import places, turning_negative, until_ending
+from mbs_models.endings import suspects, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever, loads_of
@@ -330,7 +330,7 @@ class EngineWay(WayToRest):
         states, counts = states_of(recording.records), Counter(recording.counts)
         times = times[: len(states)]
         told = {why: [each(state) for state in states] for why, each in self.conditions.items()}
-        found = places(times, told, recording.stopped)
+        found = suspects(times, told, recording.stopped)
         ended, times, states = until_ending(
             times, states, found, self, margin=spacing, work=counts
         )

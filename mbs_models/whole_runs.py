@@ -20,7 +20,7 @@ from analysis.problem.start import FlatError, State, check_upright
 from analysis.solve.stepping import Run
 from analysis.solve.watch import Watch
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import Place, places, pulling_times, turning_negative, until_ending
+from mbs_models.endings import Suspect, pulling_times, suspects, turning_negative, until_ending
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.runs import Recording, Stop, run
@@ -136,13 +136,13 @@ def _upto_ending(
     }
     if call.must_not_pull:
         told[CONTACT_WOULD_PULL] = upright[:, NORMAL_FORCE]
-    found = list(places(moments, told, recording.stopped))
+    found = list(suspects(moments, told, recording.stopped))
     if recording.failure is not None:
         # What it has recorded last may make no sense: nothing is known to be negative there.
-        found = [Place(row, width + period * bool(why), "") for row, width, why in found]
+        found = [Suspect(row, width + period * bool(why), "") for row, width, why in found]
     if flat.size or recording.failure is not None:
         # It may lie flat.
-        found.append(Place(max(0, len(upright) - 1), 2.0 * period, ""))
+        found.append(Suspect(max(0, len(upright) - 1), 2.0 * period, ""))
     ended, moments, values = until_ending(
         moments,
         values,

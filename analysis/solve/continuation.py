@@ -93,12 +93,11 @@ class Curve(NamedTuple):
         point, step, made = start, self.step, list[Array]()
         while step > _SMALLEST:
             ahead = point + step * tangent
-            guess, row = ahead, tangent
-            beyond = np.flatnonzero(ahead != np.clip(ahead, *self.bounds))
+            guess, row, ends = ahead, tangent, np.clip(ahead, *self.bounds)
+            beyond = np.flatnonzero(ahead != ends)
             if beyond.size:
                 # The bound that is met first.
-                ends = np.clip(ahead, *self.bounds)[beyond]
-                fractions = (ends - point[beyond]) / (ahead - point)[beyond]
+                fractions = (ends - point)[beyond] / (ahead - point)[beyond]
                 if np.min(fractions) < _CONVERGED:
                     return made
                 guess = point + np.min(fractions) * (ahead - point)

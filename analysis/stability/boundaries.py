@@ -182,7 +182,7 @@ class _Pairs:
         grid = np.linspace(*spin_interval(spins, "spins"), _GRID)
         low, high = grid[[0, -1]] / self._unit
         bounds = np.array((low, np.log(least), 0.0)), np.array((high, np.log(largest), np.inf))
-        curve, found = Curve(self._on_axis, bounds, _STEP, self._beyond), list[Array]()
+        curve, found = Curve(self._on_axis, bounds, _STEP, self._where), list[Array]()
         for gradient in wanted.tolist():
             matrices = partial(self._matrices, gradient=gradient)
             for each in Spectra(matrices, grid, self._unit).crossings():
@@ -195,10 +195,7 @@ class _Pairs:
 
     def _where(self, place: Array) -> str:
         spin, gradient = self._unit * place[0], np.exp(place[1])
-        return f"{spin:.6g} rad/s with a friction gradient of {gradient:.6g} s/m"
-
-    def _beyond(self, place: Array) -> str:
-        return f"beyond {self._where(place)}"
+        return f"near {spin:.6g} rad/s with a friction gradient of {gradient:.6g} s/m"
 
     def _on_axis(self, place: Array) -> tuple[Array, Array]:
         """What is zero at a Hopf point, shape (2,), and its Jacobian, shape (2, 3).
@@ -246,7 +243,7 @@ class _Pairs:
         found = root(equations, begin, tol=1e-13)
         # It may end where rounding lets it get no nearer.
         if not np.max(np.abs(found.fun)) < _MET:
-            raise ArithmeticError(f"no {kind} found near {self._where(begin)}: {found.message}")
+            raise ArithmeticError(f"no {kind} found {self._where(begin)}: {found.message}")
         return self.corner(kind, found.x)
 
     def corner(self, kind: Kind, place: Array) -> Corner:

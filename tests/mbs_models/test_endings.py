@@ -15,7 +15,7 @@ from analysis.problem.friction import LubricatedCoulomb, PowerLawCoulomb
 from analysis.solve.stepping import SolverError
 from mbs_models import FORMULATIONS, EngineError, Formulation, IntegratorName, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import places
+from mbs_models.endings import suspects
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import scene_of
@@ -42,7 +42,7 @@ def test_accelerations_know_nothing_of_a_run_that_has_exploded(formulation: Form
 def test_a_run_of_which_next_to_nothing_makes_sense_ends_at_no_condition(
     values: list[float],
 ) -> None:
-    assert not list(places(np.linspace(0.0, 1.0, 11), {"slow": values}, None))
+    assert not list(suspects(np.linspace(0.0, 1.0, 11), {"slow": values}, None))
 
 
 def test_a_condition_that_holds_from_the_start_waits_until_it_has_not() -> None:
