@@ -30,6 +30,12 @@ FAINT = 1e-8
 It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 """
 
+BESIDE = 1e-12
+"""Slip in m/s beside the kink at which a step ends: a motion without slip is always at the kink.
+
+It is far above rounding, and far below what rounds the kink.
+"""
+
 MOST_FORCES = 4
 """Constraint forces up to which a disk with products of inertia is compiled within seconds."""
 
@@ -170,7 +176,7 @@ class System:
         State and its time derivative; that of the index-1 system is one of `EulerTurning`, which
         takes the fewest operations.
     kinks : list of symbols
-        Slips, one or two, at whose zeros a step has to end.
+        Of one or two slips, at whose zeros a step has to end.
     endings : mapping
         From reasons to symbols; a run ends where one turns negative.
     readings : list of symbols
@@ -237,13 +243,16 @@ def build(structure: Structure) -> System:
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
     paper_state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
-        endings[reason] = _expressed(f"stop_when {reason!r}", condition, paper_state)
+        symbol = _expressed(f"stop_when {reason!r}", condition, paper_state)
+        # What stays as it is does not turn negative.
+        if _changes(symbol):
+            endings[reason] = symbol
     # The kink does no harm here, but 0 / 0 would.
     _, forces, smooth = _solution(full, scenario.numbers, scenario.per_speed, state, _size(1e-150))
     return System(
         variables=variables,
         derivatives=derivatives,
-        kinks=slips if structure.kinked else [],
+        kinks=[slip + BESIDE for slip in slips] if structure.kinked else [],
         endings=endings,
         readings=_symbols([*coordinates, *rates, *forces, *smooth]),
     )
@@ -298,6 +307,15 @@ def _signed(along: Any, across: Any) -> Any:
 
 def _size(faint: float) -> _Speed:
     return lambda along, across: heyoka().sqrt(along * along + across * across + faint**2)
+
+
+def _changes(symbol: Any) -> bool:
+    """Whether a symbol, or float, is another number in the course of a motion."""
+    library = heyoka()
+    if isinstance(symbol, float):
+        return False
+    timeless = library.subs(symbol, {library.time: library.make_vars("time")})
+    return bool(library.get_variables([timeless]))
 
 
 def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from analysis import (
+    CENTRED_DISK,
     LAWS,
     MODELS,
     POSSIBLE_SETS,
@@ -17,6 +18,7 @@ from analysis import (
     Ensemble,
     Formulation,
     FrictionLaw,
+    Level,
     Load,
     PenaltyContact,
     Scenario,
@@ -173,6 +175,17 @@ def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
     assert angles_apart(run, pure) < 1e-7
 
 
+@pytest.mark.parametrize("level", [1, 3])
+def test_a_motion_that_never_slips_is_not_held_up_at_the_kink(level: Level) -> None:
+    # Slip in two directions, or in one.
+    spinning = model(level, disk=CENTRED_DISK)
+    how: dict[str, Any] = {"method": "taylor", "local_tolerance": 1e-9, "time_limit": 10.0}
+    run = simulate(spinning, [0.0, 1.0], **how)
+    assert run.ending is None
+    first, last = run.coordinates
+    np.testing.assert_allclose(last - first, (0, 0, 0, 40, 0, 0), atol=1e-12)
+
+
 def turned(state: State) -> float:
     return -1.0 - state.coordinates[5]
 
@@ -194,6 +207,19 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         assert run.times[-1] == ending.time == pytest.approx(expected.time, abs=1e-10)
         assert abs(ending.value) < 1e-8
         assert run.times.size == pure.times.size
+
+
+def test_what_stays_as_it_is_ends_no_compiled_run() -> None:
+    def fast(state: State) -> float:
+        return 39.0 - state.rates[3]
+
+    def never(_: State) -> float:
+        return 1.0
+
+    # The spin of the reduced system is a number of the scenario.
+    how: dict[str, Any] = {"formulation": "reduced", "method": "taylor", "local_tolerance": 1e-9}
+    run = simulate(model(4), TIMES, stop_when=[fast, never, turned], **how)
+    assert not_none(run.ending).reason == "turned"
 
 
 def branching(speed: float) -> float:

@@ -141,6 +141,14 @@ RANGES: dict[str, tuple[float, ...]] = {
 }
 
 
+def test_members_whose_numbers_differ_alone_go_together() -> None:
+    for name, (usual, *_) in RANGES.items():
+        values = (usual or 1e-3) * np.linspace(1.0, 1.01, SOME)
+        ensemble = Ensemble(scenario=Scenario.rest(), fields={name: values})
+        ((rows, _),) = ensemble.map_groups(lambda scenario: scenario)
+        assert rows.tolist() == list(range(SOME)), name
+
+
 def first_refusal(base: Scenario, fields: dict[str, Any]) -> str | None:
     """What the rules of one scenario say, member by member."""
     for member in range(SOME):
