@@ -141,7 +141,8 @@ def simulate_to_rest(
         )
     rest_effort(scene, end, step).check()
     if step is None:
-        return until_agreement(way.by_accelerations, tolerance, COARSEST)
+        coarsest = min(COARSEST, scenario.finest_slip)
+        return until_agreement(way.by_accelerations, tolerance, coarsest)
     if step > (largest := largest_step(scenario)):
         contact, gradient = scenario.penalty_contact, scenario.friction_gradient
         raise ValueError(

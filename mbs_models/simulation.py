@@ -240,7 +240,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     if tolerance is not None:
         # The error of a motion falls more slowly than that of a step.
         first = tolerance / (3.0 if tolerance > FINE else 20.0)
-        rungs = tighter_and_tighter(first, FINEST_LOCAL)
+        rungs = tighter_and_tighter(min(first, motion.scenario.finest_slip), FINEST_LOCAL)
     with stepping(motion.system):
         found = run_to(run, problem, times, tolerance or np.inf, rungs, method=integrator.name)
         values = motion.samples(found.states)

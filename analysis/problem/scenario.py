@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import Any
 
 from analysis.problem.bodies import check_surface
@@ -179,6 +180,15 @@ class Scenario(Described):
     def friction_gradient(self) -> float:
         """Slope of friction at no slip for each newton of the weight in s/m, at most."""
         return self.friction.slope(self.weight) / self.weight
+
+    @property
+    def finest_slip(self) -> float:
+        """Slip speed in m/s over which friction bends; infinite where nothing rubs.
+
+        Of runs to a tolerance, the error in a step is smaller: slip that leaps over it from step
+        to step may look the same in two runs, and wrong.
+        """
+        return self.friction.finest_speed if self.rubs else inf
 
     @property
     def rubs(self) -> bool:

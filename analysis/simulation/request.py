@@ -1,7 +1,7 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
 from collections.abc import Sequence
-from math import isnan
+from math import inf, isnan
 
 import numpy.typing as npt
 
@@ -95,10 +95,11 @@ class Request:
         """Who watches a run of so many steps at most."""
         return Watch(self.time_limit, self._progress, most)
 
-    def local_tolerances(self, method: Method) -> Sequence[float]:
+    def local_tolerances(self, method: Method, coarsest: float = inf) -> Sequence[float]:
         """Local tolerances of the runs to the tolerance, in turn; a single one gives no estimate.
 
-        Two runs of nearly the same one would agree without being right.
+        Two runs of nearly the same one would agree without being right. Steps of "taylor" end at
+        the kink of friction; those of others are no coarser than is told.
         """
         if self.tolerance is None:
             assert self.local_tolerance is not None
@@ -106,7 +107,7 @@ class Request:
         if method == "taylor":
             rungs = [each for each in COMPILED_TOLERANCES if each <= self.tolerance / 3.0]
             return rungs if len(rungs) > 1 else COMPILED_TOLERANCES[-2:]
-        return tighter_and_tighter(self.tolerance / 3.0, TIGHTEST_LOCAL_TOLERANCE)
+        return tighter_and_tighter(min(self.tolerance / 3.0, coarsest), TIGHTEST_LOCAL_TOLERANCE)
 
     def effort(self, scenario: Scenario, method: Method) -> Effort:
         """What a run should take; `ValueError` if that is too many steps."""

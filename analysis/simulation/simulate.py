@@ -128,7 +128,8 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
     watch = request.watch(request.effort(scenario, method).most)
     formulation = request.formulation or default_formulation(scenario)
     posed = pose(scenario, formulation, request.conditions)
-    rungs, tolerance = request.local_tolerances(method), request.tolerance or inf
+    rungs = request.local_tolerances(method, scenario.finest_slip)
+    tolerance = request.tolerance or inf
 
     def run(local: float, longest: float) -> Run:
         return integrate(

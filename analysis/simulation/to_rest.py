@@ -117,7 +117,7 @@ def simulate_to_rest(
     run = partial(way.stepped, method)
     if local_tolerance is not None:
         return run(one_step("local_tolerance", local_tolerance, TIGHTEST))
-    return until_agreement(run, tolerance)
+    return until_agreement(run, tolerance, scenario.finest_slip)
 
 
 class InHouseWay(WayToRest):

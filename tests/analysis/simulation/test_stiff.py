@@ -1,10 +1,13 @@
 """Stiff runs: implicit methods are given the exact Jacobian in every formulation."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+import mbs_models
 from analysis import (
     MODELS,
     AnisotropicCoulomb,
@@ -20,7 +23,7 @@ from analysis import (
 )
 from analysis.simulation.formulations import pose
 from tests.bodies import EGG
-from tests.helpers import angles_apart, jacobian
+from tests.helpers import angles_apart, jacobian, mostly_slow
 
 LOSSES = Dissipation(rolling_dry=0.01, rolling_viscous=0.01, pivoting=1e-3, air_drag=1.0)
 SOFT = PenaltyContact(stiffness=1e6, damping=300.0, half_thickness=1e-3)
@@ -57,6 +60,22 @@ def test_implicit_methods_follow_friction_that_sets_in_over_a_nanometre_a_second
         for method in ("Radau", "BDF")
     )
     assert angles_apart(one, other) < 1e-6
+
+
+@pytest.mark.parametrize("simulated", [simulate, mbs_models.simulate])
+@pytest.mark.parametrize("smoothing", mostly_slow([1e-9, 1e-12], [1e-9]))
+@pytest.mark.parametrize("contact", [None, PenaltyContact(stiffness=1e5, damping=10.0)])
+def test_steps_of_runs_to_a_tolerance_resolve_the_slip_over_which_friction_sets_in(
+    simulated: Callable[..., Trajectory], smoothing: float, contact: PenaltyContact | None
+) -> None:
+    # Two coarser ones agreed to 2e-7 rad and were wrong by 7e-4.
+    scenario = Scenario(friction=SmoothCoulomb(smoothing=smoothing), contact=contact)
+    times = np.linspace(0.0, 0.02, 5)
+    truth = simulate(scenario, times, method="BDF", local_tolerance=1e-11)
+    run = simulated(scenario, times, tolerance=1e-5)
+    assert angles_apart(run, truth) < 1e-5
+    local: Any = run.method["local_tolerance"]
+    assert local < smoothing
 
 
 def test_stiff_friction_is_followed_by_an_implicit_method_unless_another_is_asked_for() -> None:
