@@ -1,4 +1,4 @@
-"""Stiff runs: implicit methods are given the exact Jacobian in every formulation."""
+"""Stiff runs: exact Jacobians for implicit methods, and steps that resolve friction."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -50,6 +50,16 @@ def test_jacobian_is_that_of_differences(formulation: str, scenario: Scenario) -
             state[2] = problem.start[2] - 3e-4
         found = jacobian(lambda moved: np.array(problem.right_hand_side(0.0, moved)), state, 1e-6)
         np.testing.assert_allclose(exact(state), found, atol=1e-7 * np.max(np.abs(found)))
+
+
+def test_implicit_methods_follow_friction_that_sets_in_over_a_nanometre_a_second() -> None:
+    scenario = Scenario(friction=SmoothCoulomb(smoothing=1e-9))
+    times = np.linspace(0.0, 0.05, 6)
+    one, other = (
+        simulate(scenario, times, method=method, local_tolerance=1e-8)
+        for method in ("Radau", "BDF")
+    )
+    assert angles_apart(one, other) < 1e-6
 
 
 @pytest.mark.parametrize("simulated", [simulate, mbs_models.simulate])

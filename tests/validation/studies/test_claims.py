@@ -57,6 +57,15 @@ def test_convergence_holds_from_half_a_second_on_or_is_no_convergence(
         assert judged["converges"]["verdict"] == told
 
 
+def test_velocity_of_the_centre_of_gravity_is_the_rate_of_its_place(
+    inversions: pd.DataFrame,
+) -> None:
+    run = inversion.motions(inversions)["Model 1", "engine"]
+    place, velocity, _ = motion.paths(run)
+    rate = np.gradient(place, run.times, axis=0, edge_order=2)
+    np.testing.assert_allclose(velocity[1:-1], rate[1:-1], atol=2e-3)
+
+
 # --- Contact matrix, orders, rolling -------------------------------------------------------------
 
 
