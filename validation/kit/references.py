@@ -1,14 +1,12 @@
 """What a run is compared with: two runs by other methods, and how far they are apart."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from analysis import Method, Scenario, Trajectory
+from analysis import Method, Scenario, Trajectory, formulations
 from analysis.motion.endings import StopWhen
 from analysis.problem.checks import Array
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
-from mbs_models import EngineError, Integrator
 from validation.kit.differences import deviation, ending_error
 from validation.kit.located import up_to_ending
 from validation.kit.ways import StepLimit, Way
@@ -22,7 +20,7 @@ LONG = 5.0
 SPACINGS = (2e-4, 1.37e-4)
 """Times in s between the samples of both runs, among which endings are located."""
 
-STEPS = 30_000
+STEPS = 200_000
 """Most steps of a reference per second; see `StepLimit`."""
 
 
@@ -55,7 +53,7 @@ def _method(run: Trajectory) -> tuple[object, ...]:
 
 
 def reference(scenario: Scenario, times: Array, *, stop_when: StopWhen | None = None) -> Reference:
-    """Two runs of a motion, in-house, or on a penalty contact of two formulations of the engine.
+    """Two in-house runs of a motion.
 
     Parameters
     ----------
@@ -84,27 +82,11 @@ def reference(scenario: Scenario, times: Array, *, stop_when: StopWhen | None = 
 
             return up_to_ending(plain, scenario, times, stop_when, spacing)
 
-    if scenario.contact is not None:
-        return _penalty_reference(run, scenario, times)
     tight = 1e-12 if times[-1] <= LONG else TIGHTEST_LOCAL_TOLERANCE
     stiff = scenario.friction.finest_speed < STIFF
     method: Method = "Radau" if stiff else "DOP853"
     tolerance = 1e-10 if stiff else tight
-    first = run(Way("in-house", "index-1", method), SPACINGS[0], local_tolerance=tolerance)
-    second = run(Way("in-house", "index-1", "LSODA"), SPACINGS[1], local_tolerance=tight)
-    return Reference(first=first, second=second)
-
-
-def _penalty_reference(
-    run: Callable[..., Trajectory], scenario: Scenario, times: Array
-) -> Reference:
-    try:
-        tight = Integrator(name="DOPRI5", local_tolerance=1e-11)
-        first = run(Way("engine", "euler-tree", tight), SPACINGS[0])
-    except EngineError:
-        # Step control cannot pass the jump of a damper that meets the table: short steps can.
-        first = Way("engine", "euler-tree", "RK44").run(scenario, times, step=1e-6)
-        second = Way("engine", "floating-lie", "RK44").run(scenario, times, step=1.3e-6)
-    else:
-        second = run(Way("engine", "floating-lie", "RK67"), SPACINGS[1], tolerance=1e-8)
+    formulation = formulations(scenario)[0]
+    first = run(Way("in-house", formulation, method), SPACINGS[0], local_tolerance=tolerance)
+    second = run(Way("in-house", formulation, "LSODA"), SPACINGS[1], local_tolerance=tight)
     return Reference(first=first, second=second)

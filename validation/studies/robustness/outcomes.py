@@ -65,10 +65,7 @@ COLUMNS = {
 
 
 def ways(problem: Problem) -> list[Way]:
-    """Ways that apply to a problem.
-
-    On a penalty contact those of the engine: the formulations are compared with each other.
-    """
+    """Ways that apply to a problem."""
     if problem.cover == "chosen":
         return [Way("engine")]
     scenario, found = problem.scenario, []
@@ -78,8 +75,6 @@ def ways(problem: Problem) -> list[Way]:
         constrained = Scene(scenario, formulation).has_constraints
         integrators = mbs_models.integrators(formulation, constrained=constrained)
         found += [Way("engine", formulation, each) for each in integrators[:most]]
-    if scenario.contact is not None:
-        return found
     methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
     return found + [
         Way("in-house", formulation, method)
