@@ -151,9 +151,10 @@ class Probe:
         n = self._size
         right[:n] = self._forces_under(0.0)
         if self._model.scenario.friction.IS_PROPORTIONAL:
-            both = np.zeros((right.size, 2))
+            # One newton would be lost among the forces of a heavy disk.
+            weight, both = self._model.scenario.weight, np.zeros((right.size, 2))
             both[:, 0] = right
-            both[:n, 1] = self._forces_under(1.0) - right[:n]
+            both[:n, 1] = (self._forces_under(weight) - right[:n]) / weight
             without, change = _solution(matrix, both).T
             if (feedback := -float(change[row])) >= 1.0:
                 raise SingularError(
