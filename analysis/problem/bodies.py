@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import number, one, within
+from analysis.problem.checks import Array, number, one, within
 from analysis.problem.disk import Disk
 from analysis.problem.elementary import cos, sin, sqrt
 from analysis.problem.names import ArgumentError
@@ -114,11 +114,11 @@ def check_surface(body: Body) -> None:
     with BODIES.answering(body):
         _check_kind(body)
         for up in _DIRECTIONS[body.has_edge :]:
-            point = [number(f"lowest_point({up})", each) for each in body.lowest_point(up)]
+            what = f"lowest_point({up})"
+            point = [number(what, each) for each in body.lowest_point(up)]
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
-            within(f"depth of lowest_point({up})", depth, 0.0, deepest)
-            slopes = [_slope(body, up, axis) for axis in range(3)]
-            _check_level(body, up, slopes)
+            within(f"depth of {what}", depth, 0.0, deepest)
+            _check_level(body, np.array(up), what)
 
 
 def _check_kind(body: Body) -> None:
@@ -133,41 +133,33 @@ def _check_kind(body: Body) -> None:
             )
 
 
-def _check_level(body: Body, up: tuple[float, ...], slopes: list[list[float]]) -> None:
-    """Raise if the point moves up or down as the vertical turns: it is then not the lowest."""
-    vertical = np.array(up)
-    rises = np.array(slopes) @ vertical
+def _check_level(body: Body, up: Array, what: str) -> None:
+    """Raise if the point moves up or down as the vertical turns: it is then not the lowest.
+
+    Or if complex numbers, by which slopes are told, find another one than differences.
+    """
+
+    def moved(by: complex) -> Array:
+        """Points where each part of the vertical is changed, and 1j times their slopes."""
+        verticals = (up + by * np.eye(3)).tolist()
+        return np.array([[complex(each) for each in body.lowest_point(at)] for at in verticals])
+
+    by_difference = (moved(_LITTLE) - moved(-_LITTLE)).real / (2.0 * _LITTLE)
+    slopes = moved(1e-20j).imag / 1e-20
+    wrong = ~(np.abs(by_difference - slopes) <= 0.01 * (body.radius + np.abs(slopes)))
+    if wrong.any():
+        raise ArgumentError(
+            what,
+            "must be told by the four operations and `analysis.problem.elementary`: its slope by "
+            f"complex numbers is {slopes[wrong][0]:.3g} m, and by differences "
+            f"{by_difference[wrong][0]:.3g} m",
+        )
+    rises = slopes @ up
     # The vertical is of unit length: of its changes those count that turn it.
-    rise = float(np.abs(rises - (rises @ vertical) * vertical).max())
+    rise = float(np.abs(rises - (rises @ up) * up).max())
     if rise > 0.01 * body.radius:
         raise ArgumentError(
-            f"lowest_point({up})",
+            what,
             "must be where the surface is level: as the vertical turns from there, the point "
             f"moves along it by {rise:.3g} m/rad",
         )
-
-
-def _slope(body: Body, up: tuple[float, ...], axis: int) -> list[float]:
-    """Slope of the lowest point by a part of the vertical in m.
-
-    Raises
-    ------
-    ArgumentError
-        If complex numbers, by which slopes are told, find another one than differences.
-    """
-
-    def moved(by: complex) -> list[complex]:
-        vertical = [each + by * (place == axis) for place, each in enumerate(up)]
-        return [complex(each) for each in body.lowest_point(vertical)]
-
-    slopes, pairs = [], zip(moved(_LITTLE), moved(-_LITTLE), moved(1e-20j), strict=True)
-    for ahead, back, exact in pairs:
-        by_difference, slope = (ahead - back).real / (2.0 * _LITTLE), exact.imag / 1e-20
-        if not abs(by_difference - slope) <= 0.01 * (body.radius + abs(slope)):
-            raise ArgumentError(
-                f"lowest_point({up})",
-                "must be told by the four operations and `analysis.problem.elementary`: its slope "
-                f"by complex numbers is {slope:.3g} m, and by differences {by_difference:.3g} m",
-            )
-        slopes.append(slope)
-    return slopes

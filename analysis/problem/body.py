@@ -128,11 +128,8 @@ class Body(Described):
     @property
     def principal_moments(self) -> tuple[float, float, float]:
         """Principal moments of inertia about S in kg m², the least one first."""
-        moments = np.linalg.eigvalsh(self.tensor_about_cog)
-        if moments.ndim == 1:
-            least, middle, largest = moments.tolist()
-        else:
-            least, middle, largest = moments.T.view(Members)
+        moments = np.linalg.eigvalsh(self.tensor_about_cog).T
+        least, middle, largest = moments.tolist() if moments.ndim == 1 else moments.view(Members)
         return least, middle, largest
 
     @property

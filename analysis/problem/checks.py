@@ -3,7 +3,7 @@
 import os
 import re
 from abc import ABCMeta
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from inspect import Signature, signature
@@ -170,6 +170,14 @@ def several(name: str, values: Any, of: str) -> list[Any]:
     if isinstance(values, str | bytes | Mapping | type) or not isinstance(values, Iterable):
         raise ArgumentError(name, f"must be a list of {of}, got {values!r}")
     return list(values)
+
+
+def numbers(name: str, values: Any, of: Sequence[str]) -> tuple[float, ...]:
+    """Return finite numbers, one for each of these names; `ValueError` otherwise."""
+    given = several(name, values, wanted := ", ".join(of))
+    if len(given) != len(of):
+        raise ArgumentError(name, f"must hold {wanted}, got {values!r}")
+    return tuple(number(f"{name}[{key}]", each) for key, each in zip(of, given, strict=True))
 
 
 def choice(name: str, value: T, allowed: Iterable[T]) -> T:

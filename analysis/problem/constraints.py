@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from analysis.problem.body import Body
-from analysis.problem.checks import choice
+from analysis.problem.checks import choice, several
 from analysis.problem.elementary import cos, sin
 from analysis.problem.names import ArgumentError, Named
 from analysis.problem.quantities import CONSTRAINTS, HELD, Constraint, Level
@@ -57,13 +57,11 @@ def constraint_set(constraints: Iterable[Constraint]) -> ConstraintSet:
     ValueError
         If one is unknown or named twice, if the contact is missing, or if no freedom is left.
     """
-    if isinstance(constraints, str) or not isinstance(constraints, Iterable):
-        raise ArgumentError("constraints", f"must be a list of names, got {constraints!r}")
-    given = [choice("constraints", each, CONSTRAINTS) for each in constraints]
-    for each in given:
-        if given.count(each) > 1:
-            fault = f"must name each constraint once, got {each!r} twice"
-            raise ArgumentError("constraints", fault)
+    names = several("constraints", constraints, "names")
+    given = [choice("constraints", each, CONSTRAINTS) for each in names]
+    if twice := [each for each in given if given.count(each) > 1]:
+        fault = f"must name each constraint once, got {twice[0]!r} twice"
+        raise ArgumentError("constraints", fault)
     if "contact" not in given:
         raise ArgumentError(
             "constraints",

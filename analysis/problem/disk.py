@@ -9,11 +9,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import checked, not_negative, positive, several
-from analysis.problem.checks import number as finite
+from analysis.problem.checks import checked, not_negative, numbers, positive, several
 from analysis.problem.elementary import cos, hypot, sin, sqrt
 from analysis.problem.names import ArgumentError, Named, check_names
-from analysis.problem.quantities import QUANTITIES, RING, default
+from analysis.problem.quantities import PLATE, QUANTITIES, RING, default
 
 CENTRED = 1e-12
 """Part of the radius below which a centre of gravity lies in the middle, but for rounding."""
@@ -276,11 +275,11 @@ def _checked(
     masses: Iterable[Iterable[float]],
 ) -> Parts:
     """Parts of a disk, or `ArgumentError`."""
-    sizes = _part("plate", plate)._asdict().items()
+    sizes = zip(PLATE, numbers("plate", plate, PLATE), strict=True)
     parts = Parts(
         Plate(*(checked(QUANTITIES[f"disk.{name}"], value) for name, value in sizes)),
-        tuple(_part("holes", each) for each in several("holes", holes, "Hole")),
-        tuple(_part("masses", each) for each in several("masses", masses, "PointMass")),
+        _pieces("holes", Hole, holes),
+        _pieces("masses", PointMass, masses),
     )
     reach = parts.plate.radius
     for number, hole in enumerate(parts.holes):
@@ -299,13 +298,10 @@ def _checked(
     return parts
 
 
-def _part(name: str, values: Any) -> Any:
-    """A plate, a hole or a mass of three numbers, or `ArgumentError`."""
-    kind: Any = {"plate": Plate, "holes": Hole, "masses": PointMass}[name]
-    given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
-    if len(given) != 3:
-        raise ArgumentError(name, f"must hold {', '.join(kind._fields)}, got {values!r}")
-    return kind(*(finite(name, each) for each in given))
+def _pieces(name: str, kind: Any, given: Any) -> Any:
+    """Holes or masses, each of three numbers, or `ArgumentError`."""
+    pieces = several(name, given, kind.__name__)
+    return tuple(kind(*numbers(name, each, kind._fields)) for each in pieces)
 
 
 def _mass_properties(parts: Parts) -> tuple[Any, tuple[Any, Any], tuple[Any, Any, Any, Any]]:

@@ -24,11 +24,6 @@ from analysis.problem.plain_data import KINDS, as_plain, made_part
 from analysis.problem.quantities import Level, default
 from analysis.problem.start import Start, State, check_leaning
 
-PAPER_FRICTION = SmoothCoulomb()
-HORIZONTAL = Table()
-NO_DISSIPATION = Dissipation()
-TABLE_3 = Start()
-
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario(Described):
@@ -72,11 +67,11 @@ class Scenario(Described):
 
     constraints: ConstraintSet = MODELS[default("model")]
     disk: Body = STEEL_DISK
-    friction: FrictionLaw = PAPER_FRICTION
-    table: Table = HORIZONTAL
+    friction: FrictionLaw = SmoothCoulomb()
+    table: Table = Table()
     contact: PenaltyContact | None = None
-    dissipation: Dissipation = NO_DISSIPATION
-    start: Start | State = TABLE_3
+    dissipation: Dissipation = Dissipation()
+    start: Start | State = Start()
 
     def __post_init__(self) -> None:
         for name, kind in KINDS.items():
@@ -223,12 +218,9 @@ class Scenario(Described):
 
     def values(self) -> dict[str, Any]:
         """The scenario as plain data, to be stored; `from_values` makes it again."""
-        values: dict[str, Any] = {"constraints": list(self.constraints)}
-        for name in (*KINDS, "start"):
-            part = getattr(self, name)
-            if part is not None:
-                values[name] = as_plain(part)
-        return values
+        parts = {name: getattr(self, name) for name in (*KINDS, "start")}
+        values = {name: as_plain(part) for name, part in parts.items() if part is not None}
+        return {"constraints": list(self.constraints)} | values
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> "Scenario":

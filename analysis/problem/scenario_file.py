@@ -210,21 +210,16 @@ def read_toml(path: str | os.PathLike[str]) -> tuple[dict[str, Any], str]:
         raise ValueError(f"{path} is too large: more than {LARGEST_FILE} bytes")
     try:
         text = content.decode("utf-8-sig").replace("\r\n", "\n")
+        return tomllib.loads(text), text
     except UnicodeDecodeError:
         raise ValueError(f"{path} is no TOML: not text in UTF-8") from None
-    try:
-        return tomllib.loads(text), text
-    except (ValueError, RecursionError) as error:
-        raise _no_toml(path, text, error) from None
-
-
-def _no_toml(path: str | os.PathLike[str], text: str, error: Exception) -> ValueError:
-    """Error where a file is no TOML."""
-    message = " ".join(str(error).split())
-    match = _LINE.search(message)
-    line = int(match[1]) if match and match[1] else text.rstrip("\n").count("\n") + 1
-    cause = "nested too deeply" if isinstance(error, RecursionError) else message
-    return ValueError(f"{path}, line {line}: not TOML: {_LINE.sub('', cause)}")
+    except RecursionError:
+        message = "nested too deeply"
+    except ValueError as error:
+        message = " ".join(str(error).split())
+    at_line = _LINE.search(message)
+    line = at_line[1] if at_line and at_line[1] else text.rstrip("\n").count("\n") + 1
+    raise ValueError(f"{path}, line {line}: not TOML: {_LINE.sub('', message)}")
 
 
 def _scenario(values: Mapping[str, Any]) -> Scenario:
@@ -271,9 +266,9 @@ def _read(table: str, values: Any) -> Any:
     """What a table holds, its values read as everywhere."""
     if not isinstance(values, Mapping):
         return values
-    keys = {name: f"{table}.{name}" for name in values}
+    known = of_table(table)
     return {
-        name: read_value(keys[name], value, name) if keys[name] in QUANTITIES else value
+        name: read_value(known[name].key, value, name) if name in known else value
         for name, value in values.items()
     }
 
@@ -295,7 +290,6 @@ def _line_of(text: str, argument: str) -> int:
     # An entry of a list is found by the list.
     name = argument.partition("[")[0]
     places = [name, *(f"{each}.{name}" for each in _TABLES)]
-    places += [each for each in _TABLES if f"{each}.{name}" in QUANTITIES]
-    places.append(name.partition(".")[0])
+    places += [KEYS.get(name, name).partition(".")[0], name.partition(".")[0]]
     last = 1 if name == "format" else len(rows)
     return next((lines[each] for each in places if each in lines), last)

@@ -1,6 +1,5 @@
 """States in the paper's coordinates, and starts: what a user chooses, the rest by constraints."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
 from typing import Any, Literal, get_args
@@ -8,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, Described, checked, choice, number
+from analysis.problem.checks import Array, Described, checked, choice, numbers
 from analysis.problem.constraints import FOLLOWING, ConstraintSet, demanded, set_name
 from analysis.problem.elementary import cos, sin
 from analysis.problem.limits import LEAST_TILT
@@ -44,15 +43,7 @@ class State:
 
     def __post_init__(self) -> None:
         for field in ("coordinates", "rates"):
-            given = getattr(self, field)
-            values = tuple(given) if isinstance(given, Iterable) else ()
-            if len(values) != 6:
-                raise ArgumentError(field, f"must hold 6 numbers, got {given!r}")
-            clean = tuple(
-                number(f"{field}[{name}]", value)
-                for name, value in zip(COORDINATES, values, strict=True)
-            )
-            object.__setattr__(self, field, clean)
+            object.__setattr__(self, field, numbers(field, getattr(self, field), COORDINATES))
         checked(QUANTITIES["start.beta"], self.coordinates[4])
 
     @property

@@ -188,13 +188,10 @@ class Ensemble:
             if name in found:
                 raise ValueError(f"fields must hold each field once, got {name} twice")
             found[name] = _values(name, values)
-        shapes = {name: values.shape for name, values in found.items()}
-        first, shape = next(iter(shapes.items()))
-        for name, other in shapes.items():
-            if other != shape:
-                raise ValueError(
-                    f"fields must have one shape, got {shape} of {first} and {other} of {name}"
-                )
+        sizes = {name: values.size for name, values in found.items()}
+        if len({*sizes.values()}) > 1:
+            listed = ", ".join(f"{size} of {name}" for name, size in sizes.items())
+            raise ValueError(f"fields must have one shape, got {listed}")
         object.__setattr__(self, "fields", found)
         if not switch("check", check):
             return
