@@ -13,7 +13,7 @@ from analysis.problem.contact import Dissipation, PenaltyContact, Table
 from analysis.problem.disk import DISKS, Disk
 from analysis.problem.friction import LAWS, FrictionLaw
 from analysis.problem.names import ArgumentError, nearest
-from analysis.problem.quantities import PLATE, RING, SIX
+from analysis.problem.quantities import PLATE, RING, SIX, listed
 from analysis.problem.start import Start, State
 
 KINDS: dict[str, type] = {
@@ -86,11 +86,11 @@ def maker(table: str, values: Any) -> Callable[..., Any]:
     for name in values:
         if name not in known:
             is_shape = table == "disk" and "body" not in values
-            allowed = _DISK_FORMS if is_shape else _listed(known)
+            allowed = _DISK_FORMS if is_shape else listed(known, "and")
             fault = f"is unknown here; [{table}] takes {allowed}{nearest(name, known)}"
             raise ArgumentError(f"{table}.{name}", fault, name)
     if missing := [name for name in needed if name not in values]:
-        raise ArgumentError(table, f"lacks {_listed(missing)}", f"[{table}]")
+        raise ArgumentError(table, f"lacks {listed(missing, 'and')}", f"[{table}]")
     return make
 
 
@@ -121,8 +121,3 @@ def _names(kind: Any, *further: str) -> tuple[Names, Names]:
 
 def _composed(*, holes: Any = (), masses: Any = (), **plate: Any) -> Disk:
     return Disk.of_parts([plate[name] for name in PLATE], holes, masses)
-
-
-def _listed(names: Any) -> str:
-    *others, last = names
-    return f"{', '.join(others)} and {last}" if others else str(last)

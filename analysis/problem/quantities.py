@@ -6,6 +6,7 @@ number of a scenario is a declaration here and a field of its data type. Importi
 neither NumPy nor what takes long, so that the command line can list its options at once.
 """
 
+from collections.abc import Iterable
 from math import inf, pi
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -167,8 +168,7 @@ class Quantity(NamedTuple):
     def allowed(self) -> str:
         """Range or choice in words; empty if everything is."""
         if self.choices:
-            *others, last = (str(each).lower() for each in self.choices)
-            return f"{', '.join(others)} or {last}"
+            return listed(str(each).lower() for each in self.choices)
         low, high = short(self.least), short(self.most)
         if self.most >= LARGEST_VALUE:
             return "" if self.least == -inf else f"{'above' if self.is_above else 'from'} {low}"
@@ -196,6 +196,12 @@ def short(value: Any) -> str:
         return str(value).lower()
     turns = {pi: "pi", pi / 2: "pi/2", -pi / 2 + 0.1: "-pi/2 + 0.1"}
     return turns.get(value, f"{value:g}")
+
+
+def listed(names: Iterable[str], word: str = "or") -> str:
+    """Names with commas and a word between them."""
+    *others, last = names
+    return f"{', '.join(others)} {word} {last}" if others else last
 
 
 class Section(NamedTuple):

@@ -13,6 +13,7 @@ from pathlib import Path
 from shutil import get_terminal_size
 from typing import Annotated, Any
 
+from analysis.problem.quantities import listed
 from validation.kit.tables import Table
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -86,9 +87,7 @@ def store(value: str) -> Path:
 def _with_suffix(value: str, suffixes: tuple[str, ...]) -> Path:
     path = Path(filled(value))
     if suffixes and path.suffix.lower() not in suffixes:
-        *others, last = suffixes
-        allowed = f"{', '.join(others)} or {last}" if others else last
-        raise ArgumentTypeError(f"must end in {allowed}, got {value!r}")
+        raise ArgumentTypeError(f"must end in {listed(suffixes)}, got {value!r}")
     return path
 
 
