@@ -135,7 +135,7 @@ class Body(Described):
     @property
     def least_moment(self) -> float:
         """Least moment of inertia in kg m² against which the contact turns it."""
-        return min(self.principal_moments)
+        return self.principal_moments[0]
 
     @property
     def contact_mobility(self) -> float:

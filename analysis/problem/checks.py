@@ -141,9 +141,8 @@ def instance(name: str, value: T, kind: type) -> T:
     """Return `value` if it is of this class; `ValueError` otherwise."""
     if isinstance(value, kind):
         return value
-    if value is kind:
-        raise ArgumentError(name, f"must be {one(kind)}, got the class: write {kind.__name__}()")
-    raise ArgumentError(name, f"must be {one(kind)}, got {value!r}")
+    got = f"the class: write {kind.__name__}()" if value is kind else repr(value)
+    raise ArgumentError(name, f"must be {one(kind)}, got {got}")
 
 
 def one(kind: type) -> str:
@@ -231,9 +230,6 @@ def real_array(name: str, values: npt.ArrayLike) -> Array:
     return result
 
 
-_PLAIN = (str, float, int, Real)
-
-
 def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
     """Return a mapping from names to text, numbers or None as a dictionary.
 
@@ -248,7 +244,7 @@ def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
         if not isinstance(key, str):
             raise ArgumentError(name, f"must have names as its keys, got {key!r}")
         is_nan = isinstance(value, float) and isnan(value)
-        if is_nan or not (value is None or isinstance(value, _PLAIN)):
+        if is_nan or not isinstance(value, str | float | int | Real | None):
             fault = f"must be text, a number or None, got {value!r}"
             raise ArgumentError(f"{name}[{key!r}]", fault)
     return dict(values)
@@ -310,9 +306,9 @@ def checked(quantity: Quantity, value: Any) -> Any:
     ArgumentError
         If it is of the wrong kind or out of range.
     """
+    if quantity.is_switch:
+        return switch(quantity.name, value)
     if quantity.choices:
-        if quantity.is_switch:
-            return switch(quantity.name, value)
         return choice(quantity.name, value, quantity.choices)
     return within(
         quantity.name,
@@ -330,9 +326,8 @@ class _Checking(ABCMeta):
 
     def __call__(cls, *arguments: Any, **given: Any) -> Any:
         known = _known(cls)
+        check_names(cls.__name__, given, known)
         for name, value in given.items():
-            if name not in known:
-                check_names(cls.__name__, [name], known)
             quantity, follows = known[name]
             if quantity is not None and not (value is None and follows):
                 given[name] = checked(quantity, value)

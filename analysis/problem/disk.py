@@ -115,11 +115,6 @@ class Disk(Body):
         """What it was made of by `of_parts` or `ring`; None where only its numbers are known."""
         return None
 
-    @property
-    def least_moment(self) -> float:
-        """Least moment of inertia in kg m² against which the contact turns it."""
-        return min(self.principal_moments if self.has_products else self.inertia_about_cog[:2])
-
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:
         """Lowest point of the edge; see `Body`.
 

@@ -47,11 +47,9 @@ class Members(np.ndarray[Any, np.dtype[Any]]):
 
     def __bool__(self) -> bool:
         truth = np.asarray(self) != 0
-        if truth.all():
-            return True
-        if truth.any():
+        if truth.any() and not truth.all():
             raise DividedError(truth)
-        return False
+        return bool(truth.all())
 
     def __float__(self) -> float:
         raise TypeError("one number is wanted, and there is one for each member")

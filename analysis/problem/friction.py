@@ -276,17 +276,14 @@ class ViscousFriction(FrictionLaw):
 
     TABLE = "friction"
 
+    finest_speed: ClassVar[float] = 1.0
+    """It bends nowhere: a slip speed of the motions of a disk."""
+
     viscosity: float = default("friction.viscosity")
 
     def per_speed(self, speed: float) -> float:  # noqa: ARG002 - the same at every speed
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         return self.viscosity
-
-    @property
-    def finest_speed(self) -> float:
-        """Slip speed in m/s over which the law bends."""
-        # It bends nowhere: a slip speed of the motions of a disk.
-        return 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,7 +1,7 @@
 """Names that are nearly right: what a user may have meant by one that nobody knows."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 from typing import Any, TypeVar
 
@@ -73,14 +73,12 @@ def nearest(name: Any, known: Iterable[Any]) -> str:
     return f"; did you mean {listed}?" if listed else ""
 
 
-def check_names(what: str, given: Iterable[str], known: Iterable[str]) -> None:
+def check_names(what: str, given: Iterable[str], known: Collection[str]) -> None:
     """Raise `TypeError` that says what an unknown keyword of a call may stand for."""
-    names = list(known)
     for name in given:
-        if name not in names:
-            raise TypeError(
-                f"{what} takes {', '.join(names)}, and no {name}{nearest(name, names)}"
-            )
+        if name not in known:
+            hint = nearest(name, known)
+            raise TypeError(f"{what} takes {', '.join(known)}, and no {name}{hint}")
 
 
 def full_name(name: str, argument: str = "axis") -> str:

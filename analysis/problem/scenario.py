@@ -238,8 +238,7 @@ class Scenario(Described):
         """
         for name in instance("scenario", values, Mapping):
             choice("scenario", name, ("constraints", *KINDS, "start"))
-        made = {name: made_part(name, each) for name, each in values.items()}
-        return cls(**made)
+        return cls(**{name: made_part(name, each) for name, each in values.items()})
 
 
 def require_level(scenario: Scenario, analysis: str) -> None:

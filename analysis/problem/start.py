@@ -43,7 +43,8 @@ class State:
 
     def __post_init__(self) -> None:
         for field in ("coordinates", "rates"):
-            object.__setattr__(self, field, numbers(field, getattr(self, field), COORDINATES))
+            clean = numbers(field, getattr(self, field), COORDINATES)
+            object.__setattr__(self, field, clean)
         checked(QUANTITIES["start.beta"], self.coordinates[4])
 
     @property
