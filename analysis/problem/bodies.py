@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import Array, number, one, within
+from analysis.problem.checks import Array, bound, number, one, within
 from analysis.problem.disk import Disk
 from analysis.problem.elementary import cos, sin, sqrt
 from analysis.problem.names import ArgumentError
@@ -77,12 +77,8 @@ class EllipticDisk(Body):
     long_axis: float = default("disk.long_axis")
 
     def __post_init__(self) -> None:
-        if self.other_radius > self.radius:
-            raise ArgumentError(
-                "other_radius",
-                f"must not exceed the larger semi-axis, radius = {self.radius:g}, "
-                f"got {self.other_radius:g}",
-            )
+        what = "the larger semi-axis, radius"
+        bound("other_radius", self.other_radius, "not exceed", self.radius, what)
         Body.__post_init__(self)
 
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:

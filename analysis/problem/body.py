@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.optimize import minimize
 
-from analysis.problem.checks import Array, Described
+from analysis.problem.checks import Array, Described, bound
 from analysis.problem.elementary import Members, cos, sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import default
@@ -67,11 +67,7 @@ class Body(Described):
     inertia_yz: float = default("disk.inertia_yz")
 
     def __post_init__(self) -> None:
-        if not self.eccentricity < self.radius:
-            raise ArgumentError(
-                "eccentricity",
-                f"must lie in [0, radius) = [0, {self.radius:g}), got {self.eccentricity:g}",
-            )
+        bound("eccentricity", self.eccentricity, "be less than", self.radius, "radius")
         names, moments = ("inertia_x", "inertia_y", "inertia_z"), self.inertia_about_cog
         if self.has_products:
             product = next(name for name in PRODUCTS if not _is_zero(getattr(self, name)))

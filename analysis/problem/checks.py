@@ -9,6 +9,7 @@ from functools import cache
 from inspect import Signature, signature
 from math import inf, isfinite, isnan
 from numbers import Integral, Real
+from operator import ge, gt, lt
 from typing import Any, ClassVar, TypeVar, cast
 
 import numpy as np
@@ -117,6 +118,34 @@ def not_negative(name: str, value: Any) -> float:
 def local_tolerance(name: str, value: Any, least: float) -> float:
     """Return the error of a step, from `least` to less than 1; `ValueError` otherwise."""
     return within(name, positive(name, value), least, 1.0, is_below=True)
+
+
+_BREAKS = {"be at least": lt, "be less than": ge, "not exceed": gt}
+
+
+def bound(
+    name: str, value: float, relation: str, limit: float, what: str, *, why: str = ""
+) -> None:
+    """Check a number against one that follows from others.
+
+    Parameters
+    ----------
+    name : str
+    value : float
+    relation : {"be at least", "be less than", "not exceed"}
+    limit : float
+    what : str
+        What the limit is.
+    why : str
+        Its unit, and why there is one.
+
+    Raises
+    ------
+    ValueError
+        If it is not so.
+    """
+    if _BREAKS[relation](value, limit):
+        raise ArgumentError(name, f"must {relation} {what} = {limit:g}{why}, got {value:g}")
 
 
 def whole(name: str, value: Any, least: int = 1, most: float = inf) -> int:

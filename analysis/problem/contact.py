@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 
 from analysis.problem.body import Body
-from analysis.problem.checks import Array, Described, instance, not_negative, one, positive
+from analysis.problem.checks import Array, Described, bound, instance, not_negative, one, positive
 from analysis.problem.elementary import cos, sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import THINNEST_RIM, default
@@ -185,18 +185,10 @@ class PenaltyContact(Described):
                 f"must be 0 for {one(type(disk))}, which has no edge, got {self.half_thickness:g}",
             )
         least = weight / (LARGEST_PART * disk.radius)
-        if self.stiffness < least:
-            raise ArgumentError(
-                "stiffness",
-                f"must be at least weight / ({LARGEST_PART:g} radius) = {least:.4g} N/m so that "
-                f"the disk does not sink into the table, got {self.stiffness:g}",
-            )
-        if self.half_thickness > disk.radius:
-            raise ArgumentError(
-                "half_thickness",
-                f"must not exceed the radius of the disk = {disk.radius:g}, "
-                f"got {self.half_thickness:g}",
-            )
+        what, why = f"weight / ({LARGEST_PART:g} radius)", "the disk does not sink into the table"
+        bound("stiffness", self.stiffness, "be at least", least, what, why=f" N/m so that {why}")
+        thickness, what = self.half_thickness, "the radius of the disk"
+        bound("half_thickness", thickness, "not exceed", disk.radius, what)
 
 
 CAUSES = ("damping", "sliding", "rolling_dry", "rolling_viscous", "pivoting", "air_drag")

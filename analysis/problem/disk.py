@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import checked, not_negative, numbers, positive, several
+from analysis.problem.checks import bound, checked, not_negative, numbers, positive, several
 from analysis.problem.elementary import cos, hypot, sin, sqrt
 from analysis.problem.names import ArgumentError, Named, check_names
 from analysis.problem.quantities import PLATE, QUANTITIES, RING, default
@@ -254,12 +254,8 @@ class Disk(Body):
             checked(QUANTITIES[f"disk.{name}"], value)
             for name, value in zip(RING, given, strict=True)
         )
-        if hole_distance + hole_radius >= radius:
-            raise ArgumentError(
-                "hole_distance",
-                f"+ hole_radius must be less than radius = {radius:g}, "
-                f"got {hole_distance + hole_radius:g}",
-            )
+        most, what = radius - hole_radius, "radius - hole_radius"
+        bound("hole_distance", hole_distance, "be less than", most, what)
         hole = Hole(-hole_distance, 0.0, hole_radius)
         return cls.of_parts(Plate(radius, thickness, density), [hole])
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import cos, sin
 from typing import Any, ClassVar
 
-from analysis.problem.checks import Described, choice, number, positive, within
+from analysis.problem.checks import Described, bound, choice, number, positive, within
 from analysis.problem.elementary import exp, hypot, tanh
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import LOADS, STEEPEST_FRICTION, Load, default
@@ -135,12 +135,8 @@ class _Smoothed(FrictionLaw):
 
     def __post_init__(self) -> None:
         least = self.slope(1.0) * self.smoothing / STEEPEST_FRICTION
-        if least > self.smoothing:
-            raise ArgumentError(
-                "smoothing",
-                f"must be at least coefficient / {STEEPEST_FRICTION:g} = {least:g}, "
-                f"got {self.smoothing:g}",
-            )
+        what = f"coefficient / {STEEPEST_FRICTION:g}"
+        bound("smoothing", self.smoothing, "be at least", least, what)
 
     @property
     def finest_speed(self) -> float:
@@ -209,10 +205,7 @@ class Stribeck(_Smoothed):
     stribeck_speed: float = default("friction.stribeck_speed")
 
     def __post_init__(self) -> None:
-        if self.kinetic > self.static:
-            raise ArgumentError(
-                "kinetic", f"must not exceed static = {self.static:g}, got {self.kinetic:g}"
-            )
+        bound("kinetic", self.kinetic, "not exceed", self.static, "static")
         _Smoothed.__post_init__(self)
 
     def per_speed(self, speed: float) -> float:
