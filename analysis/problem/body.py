@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -121,7 +121,7 @@ class Body(Described):
         rows = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
         return np.moveaxis(rows, (0, 1), (-2, -1))
 
-    @property
+    @cached_property
     def principal_moments(self) -> tuple[float, float, float]:
         """Principal moments of inertia about S in kg m², the least one first."""
         moments = np.linalg.eigvalsh(self.tensor_about_cog).T

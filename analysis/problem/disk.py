@@ -249,15 +249,10 @@ class Disk(Body):
             If a length or the density is out of range, or the hole cuts the edge.
         """
         check_names("Disk.ring", others, RING)
-        given = (radius, hole_radius, hole_distance, thickness, density)
-        radius, hole_radius, hole_distance, thickness, density = (
-            checked(QUANTITIES[f"disk.{name}"], value)
-            for name, value in zip(RING, given, strict=True)
-        )
-        most, what = radius - hole_radius, "radius - hole_radius"
-        bound("hole_distance", hole_distance, "be less than", most, what)
-        hole = Hole(-hole_distance, 0.0, hole_radius)
-        return cls.of_parts(Plate(radius, thickness, density), [hole])
+        told = zip(RING, (radius, hole_radius, hole_distance, thickness, density), strict=True)
+        r, a, b, h, rho = (checked(QUANTITIES[f"disk.{name}"], each) for name, each in told)
+        bound("hole_distance", b, "be less than", r - a, "radius - hole_radius")
+        return cls.of_parts(Plate(r, h, rho), [Hole(-b, 0.0, a)])
 
 
 def _checked(

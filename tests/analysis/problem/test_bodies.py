@@ -1,7 +1,7 @@
 """Bodies: mass properties of composed disks, lowest points, files, refusals, what takes them."""
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
@@ -25,6 +25,7 @@ from analysis.mechanics.paper import critical_speed
 from analysis.problem import bodies
 from analysis.problem.checks import Array
 from analysis.problem.elementary import sqrt
+from analysis.problem.quantities import SIX
 from analysis.problem.variations import changed
 from analysis.stability.critical import critical_speeds
 from tests.bodies import BODIES, COMPOSED, EGG, ELLIPSE, RINGS, TIPPE_TOP, Egg
@@ -151,15 +152,13 @@ def test_resting_place_is_the_lowest_of_all_attitudes(body: Body) -> None:
 
 @pytest.mark.parametrize("half", [2e-3, STEEL_DISK.radius])
 def test_ellipse_of_equal_axes_rests_as_the_disk_does(half: float) -> None:
-    numbers = {each.name: getattr(STEEL_DISK, each.name) for each in fields(STEEL_DISK)}
-    circle = replace(ELLIPSE, **numbers, other_radius=STEEL_DISK.radius)
+    circle = replace(ELLIPSE, **asdict(STEEL_DISK), other_radius=STEEL_DISK.radius)
     (height, lean), expected = circle.resting_place(half), STEEL_DISK.resting_place(half)
     assert height == pytest.approx(expected[0], rel=1e-12)
     assert lean == pytest.approx(expected[1], rel=1e-5)
 
 
-NUMBERS = {name: getattr(EGG, name) for name in ("radius", "mass", "eccentricity")}
-NUMBERS |= {f"inertia_{axis}": getattr(EGG, f"inertia_{axis}") for axis in "xyz"}
+NUMBERS = {name: getattr(EGG, name) for name in SIX}
 
 
 class _Flat(Egg):
