@@ -80,6 +80,13 @@ def check_storage(name: str, samples: float, columns: int) -> None:
         )
 
 
+def duration(seconds: float) -> str:
+    """A time in words: "12 s", "3.4 min" or "2.1 h"."""
+    if seconds < 100.0:
+        return f"{max(seconds, 1.0):.0f} s"
+    return f"{seconds / 60.0:.1f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effort:
     """What a run will take, told from its arguments to within a factor of some three.
@@ -117,12 +124,7 @@ class Effort:
         return OVERRUN * self.steps + SPARE_SECONDS * self.steps / self.seconds
 
     def __str__(self) -> str:
-        if self.seconds < 120.0:
-            time = f"{self.seconds:.0f} s"
-        elif self.seconds < 7200.0:
-            time = f"{self.seconds / 60.0:.0f} minutes"
-        else:
-            time = f"{self.seconds / 3600.0:.0f} hours"
         doubt = f"; {self.doubt}" if self.doubt else ""
         cause = f"{self.argument} {self.value}"
+        time = duration(self.seconds)
         return f"about {self.steps:.1e} steps, roughly {time}, for {cause}{doubt}"

@@ -10,11 +10,11 @@ import numpy as np
 
 from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run, load_scenario
 from analysis.problem.checks import Array, positive, within
-from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort
+from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort, duration
 from analysis.problem.names import ArgumentError
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
-from validation.kit.progress import duration, say
+from validation.kit.progress import say
 from validation.sweeps.axes import axis_from
 
 _CONSTRAINTS = ("model", "constraints")

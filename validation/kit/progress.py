@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from tqdm import tqdm
 
 from analysis import Progress
+from analysis.problem.limits import duration
 
 T = TypeVar("T")
 
@@ -77,13 +78,6 @@ def say(text: str) -> None:
     """Write a line to standard error, if there is one; a bar goes on below it."""
     with suppress(OSError, ValueError):
         tqdm.write(text, file=sys.stderr)
-
-
-def duration(seconds: float) -> str:
-    """A time in words: "12 s", "3.4 min" or "2.1 h"."""
-    if seconds < 100.0:
-        return f"{max(seconds, 1.0):.0f} s"
-    return f"{seconds / 60.0:.1f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from analysis.problem.limits import duration
 from tests.calls import Capture, run
 from tests.sweeps import sweep, swept
 from validation.kit import progress
@@ -51,7 +52,7 @@ def test_lines_tell_what_is_done_and_left_and_come_the_rarer_the_longer_it_takes
 
 
 def test_times_are_told_in_the_unit_that_suits_them() -> None:
-    told = [progress.duration(seconds) for seconds in (0.1, 99.0, 101.0, 5990.0, 6010.0)]
+    told = [duration(seconds) for seconds in (0.1, 99.0, 101.0, 5990.0, 6010.0)]
     assert told == ["1 s", "99 s", "1.7 min", "99.8 min", "1.7 h"]
 
 
