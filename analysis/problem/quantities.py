@@ -253,9 +253,9 @@ def _angle(key: str, meaning: str, default: float = 0.0) -> Quantity:
     return Quantity(key, meaning, "rad", default, -1e6, 1e6)
 
 
-def _coefficient(key: str, meaning: str, default: float, option: str = "") -> Quantity:
+def _coefficient(key: str, meaning: str, default: float, **more: Any) -> Quantity:
     # So large only for a viscous law, with a smoothing as large.
-    return Quantity(key, meaning, "", default, 0.0, 1e9, option=option)
+    return Quantity(key, meaning, "", default, 0.0, 1e9, **more)
 
 
 def _slip(key: str, meaning: str, default: float, option: str = "") -> Quantity:
@@ -293,7 +293,7 @@ _DECLARED = (
                       "power-law", "lubricated")),
     Quantity("friction.load", "what presses: m g cos(inclination), or the contact's force", None,
              "weight", choices=LOADS),
-    _coefficient("friction.coefficient", "friction coefficient", 0.3, "mu"),
+    _coefficient("friction.coefficient", "friction coefficient", 0.3, option="mu"),
     _slip("friction.smoothing", "slip speed over which it sets in", 0.1, "eps"),
     _coefficient("friction.static", "stribeck: coefficient at little slip, not below kinetic",
                  0.45),
@@ -301,10 +301,9 @@ _DECLARED = (
     _slip("friction.stribeck_speed", "stribeck: slip speed over which it drops", 0.2),
     Quantity("friction.viscosity", "viscous: force for each N and m/s", "s/m", 3.0, 0.0,
              STEEPEST_FRICTION),
-    Quantity("friction.along", "anisotropic: coefficient along the edge", "", 0.3, 0.0, 1e9,
-             is_above=True),
-    Quantity("friction.across", "anisotropic: coefficient across the edge", "", 0.2, 0.0, 1e9,
-             is_above=True),
+    _coefficient("friction.along", "anisotropic: coefficient along the edge", 0.3, is_above=True),
+    _coefficient("friction.across", "anisotropic: coefficient across the edge", 0.2,
+                 is_above=True),
     Quantity("friction.reference_load", "power-law: load of the coefficient", "N",
              1.0, 0.0, 1e9, is_above=True),
     Quantity("friction.exponent", "power-law: power of the load", "", 2.0 / 3.0, 0.1, 2.0),
