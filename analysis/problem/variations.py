@@ -188,10 +188,9 @@ class Ensemble:
             if name in found:
                 raise ValueError(f"fields must hold each field once, got {name} twice")
             found[name] = _values(name, values)
-        sizes = {name: values.size for name, values in found.items()}
-        if len({*sizes.values()}) > 1:
-            listed = ", ".join(f"{size} of {name}" for name, size in sizes.items())
-            raise ValueError(f"fields must have one shape, got {listed}")
+        if len({values.shape for values in found.values()}) > 1:
+            shapes = (f"{values.shape} of {name}" for name, values in found.items())
+            raise ValueError(f"fields must have one shape, got {' and '.join(shapes)}")
         object.__setattr__(self, "fields", found)
         if not switch("check", check):
             return
