@@ -43,12 +43,11 @@ def run(
         If the run fails; both sides tell how.
     """
     options = RunOptions(**how)
-    given = _given(options, *_HOW, *_ENDS, "allow_pulling") | {"progress": progress}
-    if options.source == "in-house":
-        return analysis.simulate(scenario, times, formulation=options.formulation, **given)  # type: ignore[arg-type]
-    import mbs_models
-
-    return mbs_models.simulate(_scene(scenario, options), times, **given)
+    side, subject, given = _asked(scenario, options, *_HOW, *_ENDS, "allow_pulling")
+    if side is analysis:
+        given["formulation"] = options.formulation
+    motion: Trajectory = side.simulate(subject, times, progress=progress, **given)
+    return motion
 
 
 def run_to_rest(
@@ -81,13 +80,10 @@ def run_to_rest(
     ArithmeticError
         If the run fails; both sides tell how.
     """
-    options = _of_rest(**how)
-    given = _given(options, *_HOW, *_ENDS) | {"spacing": spacing, "progress": progress}
-    if options.source == "in-house":
-        return analysis.simulate_to_rest(scenario, end, **given)
-    import mbs_models
-
-    return mbs_models.simulate_to_rest(_scene(scenario, options), end, **given)
+    side, subject, given = _asked(scenario, _of_rest(**how), *_HOW, *_ENDS)
+    given |= {"spacing": spacing, "progress": progress}
+    motion: SpatialMotion = side.simulate_to_rest(subject, end, **given)
+    return motion
 
 
 def run_effort(scenario: Scenario, times: npt.ArrayLike, **how: Any) -> Effort:
@@ -98,13 +94,9 @@ def run_effort(scenario: Scenario, times: npt.ArrayLike, **how: Any) -> Effort:
     ValueError
         If an argument is out of range, or belongs to the other side.
     """
-    options = RunOptions(**how)
-    given, times = _given(options, *_HOW), increasing_times(times)
-    if options.source == "in-house":
-        return inhouse_effort.simulation_effort(scenario, times, **given)
-    from mbs_models.effort import simulation_effort
-
-    return simulation_effort(_scene(scenario, options), times, **given)
+    side, subject, given = _asked(scenario, RunOptions(**how), *_HOW)
+    effort: Effort = _efforts(side).simulation_effort(subject, increasing_times(times), **given)
+    return effort
 
 
 def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
@@ -115,12 +107,9 @@ def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
     ValueError
         If an argument is out of range, or belongs to the other side.
     """
-    options = _of_rest(**how)
-    if options.source == "in-house":
-        return inhouse_effort.rest_effort(scenario, end)
-    from mbs_models.effort import rest_effort as engine_effort
-
-    return engine_effort(_scene(scenario, options), end, options.step)
+    side, subject, given = _asked(scenario, _of_rest(**how), "step")
+    effort: Effort = _efforts(side).rest_effort(subject, end, **given)
+    return effort
 
 
 def _of_rest(**how: Any) -> RunOptions:
@@ -132,17 +121,24 @@ def _of_rest(**how: Any) -> RunOptions:
     return options
 
 
-def _given(options: RunOptions, *names: str) -> dict[str, Any]:
-    """What a side is told; the engine takes the error of a step with its integrator."""
+def _asked(
+    scenario: Scenario, options: RunOptions, *names: str
+) -> tuple[Any, Any, dict[str, Any]]:
+    """The side that is asked, what it is to run, and what it is told of some options.
+
+    The engine takes the formulation with its scene, and the error of a step with its integrator.
+    """
     given = options.given(*names)
-    if options.source == "engine" and (local := given.pop("local_tolerance", None)) is not None:
-        from mbs_models import Integrator
-
-        given["integrator"] = Integrator(name="DOPRI5", local_tolerance=local)
-    return given
-
-
-def _scene(scenario: Scenario, options: RunOptions) -> Any:
+    if options.source == "in-house":
+        return analysis, scenario, given
     import mbs_models
 
-    return mbs_models.Scene(scenario=scenario, formulation=options.formulation)  # type: ignore[arg-type]
+    if (local := given.pop("local_tolerance", None)) is not None:
+        given["integrator"] = mbs_models.Integrator(name="DOPRI5", local_tolerance=local)
+    formulation: Any = options.formulation
+    return mbs_models, mbs_models.Scene(scenario=scenario, formulation=formulation), given
+
+
+def _efforts(side: Any) -> Any:
+    """Module of a side that tells what its runs take."""
+    return inhouse_effort if side is analysis else side.effort
