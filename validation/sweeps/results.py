@@ -1,8 +1,8 @@
 """Results of a sweep, read from its store."""
 
+import csv
 import io
 import os
-import sqlite3
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,8 +20,10 @@ from validation.sweeps.plan import TIME
 from validation.sweeps.store import reading, tables
 from validation.sweeps.sweep import Sweep
 
+_ROWS = "SELECT * FROM cases ORDER BY number"
+
 _BLOCK = 20_000
-"""Rows that are held at once while they are written as text."""
+"""Rows that are held at once as SQLite gives them, which takes much more than as arrays."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,8 +55,17 @@ class Results(OutcomeTable):
         ValueError
             If it is no store, or damaged.
         """
+        kinds: Any = {"REAL": float, "TEXT": object}
         with reading(path) as (file, sweep):
-            table = pd.concat(_tables(file, sweep))
+            known = tables(sweep)["cases"]
+            dtype = {name: kinds.get(kind, int) for name, kind in known.items()}
+            try:
+                table = pd.concat(pd.read_sql(_ROWS, file, dtype=dtype, chunksize=_BLOCK))
+            except pd.errors.DatabaseError as error:
+                raise error.__cause__ or error from None
+        words = [name for name, kind in dtype.items() if kind is object]
+        # Beside words, some versions of pandas read an empty cell as nan.
+        table[words] = table[words].where(table[words].notna(), None)
         columns = {name: table[name].to_numpy() for name in table}
         axes = tuple(axis.field for axis in sweep.design.axes)
         return cls(axes=axes, columns=columns, sweep=sweep, path=Path(path))
@@ -148,8 +159,8 @@ class Results(OutcomeTable):
         return held
 
 
-def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> int:
-    """Write the rows of a store as comma-separated text, block by block; returns their number.
+def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> None:
+    """Write the rows of a store as comma-separated text, none of which is held for long.
 
     Raises
     ------
@@ -158,28 +169,11 @@ def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> in
     ValueError
         If the store is none.
     """
-    count = 0
-    with reading(store) as (file, sweep), whole_file(path) as stream:
+    with reading(store) as (file, _), whole_file(path) as stream:
+        rows = file.execute(_ROWS)
         text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
-        for table in _tables(file, sweep):
-            table.to_csv(text, index=False, header=not count, lineterminator="\n")
-            count += len(table)
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(name for name, *_ in rows.description)
+        writer.writerows(rows)
         text.flush()
         text.detach()
-    return count
-
-
-def _tables(file: sqlite3.Connection, sweep: Sweep) -> Iterator[pd.DataFrame]:
-    """Rows of a store, so many at a time; empty cells are None in words, and nan in numbers."""
-    kinds: Any = {"REAL": float, "TEXT": object}
-    dtype = {name: kinds.get(kind, int) for name, kind in tables(sweep)["cases"].items()}
-    words = [name for name, kind in dtype.items() if kind is object]
-    try:
-        for table in pd.read_sql(
-            "SELECT * FROM cases ORDER BY number", file, dtype=dtype, chunksize=_BLOCK
-        ):
-            # Beside words, some versions of pandas read an empty cell as nan.
-            table[words] = table[words].where(table[words].notna(), None)
-            yield table
-    except pd.errors.DatabaseError as error:
-        raise error.__cause__ or error from None
