@@ -103,6 +103,13 @@ def test_what_is_not_decided_counts_in_no_share(tmp_path: Path) -> None:
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), [25.0])
 
 
+def test_a_single_case_that_is_drawn_on_ranges_has_a_picture(tmp_path: Path) -> None:
+    wanted = sweep("spin=30:40", "mu=0.1:0.5", layout={"layout": "sobol", "number": 1})
+    figure, results = drawn(wanted, tmp_path)
+    spins = figure.axes[0].lines[0].get_xdata()
+    np.testing.assert_array_equal(spins, results.columns["start.spin"])
+
+
 UNDRAWN: dict[tuple[str, ...], str] = {
     ("spin=40,30",): "axis start.spin can be drawn if its values rise",
     tuple(f"{name}=0.1:0.2:2" for name in NINE): "at most 8 axes can be drawn, got 9",
