@@ -94,12 +94,7 @@ def map(  # noqa: A001 - the command's name
         done = _run_panels(runs, place, opened, to_rest=mapped.to_rest)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
-    table = Table(
-        title=mapped.title,
-        columns=tuple(rows[0]),
-        rows=[tuple(row.values()) for row in rows],
-        note=_fineness(starts),
-    )
+    table = Table.of(rows, mapped.title, _fineness(starts))
     # Matplotlib takes half a second, which no refusal waits for.
     from validation.maps import figures
 

@@ -207,15 +207,18 @@ def _connections_over(over: str, scenario: Scenario) -> Result:
     axis, scenarios = _varied(over, scenario)
     ends = [tables.ends(each) for each in counted(scenarios, axis.field)]
     rows = [{axis.field: value, **end} for value, end in zip(axis.grid, ends, strict=True)]
-    table = Table.of(
-        rows,
+    shown = [
         {
-            axis.label: lambda row: row[axis.field],
-            "Hopf point in rad/s": lambda row: row["hopf"],
-            "connection in rad/s": lambda row: (row["connection"] or {}).get("spin"),
-            "first-order prediction in rad/s": lambda row: row["prediction"],
-            "saddle index": lambda row: (row["connection"] or {}).get("saddle_index"),
-        },
+            axis.label: row[axis.field],
+            "Hopf point in rad/s": row["hopf"],
+            "connection in rad/s": (row["connection"] or {}).get("spin"),
+            "first-order prediction in rad/s": row["prediction"],
+            "saddle index": (row["connection"] or {}).get("saddle_index"),
+        }
+        for row in rows
+    ]
+    table = Table.of(
+        shown,
         title=f"Hopf point and heteroclinic connection over {axis.field}",
         note=" ".join(
             f"{axis.field} = {row[axis.field]:g}: {row['reason']}."

@@ -93,17 +93,20 @@ def scene(*, problem: AnyProblem, formulation: EngineFormulation | None = None) 
         sum(map(attrgetter(name), items)) for name in ("coordinates", "equations", "idle")
     )
     functions = sum(len(each.user_functions) for each in items)
-    table = Table.of(
-        items,
+    rows: list[Any] = [
         {
-            "item": lambda item: f"{item.kind} {item.number}",
-            "engine type": lambda item: item.type,
-            "coordinates": lambda item: item.coordinates or None,
-            "equations": lambda item: item.equations or None,
-            "of them idle": lambda item: item.idle or None,
-            "user function": lambda item: ", ".join(item.user_functions) or None,
-            "why": lambda item: item.why,
-        },
+            "item": f"{item.kind} {item.number}",
+            "engine type": item.type,
+            "coordinates": item.coordinates or None,
+            "equations": item.equations or None,
+            "of them idle": item.idle or None,
+            "user function": ", ".join(item.user_functions) or None,
+            "why": item.why,
+        }
+        for item in items
+    ]
+    table = Table.of(
+        rows,
         title=f"{scene.scenario.name}, formulation {scene.built_as}",
         note=f"{coordinates} coordinates, {equations} algebraic equations ({equations - idle} "
         "constraints; an idle equation only says that an unused constraint force is zero), "

@@ -2,11 +2,11 @@
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from textwrap import wrap
-from typing import Any, TypeVar
+from typing import Any
 
 _GAP = "  "
 """Between columns of a text."""
@@ -17,8 +17,6 @@ _SHORT, _LONG = 16, 30
 _AT_SPACES: Mapping[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 Cell = str | float | int | bool | None
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,21 +40,10 @@ class Table:
     note: str = ""
 
     @classmethod
-    def of(
-        cls, items: Iterable[T], columns: Mapping[str, Callable[[T], Cell]], **texts: Any
-    ) -> "Table":
-        """Table with a row for each item.
-
-        Parameters
-        ----------
-        items : iterable
-        columns : mapping
-            From headings to functions that make the cells of an item.
-        **texts
-            All parameters but `columns` and `rows`.
-        """
-        rows = [[cell(each) for cell in columns.values()] for each in items]
-        return cls(columns=tuple(columns), rows=rows, **texts)
+    def of(cls, records: Sequence[Mapping[str, Cell]], title: str, note: str = "") -> "Table":
+        """Table of rows by their headings, of which there is one at least."""
+        rows = [tuple(each.values()) for each in records]
+        return cls(title=title, columns=tuple(records[0]), rows=rows, note=note)
 
     def records(self) -> list[dict[str, Cell]]:
         """Rows by their headings."""
