@@ -1,11 +1,13 @@
 """Result files: written whole or not at all, read with suspicion."""
 
+import csv
+import io
 import os
 import sys
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from shutil import copyfileobj
@@ -105,6 +107,22 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Write a file, text in UTF-8, whole or not at all; errors are those of `whole_file`."""
     with whole_file(path) as stream:
         stream.write(content.encode() if isinstance(content, str) else content)
+
+
+def write_csv(
+    path: str | os.PathLike[str], heads: Iterable[str], rows: Iterable[Iterable[Any]]
+) -> None:
+    """Write rows below their headings as comma-separated text; errors are those of `whole_file`.
+
+    All digits of a number are written, nothing for None, and no row is held for long.
+    """
+    with whole_file(path) as stream:
+        text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(heads)
+        writer.writerows(rows)
+        text.flush()
+        text.detach()
 
 
 def is_standard_output(path: str | os.PathLike[str]) -> bool:

@@ -1,7 +1,6 @@
 """The commands on stored motions, and a page to play with: `show`, `animate` and `play`."""
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 import validation
@@ -9,7 +8,7 @@ from analysis import StoredRun
 from validation.commands.options import stored_runs
 from validation.kit.differences import difference_table, fields_table
 from validation.kit.figures import comparison
-from validation.parser.files import CsvOut, PictureOut, Result, names_of, write
+from validation.parser.files import CsvOut, PictureOut, Result, names_of
 from validation.parser.kinds import AnimationOut, PageOut, Run, Runs, UserClasses
 
 
@@ -47,7 +46,7 @@ def show(
             "fields": apart.records(),
             "differences": differences.records(),
         },
-        csv=runs[0][1].to_csv if alone else partial(write, differences),
+        csv=(runs[0][1] if alone else differences).to_csv,
         draw=lambda: comparison(runs),
         notes=notes,
     )

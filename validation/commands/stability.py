@@ -1,7 +1,6 @@
 """The commands on linear stability: `eigenvalues` and `critical`."""
 
 from dataclasses import asdict, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from validation.commands.options import parse_spins
 from validation.kit import figures
 from validation.kit.progress import counted
 from validation.kit.tables import Table
-from validation.parser.files import Result, write
+from validation.parser.files import Result
 from validation.parser.kinds import PlainProblem, Spectrum, Spins
 
 _MODELS = {name: level for name, (level, _) in spectra.CLOSED.items()}
@@ -116,7 +115,7 @@ def critical(
             "reason": found.reason,
             "closed_form": asdict(closed) if closed else None,
         },
-        csv=partial(write, crossings),
+        csv=crossings.to_csv,
         draw=picture,
     )
 

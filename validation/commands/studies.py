@@ -2,7 +2,6 @@
 
 import textwrap
 from collections.abc import Iterator
-from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -12,7 +11,7 @@ from validation.kit.figures import against_limits
 from validation.kit.provenance import machine
 from validation.kit.tables import Table
 from validation.page.content import Verdict
-from validation.parser.files import Result, write
+from validation.parser.files import Result
 from validation.parser.kinds import Folder, Numbers, OtherFolder, Sections, TextOut
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ def report(
     limits = [(row["section"], row["value"], row["limit"], row["holds"]) for row in checks]
     return Result(
         values={"holds": made.holds, "verdicts": table.records(), "checks": checks},
-        csv=partial(write, table),
+        csv=table.to_csv,
         files=[(text, lambda path: write_whole(path, as_text(made)))],
         draw=lambda: against_limits(limits),
         notes=[*_lines(made, verbose=verbose), f"{said}. Open {made.page}"],

@@ -139,8 +139,7 @@ class Result:
         """
         from analysis.motion.files import is_standard_output
 
-        table = self.csv or (lambda path: write(self.tables[0], path))
-        files = [*self.files, (csv, table), (plot, self._draw)]
+        files = [*self.files, (csv, self.csv or self._write), (plot, self._draw)]
         asked = [(path, written) for path, written in files if path is not None]
         # Standard output comes last: where it is lost, all else is there.
         for path, written in sorted(asked, key=lambda each: is_standard_output(each[0])):
@@ -154,6 +153,9 @@ class Result:
         for line in (*(each.to_text(width) for each in tables), *self.notes):
             print(line)
         return self.code
+
+    def _write(self, path: Path) -> None:
+        self.tables[0].to_csv(path)
 
     def _draw(self, path: Path) -> None:
         if self.draw is not None:
@@ -170,13 +172,6 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     names = (os.fsencode(each).decode("utf-8", "replace") for each in told)
     mark = "\N{REPLACEMENT CHARACTER}"
     return ["".join(each if each.isprintable() else mark for each in name) for name in names]
-
-
-def write(table: Table, path: Path) -> None:
-    """Write a table as comma-separated text with all digits."""
-    from analysis.motion.files import write_whole
-
-    write_whole(path, table.to_csv())
 
 
 def save(figure: Any, path: Path) -> None:

@@ -1,7 +1,5 @@
 """Results of a sweep, read from its store."""
 
-import csv
-import io
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from analysis.motion.files import whole_file
+from analysis.motion import files
 from analysis.motion.outcomes import Column, OutcomeTable
 from analysis.problem.checks import Array
 from analysis.problem.limits import check_storage
@@ -169,11 +167,6 @@ def write_csv(store: str | os.PathLike[str], path: str | os.PathLike[str]) -> No
     ValueError
         If the store is none.
     """
-    with reading(store) as (file, _), whole_file(path) as stream:
+    with reading(store) as (file, _):
         rows = file.execute(_ROWS)
-        text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(name for name, *_ in rows.description)
-        writer.writerows(rows)
-        text.flush()
-        text.detach()
+        files.write_csv(path, (name for name, *_ in rows.description), rows)
