@@ -8,10 +8,8 @@ from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
 from validation.commands.options import announce_cases, checked_end, output_folder
 from validation.kit.tables import Table
-from validation.maps.panel import Panel, run_panel
-from validation.maps.problems import PROBLEMS, panels
-from validation.maps.refinement import expected_cases
-from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
+from validation.maps.panel import Panel, expected_cases, run_panel
+from validation.maps.problems import DISTANCES, PROBLEMS, panels, shifted_sweeps, uncertainty
 from validation.parser import kinds
 from validation.parser.files import PICTURES, Result, save
 from validation.sweeps.pools import Pool, open_pool

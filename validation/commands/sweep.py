@@ -103,16 +103,16 @@ def sweep(
     return Result(
         values=lambda: list(Results.load(out).rows()),
         csv=partial(write_csv, out),
-        draw=lambda: _pictures().draw(Results.load(out)),
+        draw=lambda: _pictures().draw_sweep(Results.load(out)),
         notes=[found],
     )
 
 
 def _pictures() -> Any:
     # Matplotlib takes half a second, which a sweep without a picture need not wait for.
-    from validation.maps import sweeps
+    from validation.maps import figures
 
-    return sweeps
+    return figures
 
 
 def _design(words: Sequence[str], file: Path | None, drawing: Mapping[str, Any]) -> Design:

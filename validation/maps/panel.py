@@ -1,8 +1,12 @@
-"""Panels of maps: grids of two axes, of which those cells have been run where outcomes change."""
+"""Panels of maps: grids of two axes, of which those cells are run that are worth it.
 
-from collections.abc import Iterable, Mapping
+That is coarsely everywhere, and finely where outcomes change.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +18,20 @@ from analysis import Scenario
 from analysis.motion.files import AnyArray
 from analysis.motion.outcomes import DONE
 from analysis.problem.checks import Array
-from validation.maps.refinement import Cell, refine
 from validation.sweeps.pools import Pool
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
 from validation.sweeps.store import Store
 from validation.sweeps.sweep import Sweep
+
+Cell = dict[str, Any]
+"""With its `number` on a grid of two axes, the last one fastest, and its `outcome`."""
+
+Run = Callable[[Iterable[int]], list[Cell]]
+"""Runs some cases; returns the cells of all that have been run so far."""
+
+_PER_CELL = 5
+"""Cases for each cell of a row or column that is halved, as in the maps of the report."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -135,6 +147,64 @@ def _least_upright_energy(scenario: Scenario) -> float:
     disk, gammas = scenario.disk, np.linspace(-np.pi, np.pi, 7201)
     heights = disk.clearance(np.pi / 2, gammas)[0] + disk.eccentricity * np.sin(gammas)
     return scenario.weight * float(np.min(heights))
+
+
+# --- Running ------------------------------------------------------------------------------------
+
+
+def refine(shape: Sequence[int], levels: int, run: Run) -> list[Cell]:
+    """Run a coarse grid, and halve its squares as long as one holds two outcomes.
+
+    What lies between the points of the coarse grid and touches no square with two outcomes, such
+    as an island smaller than one, is not found.
+
+    Parameters
+    ----------
+    shape : sequence of 2 int
+        Of the finest grid: cells * 2**levels + 1 along each axis.
+    levels : int
+        How often squares are halved.
+    run : callable
+        See `Run`.
+
+    Returns
+    -------
+    list of dict
+        Cells of all cases that have been run.
+    """
+    step = 2**levels
+    rows, columns = (range(0, size, step) for size in shape)
+    cells = run([row * shape[1] + column for row in rows for column in columns])
+    while step > 1:
+        # A boundary may leave a halved square through a side that looked uniform.
+        while missing := _missing(cells, shape, step):
+            cells = run(missing)
+        step //= 2
+    return cells
+
+
+def expected_cases(cells: int, levels: int) -> int:
+    """About as many cases as a map of usual boundaries runs, of which each level halves the cells.
+
+    A boundary passes some cells of each row and column, so that their number doubles with a level.
+    """
+    finest = cells << levels
+    return min((finest + 1) ** 2, (cells + 1) ** 2 + _PER_CELL * 2 * (finest - cells))
+
+
+def _missing(cells: Iterable[Cell], shape: Sequence[int], step: int) -> list[int]:
+    """Cases to run in squares of this size that hold more than one outcome."""
+    known = {cell["number"]: cell["outcome"] for cell in cells}
+    wanted: set[int] = set()
+    corners = (range(0, size - 1, step) for size in shape)
+    for row, column in product(*corners):
+        points = [
+            (row + down) * shape[1] + column + right
+            for down, right in product((0, step // 2, step), repeat=2)
+        ]
+        if len({known[point] for point in points if point in known}) > 1:
+            wanted.update(point for point in points if point not in known)
+    return sorted(wanted)
 
 
 def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0) -> Panel:

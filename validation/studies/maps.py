@@ -11,10 +11,16 @@ import pandas as pd
 from analysis import Scenario
 from analysis.problem.checks import Array
 from validation.maps import figures
-from validation.maps.panel import Panel, cell
-from validation.maps.problems import PROBLEMS, critical_points, panels
-from validation.maps.refinement import refine
-from validation.maps.uncertainty import DISTANCES, Uncertainty, shifted_sweeps, uncertainty
+from validation.maps.panel import Panel, cell, refine
+from validation.maps.problems import (
+    DISTANCES,
+    PROBLEMS,
+    Uncertainty,
+    critical_points,
+    panels,
+    shifted_sweeps,
+    uncertainty,
+)
 from validation.page.content import Content, Rows, Verdict
 from validation.studies.claims.grades import grade
 from validation.study import Check, Row, Study, at_most, relative

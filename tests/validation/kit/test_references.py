@@ -14,8 +14,7 @@ from analysis.motion.endings import CONTACT_WOULD_PULL, Ending
 from analysis.problem.checks import Array
 from tests.helpers import not_none
 from validation.kit.differences import deviation, ending_error, energy_error
-from validation.kit.located import up_to_ending
-from validation.kit.references import Reference, reference
+from validation.kit.references import Reference, reference, up_to_ending
 from validation.kit.ways import StepLimit, Way, WorkLimitError
 
 TREE = Way("engine", "contact-tree", "RK67")

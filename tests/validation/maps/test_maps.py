@@ -20,10 +20,15 @@ from tests.helpers import not_none
 from tests.sweeps import direct
 from validation.maps import figures, problems
 from validation.maps import panel as room
-from validation.maps.panel import became, cell, run_panel
-from validation.maps.problems import PROBLEMS, critical_points, panels
-from validation.maps.refinement import refine
-from validation.maps.uncertainty import DISTANCES, shifted_sweeps, uncertainty
+from validation.maps.panel import became, cell, refine, run_panel
+from validation.maps.problems import (
+    DISTANCES,
+    PROBLEMS,
+    critical_points,
+    panels,
+    shifted_sweeps,
+    uncertainty,
+)
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
 

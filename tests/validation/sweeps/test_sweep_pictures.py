@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis import Scenario
 from tests.sweeps import sweep, swept
-from validation.maps.sweeps import check_drawable, draw
+from validation.maps.figures import check_drawable, draw_sweep
 from validation.sweeps.results import Results
 from validation.sweeps.sweep import Sweep
 
@@ -18,7 +18,7 @@ NINE = ("mu", "eps", "spin", "alpha", "beta", "gamma", "beta-rate", "gamma-rate"
 
 def drawn(wanted: Sweep, folder: Path) -> tuple[Figure, Results]:
     results = swept(wanted, folder / "a.db")
-    return draw(results), results
+    return draw_sweep(results), results
 
 
 def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) -> None:
@@ -31,7 +31,7 @@ def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) ->
         np.testing.assert_array_equal(line.get_ydata(), results.columns[name])
     assert forces.get_xlabel() == "friction coefficient μ"
     random = sweep("spin=30:40", layout={"layout": "random", "number": 4})
-    figure = draw(swept(random, tmp_path / "b.db"))
+    figure = draw_sweep(swept(random, tmp_path / "b.db"))
     assert np.all(np.diff(np.asarray(figure.axes[0].lines[0].get_xdata(), dtype=float)) > 0.0)
 
 
@@ -75,7 +75,7 @@ def test_names_are_drawn_at_their_places(tmp_path: Path) -> None:
     assert [each.get_text() for each in forces.get_xticklabels()] == ["4", "1"]
     np.testing.assert_array_equal(spins.lines[0].get_xdata(), [0, 1])
     np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
-    pairs = draw(swept(sweep("law=tanh,smooth-coulomb", "mu=0.1:0.3:3"), tmp_path / "b.db"))
+    pairs = draw_sweep(swept(sweep("law=tanh,smooth-coulomb", "mu=0.1:0.3:3"), tmp_path / "b.db"))
     below = pairs.axes[2]
     assert [each.get_text() for each in below.get_xticklabels()] == ["tanh", "smooth-coulomb"]
     points = np.asarray(below.collections[0].get_offsets())

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from validation.kit import located, references  # noqa: F401 # the text names their limits
+from validation.kit import references  # noqa: F401 # the text names their limits
 from validation.page.content import Content, Rows, Verdict
 from validation.page.section import power
 from validation.studies.robustness import conservation, outcomes, penalty, steps
