@@ -157,12 +157,9 @@ def make(
         If there is no section of a name.
     """
     begin = time.perf_counter()
-    wanted = {find(name) for name in only or (name for *_, names in pages for name in names)}
-    on_pages = [
-        (path, title, [module for module in map(find, names) if module in wanted])
-        for path, title, names in pages
-    ]
-    modules = [module for *_, some in on_pages for module in some]
+    wanted = {find(name) for name in only}
+    named = [find(name) for *_, names in pages for name in names]
+    modules = [module for module in named if module in wanted or not only]
     studies = {study.name: study for module in modules for study in module.STUDIES}
     # What measures times runs last, beside its like.
     ordered = sorted(studies.values(), key=lambda study: study.timed)
@@ -170,9 +167,9 @@ def make(
     found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
     sections = dict(zip(modules, _sections(modules, found, folder, results, workers), strict=True))
     shown = [
-        {"path": path, "title": title, "sections": [sections[module] for module in some]}
-        for path, title, some in on_pages
-        if some
+        {"path": path, "title": title, "sections": some}
+        for path, title, names in pages
+        if (some := [sections[module] for module in map(find, names) if module in sections])
     ]
     report = Report(page=folder / str(shown[0]["path"]), sections=list(sections.values()))
     made = f"Made in {time.perf_counter() - begin:.0f} s; {in_a_line(provenance())}."

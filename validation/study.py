@@ -55,8 +55,8 @@ class Study:
         Returns the cases by label; each is the argument of one call of `measure`.
     measure : callable
         From a case to its rows, at least one, in an order of their own: measured again, a row is
-        compared with that in its place. What may fail by itself has a column `failure`, empty
-        where it did not; anything raised is a crash. Importable by its name, for worker processes.
+        compared with that in its place. What fails by itself has None for what it lacks; anything
+        raised is a crash. Importable by its name, for worker processes.
     sample : sequence of str
         Labels of the cases that are measured again. With some, the table comes with the package;
         without, all cases are measured for each report.
@@ -168,7 +168,7 @@ def measured(
         If the folder cannot be written, or another process works in it.
     """
     studies = {task.study.name: task.study for task in tasks}
-    hang_on = {name: json.dumps(identity(study)) for name, study in studies.items()}
+    hang_on = {name: _hang_on(study) for name, study in studies.items()}
     found: Found = {}
     with _kept(folder) as file:
         for task in tasks if not fresh else ():
@@ -208,15 +208,10 @@ def _kept(folder: Path) -> Iterator[sqlite3.Connection]:
         raise OSError(f"{folder} cannot be written to now: {reason}") from error
 
 
-def identity(study: Study) -> Row:
+def _hang_on(study: Study) -> str:
     """What the results of a study hang on, beside its cases."""
-    return {
-        "code": behind(study.measure.__module__),
-        "versions": versions(*PACKAGES),
-        "machine": machine(),
-        "engine": os.environ.get("EXUDYN_MODULE", ""),
-        "rests on": study.rests_on,
-    }
+    code, engine = behind(study.measure.__module__), os.environ.get("EXUDYN_MODULE", "")
+    return json.dumps([code, versions(*PACKAGES), machine(), engine, study.rests_on])
 
 
 def _run(
@@ -381,10 +376,6 @@ def _compared(
     """Checks of the rows of one case; a number that is none holds nothing."""
     yield equal(f"{name}: rows", len(fresh), len(stored))
     both = list(zip(fresh, stored, strict=False))
-    if any("failure" in known for _, known in both):
-        other = sum(bool(row.get("failure")) != bool(known["failure"]) for row, known in both)
-        yield at_most(f"{name}: fail on one side only", other, 0)
-        both = [(r, k) for r, k in both if not r.get("failure") and not k["failure"]]
     for column, limit in study.confirm.items():
         found = [_apart(row.get(column), known.get(column), known, limit) for row, known in both]
         worst = max(found, key=lambda each: each[0] - each[1], default=(0.0, 0.0))

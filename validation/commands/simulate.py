@@ -12,7 +12,7 @@ from analysis.problem.limits import REST_SPACING, check_storage
 from analysis.problem.names import ArgumentError
 from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
-from validation.kit.figures import comparison
+from validation.kit.figures import comparison, draw_story
 from validation.kit.progress import progress_bar
 from validation.kit.tables import Table
 from validation.parser.commands import Group
@@ -20,7 +20,6 @@ from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, MotionOut
 from validation.parser.runs import RunOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
-from validation.studies.rest.figures import draw_story
 from validation.sweeps.case import outcome
 
 

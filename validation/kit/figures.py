@@ -4,13 +4,14 @@ Matplotlib, which takes half a second, is loaded when one is made.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis import Body, SpatialMotion, StoredRun, Trajectory
+from analysis import CAUSES, Body, Phases, SpatialMotion, StoredRun, Trajectory
 from analysis.motion.frames import poses, quaternions
 from analysis.problem.checks import Array
 
@@ -46,6 +47,14 @@ SPIN = "spinning speed Ω in rad/s"
 
 WIDTH = 5.8
 """Of a figure in inches, such that its letters can be read on a telephone."""
+
+_SHADES = (
+    "#0072b2", "#56b4e9", "#000000", "#d55e00", "#e69f00", "#f0e442", "#cc79a7", "#009e73"
+)  # fmt: skip
+"""Okabe and Ito's palette: kinetic, potential, then the causes."""
+
+_CROWDED = 0.05
+"""Part of the time within which the names of two phases would lie on each other."""
 
 _PARTS = 1e-6, 100.0
 """Of a limit, from the least to the largest that is drawn."""
@@ -219,3 +228,47 @@ def _compared(run: StoredRun, *, spatial: bool) -> tuple[Array, Array, Array, Ar
         return run.tilt, run.cog_height, run.poses.angular_velocities[:, 2], run.normal_force
     assert isinstance(run, Trajectory)
     return run.coordinate("beta"), run.coordinate("gamma"), run.spin, run.normal_force
+
+
+def draw_story(motion: SpatialMotion) -> "Figure":
+    """Draw tilt, COG height, spin, energies and contact force, one below the other."""
+    figure, axes = new_figure(5, height=11.0)
+    times = motion.times
+    lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, motion.normal_force)
+    for row, values, width in zip((0, 1, 2, 4), lines, (1.5, 1.5, 1.5, 0.5), strict=True):
+        axes[row].plot(times, values, color=COLOURS[0], linewidth=width)
+    # Room above for the names of the phases.
+    axes[0].set(ylabel="tilt β in °", ylim=(0, 250), yticks=range(0, 181, 45))
+    axes[1].set(ylabel="COG height in mm", ylim=(0, None))
+    axes[2].set(ylabel="vertical spin in rad/s")
+    axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
+    potential = motion.energies[:, 1:].sum(axis=1)
+    parts = np.column_stack((motion.energies[:, 0], potential, motion.dissipated))
+    used = [i for i in range(parts.shape[1]) if i < 2 or parts[-1, i] > 1e-6 * parts[0].sum()]
+    labels = ["kinetic", "potential", *(cause.replace("_", " ") for cause in CAUSES)]
+    shades = [_SHADES[i] for i in used]
+    axes[3].stackplot(times, parts[:, used].T, labels=[labels[i] for i in used], colors=shades)
+    axes[3].set(ylabel="energy in J")
+    legend_above(axes[3], size=8)
+    _mark_phases(motion.phases, axes, times[-1])
+    return figure
+
+
+def _mark_phases(phases: Phases, panels: Sequence[Any], end: float) -> None:
+    """Draw dotted lines where phases begin, named in the first of the axes."""
+    known = {name: begin for name, begin in asdict(phases).items() if begin is not None}
+    for name, begin in known.items():
+        for panel in panels:
+            panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
+        # A name goes to the left of its line where another one follows closely.
+        crowded = any(0.0 < each - begin < _CROWDED * end for each in known.values())
+        panels[0].text(
+            begin,
+            0.98,
+            name.replace("_", " "),
+            ha="right" if crowded else "left",
+            transform=panels[0].get_xaxis_transform(),
+            rotation=90,
+            va="top",
+            fontsize=7,
+        )

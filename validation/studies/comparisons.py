@@ -333,17 +333,9 @@ def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
 
 def _rest(scene: Scene, end: float) -> Found:
     """Largest `SpatialMotion.deviation` on the way to rest."""
-    engine, inhouse = (
-        run_to_rest(
-            scene.scenario,
-            end,
-            source=source,
-            spacing=0.01 * end,
-            tolerance=tolerance,
-            time_limit=LIMIT,
-        )
-        for source, tolerance in (("engine", REST_LIMIT), ("in-house", 0.1 * REST_LIMIT))
-    )
+    to_rest = partial(run_to_rest, scene.scenario, end, spacing=0.01 * end, time_limit=LIMIT)
+    engine = to_rest(source="engine", tolerance=REST_LIMIT)
+    inhouse = to_rest(source="in-house", tolerance=0.1 * REST_LIMIT)
     late = TIME_LIMIT in (_reason(engine), _reason(inhouse))
     if not late and (engine.rest_time is None) != (inhouse.rest_time is None):
         resting = f"at rest from: engine {engine.rest_time}, in-house {inhouse.rest_time} s"

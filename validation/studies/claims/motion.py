@@ -45,8 +45,13 @@ def measures(run: Trajectory) -> Row:
     kinetic, potential = energies(run.scenario, run.coordinates, run.rates)
     force = run.normal_force / run.scenario.weight
     rising = times <= (run.inversion_time or times[-1])
-    place, velocity, slip = paths(run)
-    away = np.linalg.norm(place - place[0], axis=1)
+    positions, _, velocities, turning = run.poses
+    slip = velocities + np.cross(turning, run.contact_points - positions)
+    away = np.linalg.norm((run.cog_positions - run.cog_positions[0])[:, :2], axis=1)
+    cog_speed, slip_speed = (
+        np.sqrt(np.mean(np.sum(each[rising, :2] ** 2, axis=1)))
+        for each in (run.cog_velocities, slip)
+    )
     end = run.inversion.lost or times[-1]
     return {
         "inverted": run.inversion_time,
@@ -67,21 +72,14 @@ def measures(run: Trajectory) -> Row:
         "lost": kinetic[0] - kinetic[later],
         "away_early": np.max(away[: later + 1]),
         "away": np.max(away),
-        "cog_speed": np.sqrt(np.mean(np.sum(velocity[rising] ** 2, axis=1))),
-        "slip_speed": np.sqrt(np.mean(np.sum(slip[rising] ** 2, axis=1))),
+        "cog_speed": cog_speed,
+        "slip_speed": slip_speed,
     }
 
 
 def first(times: Array, holds: Array) -> float:
     """First time in s at which something holds; inf if it never does."""
     return float(times[np.argmax(holds)]) if np.any(holds) else inf
-
-
-def paths(run: Trajectory) -> tuple[Array, Array, Array]:
-    """Horizontal place and velocity of the COG and the slip, inertial, shape (n, 2) each."""
-    positions, _, velocities, turning = run.poses
-    slip = velocities + np.cross(turning, run.contact_points - positions)
-    return run.cog_positions[:, :2], run.cog_velocities[:, :2], slip[:, :2]
 
 
 def long_run(level: Level) -> list[Row]:

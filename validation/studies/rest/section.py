@@ -1,17 +1,19 @@
 """The way to rest: both sides, what it depends on, where the energy goes, and what is beside."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from analysis import RestCriterion, SpatialMotion
 from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
+from validation.kit.figures import COLOURS, draw_story
 from validation.kit.limits import largest
 from validation.page.content import Content, Rows, Verdict
-from validation.studies.rest import closed_forms, creep, figures, runs, starts
+from validation.studies.rest import closed_forms, creep, runs, starts
 from validation.studies.rest.runs import ENGINE, INHOUSE, PHASES, SHOWN, SLIDING, TAKEN, VARIANTS
 from validation.study import Check, Row, at_most
 
@@ -44,6 +46,9 @@ COMPARED: dict[str, tuple[str, dict[str, float]]] = {
     "rim half as thick": (INHOUSE[SHOWN], {"phases in s": 0.2}),
 }
 """What each run is compared with, and by how much it may differ."""
+
+_DOT = 20
+"""Every so many samples of the engine's tilt are drawn."""
 
 
 def shift(one: Row, other: Row) -> float:
@@ -106,11 +111,10 @@ def present(rows: Rows) -> Content:
         scenario=runs.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
     )
     title, caption = "The whole way to rest", f"In-house: sliding, {SHOWN}."
-    tilt, spacing = courses[ENGINE[SHOWN]]["tilt"], runs.EVERY * runs.SPACING
     content = Content(
         numbers=numbers(courses),
         tables={"phases": phases(table, differences(courses)), "budget": budget(table)},
-        figures={"story": figures.story(shown, tilt, spacing)},
+        figures={"story": story(shown, courses[ENGINE[SHOWN]]["tilt"])},
         animations={"animation": shown.animate(title=title, caption=caption)},
         checks=checks(courses),
         verdicts=[verdict(courses)],
@@ -118,6 +122,17 @@ def present(rows: Rows) -> Content:
     for each in _BESIDE:
         content |= each.present(rows[each.STUDY.name])
     return content
+
+
+def story(motion: SpatialMotion, tilt: Sequence[float]) -> Figure:
+    """The whole story over time, with the tilt of the engine's run."""
+    figure = draw_story(motion)
+    dots = np.arange(0, len(tilt), _DOT)
+    look: Any = {"color": COLOURS[2], "linestyle": "", "marker": ".", "markersize": 4}
+    panel = figure.axes[0]
+    panel.plot(runs.EVERY * runs.SPACING * dots, np.degrees(tilt)[dots], label="engine", **look)
+    panel.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
+    return figure
 
 
 def checks(courses: Mapping[str, Row]) -> list[Check]:

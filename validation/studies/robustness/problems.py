@@ -23,6 +23,7 @@ from analysis import (
     Table,
 )
 from analysis.problem.checks import Array
+from analysis.problem.disk import STEEL_RING
 from validation.page.section import power
 
 TOLERANCE = 1e-6
@@ -117,10 +118,9 @@ def _scaled(radius: float) -> Mapping[str, Any]:
     angles of the motion are those of the original.
     """
     scale = radius / _RADIUS
-    lengths = {"hole_radius": 0.015, "hole_distance": 0.02, "thickness": 0.01}
-    ring = {name: length * scale for name, length in lengths.items()}
+    lengths = {name: STEEL_RING[name] * scale for name in STEEL_RING.keys() - {"density"}}
     return {
-        "disk": Disk.ring(radius=radius, **ring, density=7700.0),
+        "disk": Disk.ring(**lengths | {"radius": radius}),
         "friction": SmoothCoulomb(smoothing=0.1 * sqrt(scale)),
         "start": Start(spin=40.0 / sqrt(scale)),
         "end": 0.5 * sqrt(scale),

@@ -65,15 +65,11 @@ def measure(place: Place) -> list[Row]:
     scene, rows = Scene(scenario, TREES[quantity]), []
     for integrator in EXPLICIT:
         step = min(largest_step(integrator, each) for each in decays)
-        row: Row = {
-            "quantity": quantity,
-            "value": value,
-            "integrator": integrator,
-            "predicted": step,
-        }
-        for side, part in (("below", 1.0 - NEAR), ("above", 1.0 + NEAR)):
-            row[side] = is_stable(scene, integrator, part * step, speed)
-        rows.append(row)
+        below, above = (
+            is_stable(scene, integrator, part * step, speed) for part in (1.0 - NEAR, 1.0 + NEAR)
+        )
+        row: Row = {"quantity": quantity, "value": value, "integrator": integrator}
+        rows.append(row | {"predicted": step, "below": below, "above": above})
     return rows
 
 

@@ -86,7 +86,9 @@ STUDIES = (REFERENCES, CURVES)
 def present(rows: Rows) -> Content:
     """Tables, diagrams and the lesson."""
     references, runs = rows[REFERENCES.name], prepared(rows[CURVES.name])
-    least, to_goals, fastest = floors(references), asked(runs), ways(runs)
+    # The smallest error that can be measured on each problem.
+    least = (SAFETY * references.groupby("case")["difference"].min()).to_dict()
+    to_goals, fastest = asked(runs), ways(runs)
     numbers, found = _lesson(runs, to_goals), orders(runs, least)
     return Content(
         numbers=numbers,
@@ -185,12 +187,6 @@ def prepared(runs: pd.DataFrame) -> pd.DataFrame:
         milliseconds=1e3 * runs["seconds"],
         failed=runs["failure"] != "",
     )
-
-
-def floors(references: pd.DataFrame) -> dict[str, float]:
-    """Smallest error that can be measured on each problem."""
-    least = references.groupby("case")["difference"].min()
-    return {str(problem): SAFETY * float(value) for problem, value in least.items()}
 
 
 def cheapest(runs: pd.DataFrame, by: Sequence[str], cost: str = "seconds") -> pd.DataFrame:
