@@ -30,7 +30,6 @@ from analysis import (
     Trajectory,
     simulate_many,
 )
-from analysis.problem.checks import Array
 from analysis.simulation.compiled.library import is_installed
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
@@ -207,30 +206,24 @@ def ensembles(repeats: int) -> Iterator[Check]:
     list: a Scenario and a Trajectory for each. To 1e-6 rad: with the second run that checks it.
     One run each: local tolerance 1e-9.
     """
+
+    def many(formulation: Formulation, made: Callable[[], Any], how: How) -> object:
+        return simulate_many(made(), TIMES, formulation=formulation, workers=1, **how)
+
     for scenario, formulation, size in COMPILED:
         base, spins = replace(scenario, start=Start(beta=1.5)), np.linspace(34.0, 50.0, size)
-
-        def made(base: Scenario = base, spins: Array = spins) -> Ensemble:
-            return Ensemble(scenario=base, fields={"spin": spins})
-
-        def many(
-            members: Any = None, formulation: Formulation = formulation, **how: Any
-        ) -> object:
-            found: object = simulate_many(
-                members or made(), TIMES, formulation=formulation, workers=1, **how
-            )
-            return found
-
-        members = list(made())
-        calls: tuple[tuple[str, Timed, int], ...] = (
-            ("pure to 1e-6 rad", partial(many, members[:4], method="DOP853", tolerance=1e-6), 4),
-            ("compiled to 1e-6 rad", partial(many, method="taylor", tolerance=1e-6), size),
-            ("one run each, from a list", partial(many, members, **COMPILED_RUN), size),
-            ("one run each", partial(many, **COMPILED_RUN), size),
-        )
-        times = milliseconds(*(call for _, call, _ in calls), repeats=repeats)
-        for (label, _, count), taken in zip(calls, times, strict=True):
-            yield measured(f"{scenario.name}: {label}", 1e3 * count / taken, "1/s")
+        anew = partial(Ensemble, scenario=base, fields={"spin": spins})
+        members = list(anew())
+        ways: dict[str, tuple[Callable[[], Any], How]] = {
+            "pure to 1e-6 rad": (members[:4].copy, {"method": "DOP853", "tolerance": 1e-6}),
+            "compiled to 1e-6 rad": (anew, {"method": "taylor", "tolerance": 1e-6}),
+            "one run each, from a list": (members.copy, COMPILED_RUN),
+            "one run each": (anew, COMPILED_RUN),
+        }
+        calls = (partial(many, formulation, *way) for way in ways.values())
+        times = milliseconds(*calls, repeats=repeats)
+        for (label, (made, _)), taken in zip(ways.items(), times, strict=True):
+            yield measured(f"{scenario.name}: {label}", 1e3 * len(made()) / taken, "1/s")
 
 
 def basin(repeats: int) -> Iterator[Check]:
@@ -242,10 +235,10 @@ def basin(repeats: int) -> Iterator[Check]:
     fields = {"gamma": gamma.ravel(), "beta": beta.ravel()}
     times = np.linspace(0.0, 4.0, 801)
 
-    def judge() -> None:
-        starts = Ensemble(scenario=scenario, fields=fields)
-        how: Any = {"formulation": "reduced", "tolerance": 1e-6, "workers": 1}
-        _ = simulate_many(starts, times, **how).inversions.outcomes
+    def judge() -> object:
+        starts, how = Ensemble(scenario=scenario, fields=fields), {"formulation": "reduced"}
+        found = simulate_many(starts, times, tolerance=1e-6, workers=1, **how)
+        return found.inversions.outcomes
 
     (taken,) = milliseconds(judge, repeats=min(repeats, 3))
     yield measured("10,000 starts of the reduced system", 1e-3 * taken, "s", 10.0)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -13,6 +13,9 @@ from validation.study import Check
 
 Rows = Mapping[str, pd.DataFrame]
 """Tables of studies by their names."""
+
+Judged = dict[str, Any]
+"""What was measured for a statement, by names that the text uses, and its `verdict`."""
 
 
 class Verdict(NamedTuple):
@@ -41,6 +44,17 @@ class Verdict(NamedTuple):
     def good(self) -> bool:
         """Whether the answer is the one that is hoped for."""
         return self.answer == self.hoped
+
+
+def grade(*, yes: bool, partly: bool = False) -> Literal["yes", "partly", "no"]:
+    """Whether a statement holds, in part or not."""
+    return "yes" if yes else "partly" if partly else "no"
+
+
+def within(value: float, yes: float, partly: float = -1.0) -> Judged:
+    """Judge a size by the limits for both words; not a number meets none."""
+    verdict = grade(yes=bool(value <= yes), partly=bool(value <= partly))
+    return {"value": value, "yes": yes, "partly": partly, "verdict": verdict}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

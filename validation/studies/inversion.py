@@ -14,7 +14,7 @@ from analysis.motion.quantities import filled
 from analysis.problem.choices import SOURCES, Source
 from validation.kit.differences import deviation
 from validation.kit.figures import MARKERS, comparison, draw_still, legend_above, new_figure
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Rows, Verdict, grade
 from validation.page.section import power
 from validation.run import run
 from validation.study import Row, Study, at_most
@@ -129,7 +129,7 @@ def present(rows: Rows) -> Content:
         verdicts=[
             Verdict(
                 statement="The disk turns itself upside down.",
-                answer="yes" if len(times) == len(NAMES) else "partly" if times else "no",
+                answer=grade(yes=len(times) == len(NAMES), partly=bool(times)),
                 numbers=f"From Table 3, at {Start().spin:g} rad/s, {len(times)} of {len(NAMES)} "
                 f"models are inverted, after {listed} s; engine and in-house equations stay "
                 f"within {power(apart[ANGLES].max())} rad of each other.",

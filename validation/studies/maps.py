@@ -21,8 +21,7 @@ from validation.maps.problems import (
     shifted_sweeps,
     uncertainty,
 )
-from validation.page.content import Content, Rows, Verdict
-from validation.studies.claims.grades import grade
+from validation.page.content import Content, Rows, Verdict, grade
 from validation.study import Check, Row, Study, at_most, relative
 from validation.sweeps.case import run_case
 from validation.sweeps.sweep import Sweep

@@ -16,7 +16,7 @@ from analysis.mechanics import paper
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES
 from mbs_models import Scene
-from validation.studies.claims.grades import Judged, grade, within
+from validation.page.content import Judged, grade, within
 from validation.studies.comparisons import solutions
 from validation.study import Check, Row, at_most
 

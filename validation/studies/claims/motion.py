@@ -9,9 +9,9 @@ import pandas as pd
 
 from analysis import LEVELS, MODELS, Level, Scenario, Trajectory, energies
 from analysis.problem.checks import Array
+from validation.page.content import Judged, grade, within
 from validation.run import run as run_scenario
 from validation.studies import inversion
-from validation.studies.claims.grades import Judged, grade, within
 from validation.study import Check, Row, Study, equal
 
 UPRIGHT = np.pi / 2

@@ -9,8 +9,8 @@ import pandas as pd
 from analysis import ConstraintSet, Scenario, SmoothCoulomb, Start
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES
+from validation.page.content import Judged, within
 from validation.run import run
-from validation.studies.claims.grades import Judged, within
 from validation.study import Check, Row, Study, at_most, equal
 
 SPINS = (20.0, 30.0, 40.0, 60.0, 80.0, 100.0)

@@ -2,10 +2,9 @@
 
 from collections import Counter
 
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Judged, Rows, Verdict
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
-from validation.studies.claims.grades import Judged
 
 TITLE = "What the paper says"
 STUDIES = (

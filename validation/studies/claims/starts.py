@@ -22,8 +22,8 @@ from analysis.motion.inversion import STAYING
 from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
 from validation.kit import figures
+from validation.page.content import Judged, grade
 from validation.run import run
-from validation.studies.claims.grades import Judged, grade
 from validation.study import Check, Row, Study, equal
 
 END = 10.0

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from analysis.problem.choices import FORMULATIONS
 from mbs_models.integrators import RULES
 from validation.kit.figures import new_figure
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Rows, Verdict, grade
 from validation.page.section import power, sig, span
 from validation.studies.work_precision import problems
 from validation.studies.work_precision.measuring import (
@@ -152,7 +152,7 @@ def _verdict(ratios: "pd.Series[float]") -> Verdict:
     faster = int((ratios > 1.0).sum())
     return Verdict(
         statement="Closing the contact by topology is the engine's fastest way to run Model 1.",
-        answer="yes" if faster == len(ratios) else "partly" if faster else "no",
+        answer=grade(yes=faster == len(ratios), partly=faster > 0),
         numbers=f"The fastest formulation that keeps a constraint takes {span(ratios)} times as "
         f"long, in {faster} of {len(ratios)} cases of problem and goal more.",
         criterion="yes if it is so for every problem and every goal that both reach.",
