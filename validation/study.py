@@ -108,26 +108,26 @@ class Task(NamedTuple):
         return self.study.name, self.label
 
 
+Where = Literal["fresh", "stored"]
+"""Measured on the spot, or taken from a stored table."""
+
+
 class Check(NamedTuple):
-    """Something that has to hold, measured on the spot or taken from a stored table."""
+    """Something that has to hold, and where it comes from."""
 
     name: str
     value: object
     limit: object
-    where: Literal["fresh", "stored"]
+    where: Where
     holds: bool
 
 
-def at_most(
-    name: str, value: float | None, limit: float, where: Literal["fresh", "stored"] = "fresh"
-) -> Check:
+def at_most(name: str, value: float | None, limit: float, where: Where = "fresh") -> Check:
     """Check that a finite number does not exceed a finite limit."""
     return Check(name, value, limit, where, holds(value, limit))
 
 
-def equal(
-    name: str, value: object, wanted: object, where: Literal["fresh", "stored"] = "fresh"
-) -> Check:
+def equal(name: str, value: object, wanted: object, where: Where = "fresh") -> Check:
     """Check that something is what it has to be; not a number is equal to nothing."""
     return Check(name, value, wanted, where, bool(value == wanted))
 

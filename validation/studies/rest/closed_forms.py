@@ -103,7 +103,7 @@ def cases() -> dict[str, Rolling | str]:
 
 
 def measure(case: Rolling | str) -> list[Row]:
-    """Quantities with their closed forms: of what rolls on both sides, else in-house."""
+    """Quantities and their closed forms (`exact`): of what rolls on both sides, else in-house."""
     if isinstance(case, str):
         return [{"source": "in-house", **row} for row in _last_moments(case)]
     scenario = replace(ON_TABLE, start=case.start)
@@ -139,12 +139,7 @@ def _last_moments(case: str) -> list[Row]:
     return [{"quantity": q, "exact": e, "value": v} | fit for q, e, v in found]
 
 
-STUDY = Study(
-    name="rest-closed",
-    cases=cases,
-    measure=measure,
-    columns={"exact": "by a closed form"},
-)
+STUDY = Study(name="rest-closed", cases=cases, measure=measure)
 
 
 # --- What is shown ------------------------------------------------------------------------------

@@ -174,4 +174,4 @@ STUDY = Study(
     | dict.fromkeys(TAKEN, 1e-6),
     columns=COLUMNS,
 )
-FRESH = Study(name="rest-fresh", cases=fresh_cases, measure=measure, columns=COLUMNS)
+FRESH = Study(name="rest-fresh", cases=fresh_cases, measure=measure)

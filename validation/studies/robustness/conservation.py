@@ -136,12 +136,7 @@ COLUMNS = {
     "momentum": "horizontal momentum / (mass · rim speed)",
     "spin": "vertical angular momentum about the COG, relative",
 }
-STUDY = Study(
-    name="robustness-conservation",
-    cases=lambda: DRIFTING | FREE,
-    measure=measure,
-    columns=COLUMNS,
-)
+STUDY = Study(name="robustness-conservation", cases=lambda: DRIFTING | FREE, measure=measure)
 
 _DRIFT = ["case", "position", "allowed", "growth", "velocity", "energy"]
 

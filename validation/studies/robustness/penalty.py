@@ -34,6 +34,13 @@ def measure(case: tuple[float, Load]) -> list[Row]:
 
     The disk starts at its resting penetration. The normal force at the start of Model 1 is
     not quite the weight, so a small bounce is left, which the damping takes away.
+
+    Returns
+    -------
+    list of dict
+        A row with the largest differences from Model 1 of beta and gamma in rad (`angles`) and,
+        once it has settled, of the normal force in N (`normal_force`); and the run's own
+        `estimate`, of its integration, in rad.
     """
     stiffness, load = case
     ideal = Scenario(friction=SmoothCoulomb(load=load))
@@ -60,11 +67,6 @@ STUDY = Study(
         f"{each:g} N/m, load {load}": (each, load) for each, load in product(STIFFNESSES, LOADS)
     },
     measure=measure,
-    columns={
-        "angles": "largest difference of beta and gamma from Model 1 in rad",
-        "normal_force": "largest difference in N once it has settled",
-        "estimate": "the run's own, of its integration, in rad",
-    },
 )
 
 

@@ -1,4 +1,4 @@
-"""Measuring one method on one problem: its ladder, and what is derived from it.
+"""What is measured: problems with their references, and methods on them along a ladder.
 
 Nothing here looks at a clock to decide anything: ladders end by errors and by counted work, so
 that every machine makes the same runs.
@@ -7,6 +7,7 @@ that every machine makes the same runs.
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from math import inf
 from typing import Any, NamedTuple, cast
 
@@ -14,19 +15,110 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import Trajectory
+from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.problem.choices import ACCELERATED, FORMULATIONS, Source
 from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
 from validation.kit.ways import Way
-from validation.studies.work_precision.problems import (
-    PROBLEMS,
-    SPACING,
-    TIMES,
-    errors,
-    reference,
+from validation.study import Row, Study, relative
+
+# --- Problems -----------------------------------------------------------------------------------
+
+SPACING = 0.02
+"""Time between samples, and so the longest step, in s."""
+
+TIMES = np.linspace(0.0, 2.0, 101)
+"""Times in s at which every run is sampled and compared."""
+
+SAFETY = 100.0
+"""Errors below this many times the references' disagreement are not told apart from it."""
+
+_PROBLEMS: dict[str, tuple[str, dict[str, Any]]] = {
+    **{f"model-{n}": (f"Model {n}", {"constraints": held}) for n, held in MODELS.items()},
+    "contact-load": (
+        "Model 1, friction knows the contact force",
+        {"friction": SmoothCoulomb(load="contact")},
+    ),
+    "stiff": ("Model 1, stiff: ε = 1e-3 m/s", {"friction": SmoothCoulomb(smoothing=1e-3)}),
+    "undamped": ("Model 1, undamped: μ = 0", {"friction": SmoothCoulomb(coefficient=0.0)}),
+    "fast": ("Model 1, fast: spin 100 rad/s", {"start": Start(spin=100.0)}),
+}
+TITLES = {name: title for name, (title, _) in _PROBLEMS.items()}
+PROBLEMS = {name: Scenario(**changes) for name, (_, changes) in _PROBLEMS.items()}
+"""Motions over 2 s from Table 3, each with one thing changed."""
+
+_REFERENCE_TOLERANCE = 3e-14
+"""Local tolerance of the references, the tightest there is."""
+
+_SUBSTEPS = {"stiff": 256, "fast": 256}
+"""Steps of RK67 between two samples, 64 of the others: fewer truncate, more round."""
+
+_SLOW = ("stiff", "undamped", "fast")
+"""Problems on which Radau takes minutes to say what the engine says."""
+
+
+@cache
+def reference(problem: str) -> Trajectory:
+    """In-house run with DOP853 that everything is compared with; made once per process."""
+    return analysis.simulate(PROBLEMS[problem], TIMES, local_tolerance=_REFERENCE_TOLERANCE)
+
+
+def measure_reference(problem: str) -> list[Row]:
+    """Difference of a run by another family of methods from the reference, or of two."""
+    scenario, others = PROBLEMS[problem], []
+    if "contact-tree" in mbs_models.formulations(scenario):
+        step = SPACING / _SUBSTEPS.get(problem, 64)
+        run = Way("engine", "contact-tree", "RK67").run(scenario, TIMES, step=step)
+        others.append(("engine, contact tree, RK67", step, run))
+    if not others or problem not in _SLOW:
+        run = analysis.simulate(scenario, TIMES, method="Radau", local_tolerance=1e-12)
+        others.append(("in-house, Radau", 1e-12, run))
+    truth = reference(problem)
+    return [
+        {"other": other, "setting": setting, "difference": errors(run, truth)["error"]}
+        for other, setting, run in others
+    ]
+
+
+def errors(run: Trajectory, truth: Trajectory) -> Row:
+    """By how much a run differs from another.
+
+    Returns
+    -------
+    dict
+        The largest over the motion of: `error`, the differences of beta and gamma in rad and of
+        the centre of gravity's position over the radius; `angle_error`, the former alone.
+
+    Raises
+    ------
+    ArithmeticError
+        If it does not reach its end, or a number is not finite.
+    """
+    if run.ending is not None:
+        raise ArithmeticError(f"{run.ending.reason} at t = {run.ending.time:.6g} s")
+    angles = (run.coordinates - truth.coordinates)[:, 4:6]
+    angle = float(np.max(np.abs(angles - 2 * np.pi * np.round(angles / (2 * np.pi)))))
+    apart = np.linalg.norm(run.cog_positions - truth.cog_positions, axis=1)
+    error = float(np.max((angle, np.max(apart) / run.scenario.disk.radius)))
+    if not np.isfinite(angle + error):
+        raise ArithmeticError("the result is not finite")
+    return {"error": error, "angle_error": angle}
+
+
+REFERENCES = Study(
+    name="work-precision-references",
+    cases=lambda: {name: name for name in PROBLEMS},
+    measure=measure_reference,
+    confirm={"other": None, "difference": 1e-11},
+    sample=("model-1", "model-3"),
+    columns={
+        "other": "compared with",
+        "setting": "step or tolerance",
+        "difference": "largest difference in rad",
+    },
 )
-from validation.study import Row
+
+# --- Methods ------------------------------------------------------------------------------------
 
 GOALS = (1e-3, 1e-6, 1e-9)
 """Errors to be reached, in rad."""
@@ -65,7 +157,7 @@ class Curve(NamedTuple):
     @property
     def integrator(self) -> Integrator | None:
         """Of the engine; None in-house."""
-        return None if self.formulation in FORMULATIONS else INTEGRATORS[self.scheme]
+        return INTEGRATORS.get(self.scheme)
 
     @property
     def kind(self) -> str:
@@ -231,3 +323,35 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
         return {**row, **nothing, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
+
+
+CURVES = Study(
+    name="work-precision",
+    cases=curves,
+    measure=measure,
+    confirm={
+        "kind": None,
+        "setting": relative("setting", 1e-6),
+        "work": relative("work", 0.01),
+        # Smaller errors are known to a part of the finest goal alone.
+        "error": relative("error", 0.05, 0.05 * GOALS[-1]),
+        "end": None,
+    },
+    sample=(
+        "model-1, contact-tree, RK67",
+        "model-1, contact-tree, RK44",
+        "model-1, index-1, DOP853",
+        "model-3, floating, trapezoidal",
+        "stiff, contact-tree, DOPRI5",
+    ),
+    timed=True,
+    columns={
+        "kind": "what is asked for: a step, a tolerance of each step, of the whole run, or steps "
+        "down to one, extrapolated",
+        "setting": "step in s or tolerance",
+        "seconds": "processor time in s of the integration; to a tolerance, of the whole call",
+        "work": "evaluations of the right-hand side, one per Newton iteration",
+        "error": "largest difference of β, γ in rad and of the centre of gravity over the radius",
+        "end": "why the ladder has no finer rungs",
+    },
+)

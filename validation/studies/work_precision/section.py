@@ -19,67 +19,24 @@ from mbs_models.integrators import RULES
 from validation.kit.figures import new_figure
 from validation.page.content import Content, Rows, Verdict, grade
 from validation.page.section import power, sig, span
-from validation.studies.work_precision import problems
+from validation.studies.work_precision import measuring  # noqa: F401 # the text names its times
 from validation.studies.work_precision.measuring import (
     CONSTRAINED,
+    CURVES,
     GOALS,
     INTEGRATORS,
+    REFERENCES,
+    SAFETY,
+    TITLES,
     USEFUL,
-    curves,
-    measure,
 )
-from validation.studies.work_precision.problems import SAFETY, TITLES
-from validation.study import Check, Row, Study, at_most, relative
+from validation.study import Check, Row, at_most
 
 TITLE = "Error against run time"
 
 ORDER = 0.1
 """Largest difference of an observed order from the rule's own."""
 
-REFERENCES = Study(
-    name="work-precision-references",
-    cases=lambda: {name: name for name in problems.PROBLEMS},
-    measure=problems.measure_reference,
-    confirm={"other": None, "difference": 1e-11},
-    sample=("model-1", "model-3"),
-    columns={
-        "other": "compared with",
-        "setting": "step or tolerance",
-        "difference": "largest difference in rad",
-    },
-)
-
-
-CURVES = Study(
-    name="work-precision",
-    cases=curves,
-    measure=measure,
-    confirm={
-        "kind": None,
-        "setting": relative("setting", 1e-6),
-        "work": relative("work", 0.01),
-        # Smaller errors are known to a part of the finest goal alone.
-        "error": relative("error", 0.05, 0.05 * GOALS[-1]),
-        "end": None,
-    },
-    sample=(
-        "model-1, contact-tree, RK67",
-        "model-1, contact-tree, RK44",
-        "model-1, index-1, DOP853",
-        "model-3, floating, trapezoidal",
-        "stiff, contact-tree, DOPRI5",
-    ),
-    timed=True,
-    columns={
-        "kind": "what is asked for: a step, a tolerance of each step, of the whole run, or steps "
-        "down to one, extrapolated",
-        "setting": "step in s or tolerance",
-        "seconds": "processor time in s of the integration; to a tolerance, of the whole call",
-        "work": "evaluations of the right-hand side, one per Newton iteration",
-        "error": "largest difference of β, γ in rad and of the centre of gravity over the radius",
-        "end": "why the ladder has no finer rungs",
-    },
-)
 STUDIES = (REFERENCES, CURVES)
 
 
