@@ -13,6 +13,8 @@ from validation.studies.work_precision import measuring
 from validation.studies.work_precision import section as wp
 from validation.studies.work_precision.measuring import Curve, errors, ladder_end, reference
 
+REFERENCES, CURVES = wp.STUDIES
+
 FLOOR = 1e-11
 
 
@@ -41,7 +43,7 @@ def test_the_order_of_a_ladder_is_its_slope_where_errors_are_useful_and_measurab
 
 
 def test_the_fastest_ways_stand_under_the_side_that_has_taken_them() -> None:
-    told = wp.ways(wp.prepared(kit.load(measuring.CURVES)))
+    told = wp.ways(wp.prepared(kit.load(CURVES)))
     assert told["in the engine"].str.startswith(("contact-tree", "euler-tree", "floating")).any()
     assert told["in-house"].str.startswith(("index-1", "reduced")).any()
     assert not told["in-house"].str.contains("tree|floating").any()
@@ -56,17 +58,9 @@ def test_everything_stored_holds_but_for_what_is_broken_in_doubt_or_of_another_o
     steeper = runs.copy()
     steeper.loc[runs["scheme"] == "trapezoidal", "error"] **= 1.5
     for study, table, check in (
-        (
-            measuring.CURVES,
-            planted(runs, asked.idxmax(), "angle_error", 2.0),
-            "error over tolerance",
-        ),
-        (
-            measuring.REFERENCES,
-            planted(references, doubted.idxmax(), "difference", 1e-8),
-            "floor of",
-        ),
-        (measuring.CURVES, steeper, "order of trapezoidal"),
+        (CURVES, planted(runs, asked.idxmax(), "angle_error", 2.0), "error over tolerance"),
+        (REFERENCES, planted(references, doubted.idxmax(), "difference", 1e-8), "floor of"),
+        (CURVES, steeper, "order of trapezoidal"),
     ):
         found = failing(wp.present({**rows, study.name: table}).checks)
         assert any(check in each for each in found)
