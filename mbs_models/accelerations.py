@@ -12,14 +12,16 @@ import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import Condition
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, instance
 from analysis.problem.choices import Method
 from analysis.problem.constraints import demanded, independent_coordinates, prescribed
+from analysis.problem.limits import LEAST_TILT
 from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
+from analysis.solve.watch import StateFunction
 from mbs_models.effort import stepping_integrator
 from mbs_models.endings import LOCAL
 from mbs_models.friction import slip_velocity
@@ -112,14 +114,16 @@ class AccelerationProblem:
         """The problem from coordinates and rates on; to be solved within `solving`."""
         scenario = self.scenario
         self._start = record[:12].tolist()
+        endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - LEAST_TILT}
+        if self.model.may_pull:
+            endings[CONTACT_WOULD_PULL] = self._normal_force
+        endings |= {reason: self._of_state(each) for reason, each in self.conditions.items()}
         return InitialValueProblem(
             self._derivative,
             record[self._free],
-            lambda state: sin(state[self._tilt]),
-            self._normal_force if self.model.may_pull else None,
             longest_step(scenario),
-            lambda states: states[..., self._angles],
-            {reason: self._of_state(each) for reason, each in self.conditions.items()},
+            endings,
+            self._angles,
             self._slip_of_one_direction(),
             float(np.clip(BENDING * scenario.friction.finest_speed, *DIFFERENCES)),
         )
@@ -175,7 +179,7 @@ class AccelerationProblem:
             return self.model.joints.contact_force(found[3])
         return float(self.forces([found])[0, 0])
 
-    def _of_state(self, condition: Condition) -> Callable[[Array], float]:
+    def _of_state(self, condition: Condition) -> StateFunction:
         def said(state: Array) -> float:
             z, u = self._whole(state)
             return condition(State(coordinates=tuple(z), rates=tuple(u)))

@@ -272,15 +272,8 @@ class EngineWay(WayToRest):
 
     def starting_at(self, state: Array) -> InitialValueProblem:
         """The problem from a state on; to be solved within `solving`."""
-        return InitialValueProblem(
-            self._derivative,
-            state,
-            None,
-            None,
-            contact_time(self.scenario),
-            lambda states: states[:, POSE],
-            self.conditions,
-        )
+        longest = contact_time(self.scenario)
+        return InitialValueProblem(self._derivative, state, longest, self.conditions)
 
     def _derivative(self, _: float, state: Array) -> list[float]:
         values = state.tolist()

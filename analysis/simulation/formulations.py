@@ -14,9 +14,10 @@ from analysis.mechanics.attitude import paper_arrays, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
-from analysis.motion.endings import Condition
+from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, choice, instance
 from analysis.problem.choices import FORMULATIONS, Formulation
+from analysis.problem.limits import LEAST_TILT
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
 from analysis.problem.start import State
@@ -154,11 +155,13 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProbl
     problem = InitialValueProblem(
         lambda _, state: solved(*state.tolist())[:12],
         np.array(state_of(scenario.disk, start.coordinates, start.rates)),
-        lambda state: sin(state[4]),
-        lambda state: solved(*state.tolist())[12],
         longest_step(scenario),
-        lambda states: states[..., 4:6],
-        _in_states(conditions, partial(paper_of, scenario.disk)),
+        {
+            FLAT: lambda state: sin(state[4]) - LEAST_TILT,
+            CONTACT_WOULD_PULL: lambda state: solved(*state.tolist())[12],
+            **_in_states(conditions, partial(paper_of, scenario.disk)),
+        },
+        slice(4, 6),
         slip if scenario.rubs and len(slips) == 1 else None,
         jacobian=partial(recorded.jacobian, scenario),
     )
@@ -189,11 +192,13 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
     problem = InitialValueProblem(
         (lambda t, state: (*derivative(t, state[:3]), spin)) if conditions else derivative,
         begin,
-        lambda state: sin(state[0]),
-        lambda state: solved(*state[:3].tolist())[3],
         longest_step(scenario),
-        lambda states: states[..., :2],
-        _in_states(conditions, lambda state: reduced.expanded(disk, spin, state[3], state[:3])),
+        {
+            FLAT: lambda state: sin(state[0]) - LEAST_TILT,
+            CONTACT_WOULD_PULL: lambda state: solved(*state[:3].tolist())[3],
+            **_in_states(conditions, lambda x: reduced.expanded(disk, spin, x[3], x[:3])),
+        },
+        slice(0, 2),
         (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
         jacobian=jacobian,
     )

@@ -135,11 +135,8 @@ class InHouseWay(WayToRest):
         return InitialValueProblem(
             self._body.derivative,
             _of_unit_length(state),
-            leaning=None,
-            normal_force=None,
-            longest_step=contact_time(self.scenario),
-            attitudes=lambda states: states[..., 3:7],
-            conditions=self.conditions,
+            contact_time(self.scenario),
+            self.conditions,
             absolute=0.01,
         )
 

@@ -170,10 +170,8 @@ class Trajectories(InCoordinates):
         endings = np.full(len(self), None)
         for each in self.compiled:
             rows, runs = each.group.rows, each.runs
-            # The last one is that of `RUNNING`, -1.
-            reasons = np.array([*runs.names, None])
             ends[rows], estimates[rows] = runs.ends, runs.estimates
-            endings[rows] = reasons[runs.reasons]
+            endings[rows] = runs.reasons
         for row, motion in self.alone.items():
             ends[row], estimates[row] = motion.times[-1], motion.error_estimate
             endings[row] = motion.ending and motion.ending.reason

@@ -5,7 +5,7 @@ its solvers are stepped here.
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import asin, isfinite, isnan, nan
@@ -20,7 +20,7 @@ from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Ending
 from analysis.problem.checks import Array
 from analysis.problem.choices import Method
 from analysis.problem.limits import LEAST_TILT
-from analysis.solve.watch import Lookout, Step, Watch
+from analysis.solve.watch import Lookout, StateFunction, Step, Watch
 
 STILL = 1e-9
 """Slip in m/s that has no sign."""
@@ -46,18 +46,14 @@ class InitialValueProblem:
     right_hand_side : callable
         Time derivative of the state from time and state.
     start : ndarray, shape (n,)
-    leaning : callable, optional
-        From a state to the sine of the angle between disk and table; the motion ends at
-        `LEAST_TILT`.
-    normal_force : callable, optional
-        From a state to the normal contact force in N of a contact that must not pull.
     longest_step : float
         In s.
-    attitudes : callable
-        From states, shape (..., m), to numbers that tell beta and gamma, shape (..., k), in rad;
-        errors are judged by them.
-    conditions : mapping
-        From reasons to functions of a state; the motion ends where one turns negative.
+    endings : mapping
+        From reasons to functions of a state; the motion ends where one turns negative. For `FLAT`
+        that is the sine of the angle between disk and table less `LEAST_TILT`, and for
+        `CONTACT_WOULD_PULL` the normal force in N of a contact that must not.
+    angles : slice or sequence of int
+        Columns of a state that hold beta and gamma in rad; errors are judged by them.
     slip : callable, optional
         From a state to the slip in the one direction there is, in m/s; friction has a kink where
         that changes its sign.
@@ -73,11 +69,9 @@ class InitialValueProblem:
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
     start: Array
-    leaning: Callable[[Array], float] | None
-    normal_force: Callable[[Array], float] | None
     longest_step: float
-    attitudes: Callable[[Array], Array]
-    conditions: Mapping[str, Callable[[Array], float]] = field(default_factory=dict)
+    endings: Mapping[str, StateFunction] = field(default_factory=dict)
+    angles: slice | Sequence[int] = ()
     slip: Callable[[Array], float] | None = None
     difference: float = 1e-8
     absolute: float = 1.0
@@ -174,7 +168,7 @@ def integrate(
     """
     begin = time.thread_time()
     pulls_at_start(problem, allow_pulling=allow_pulling)
-    lookout = Lookout(endings(problem), problem.start, float(times[0]), allow_pulling)
+    lookout = Lookout(problem.endings, problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
     make = _made_by(problem, method, local_tolerance)
 
@@ -187,8 +181,9 @@ def integrate(
     for step in _steps(solver, problem, times):
         watch.steps += 1
         if not watch.steps_left:
-            if problem.leaning is not None:
-                watch.flattest = step.end, asin(min(1.0, problem.leaning(step.last)))
+            if FLAT in problem.endings:
+                above = problem.endings[FLAT](step.last)
+                watch.flattest = step.end, asin(min(1.0, above + LEAST_TILT))
             raise watch.given_up(method)
         ended = lookout.ending(step)
         count = int(np.searchsorted(times, step.end, side="right"))
@@ -325,23 +320,12 @@ def _jacobian(problem: InitialValueProblem) -> Callable[[float, Array], Array]:
 
 def pulls_at_start(problem: InitialValueProblem, *, allow_pulling: bool) -> bool:
     """Whether the contact pulls at the start; `ValueError` if it does and must not."""
-    if problem.normal_force is None:
+    if CONTACT_WOULD_PULL not in problem.endings:
         return False
-    force = problem.normal_force(problem.start)
+    force = problem.endings[CONTACT_WOULD_PULL](problem.start)
     if force < 0.0 and not allow_pulling:
         raise ValueError(
             f"start needs a contact that pulls, with a normal force of {force:.3g} N; "
             "allow_pulling lets it"
         )
     return force < 0.0
-
-
-def endings(problem: InitialValueProblem) -> dict[str, Callable[[Array], float]]:
-    """What ends a motion: functions of its state that turn negative there, by reason."""
-    found: dict[str, Callable[[Array], float]] = {}
-    leaning = problem.leaning
-    if leaning is not None:
-        found[FLAT] = lambda state: leaning(state) - LEAST_TILT
-    if problem.normal_force is not None:
-        found[CONTACT_WOULD_PULL] = problem.normal_force
-    return found | dict(problem.conditions)

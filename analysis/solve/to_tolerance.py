@@ -11,7 +11,7 @@ from analysis.motion.files import AnyArray
 from analysis.problem.checks import Array, TimeLimitError, ToleranceError
 from analysis.problem.elementary import Rows
 from analysis.problem.limits import LEAST_TILT
-from analysis.solve.stepping import InitialValueProblem, Run, endings
+from analysis.solve.stepping import InitialValueProblem, Run
 
 ROUNDING = 1e-14
 """Error in rad that no run is free of, not even one that stands still."""
@@ -31,9 +31,6 @@ LEAST_RATE = 1.0
 _MOMENT = 1e-7
 """Time in s over which rates are told by a difference."""
 
-RUNNING = -1
-"""In place of the number of an ending, of a motion that has none."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Runs:
@@ -43,14 +40,12 @@ class Runs:
     ----------
     times : ndarray, shape (n,)
         Asked for, in s.
-    names : sequence of str
-        Of the endings that there may be.
     states : ndarray, shape (m, n + 1, d)
         At these times, and at the end; behind the end of a motion they mean nothing.
     ends : ndarray, shape (m,)
         Time of the end in s.
-    reasons : ndarray of int, shape (m,)
-        Numbers of names, or `RUNNING`.
+    reasons : ndarray of object, shape (m,)
+        Why it ended before the last time asked for, or None.
     steps : ndarray of int, shape (m,)
         Or evaluations of the right-hand side, by solvers that count these.
     pulling : ndarray of object, shape (m,)
@@ -62,10 +57,9 @@ class Runs:
     """
 
     times: Array
-    names: Sequence[str]
     states: Array
     ends: Array
-    reasons: Rows
+    reasons: AnyArray
     steps: Rows
     pulling: AnyArray
     seconds: Array
@@ -73,18 +67,27 @@ class Runs:
     estimates: Array
 
     @classmethod
-    def empty(cls, members: int, times: Array, size: int, names: Sequence[str]) -> "Runs":
+    def empty(cls, members: int, times: Array, size: int) -> "Runs":
         """Room for the runs of so many members, of a state of this size."""
         return cls(
             times,
-            names,
             np.empty((members, times.size + 1, size)),
             np.full(members, times[-1]),
-            np.full(members, RUNNING),
+            np.full(members, None),
             np.zeros(members, dtype=int),
             np.full(members, None),
             *np.full((3, members), np.nan),
         )
+
+    @classmethod
+    def of(cls, run: Run, times: Array) -> "Runs":
+        """The run of one member; behind its end its last state is repeated."""
+        rows = np.minimum(np.arange(times.size + 1), run.times.size - 1)
+        found = cls.empty(1, times, run.states.shape[1])
+        found.states[0], found.ends[0] = run.states[rows], run.times[-1]
+        found.reasons[0], found.pulling[0] = run.ended, run.pulling
+        found.steps[0], found.seconds[0] = run.evaluations, run.seconds
+        return found
 
     @property
     def last(self) -> Array:
@@ -96,14 +99,14 @@ class Runs:
         """Number of samples up to each end, shape (m,)."""
         return np.searchsorted(self.times, self.ends, side="right")
 
-    def ended(self, name: str) -> AnyArray:
-        """Whether each run ended for this reason, shape (m,)."""
-        found: AnyArray = self.reasons == (self.names.index(name) if name in self.names else -2)
+    def ended(self, reason: str | None) -> AnyArray:
+        """Whether each run ended for this reason, or none, shape (m,)."""
+        found: AnyArray = self.reasons == reason
         return found
 
     def subset(self, rows: AnyArray) -> "Runs":
         """Those of some members."""
-        return Runs(self.times, self.names, *(each[rows] for each in self.arrays))
+        return Runs(self.times, *(each[rows] for each in self.arrays))
 
     def put(self, rows: AnyArray, other: "Runs") -> None:
         """Put in those of some members."""
@@ -113,22 +116,13 @@ class Runs:
     @property
     def arrays(self) -> tuple[AnyArray, ...]:
         """All of it, one row for each member."""
-        return tuple(getattr(self, field.name) for field in fields(self)[2:])
+        return tuple(getattr(self, field.name) for field in fields(self)[1:])
 
     def cut_to_samples(self, rows: AnyArray) -> None:
         """Let these runs, shape (m,), end at the last of the times asked for that they reached."""
         for row in np.flatnonzero(rows).tolist():
             last = self.counts[row] - 1
             self.ends[row], self.last[row] = self.times[last], self.states[row, last]
-
-    def put_run(self, row: int, run: Run) -> None:
-        """Put in the run of one member."""
-        count = int(np.searchsorted(self.times, run.times[-1], side="right"))
-        self.states[row, :count] = run.states[:count]
-        self.states[row, count:] = run.states[-1]
-        self.ends[row], self.steps[row] = run.times[-1], run.evaluations
-        self.reasons[row] = RUNNING if run.ended is None else self.names.index(run.ended)
-        self.pulling[row], self.seconds[row] = run.pulling, run.seconds
 
     def run(self, row: int) -> Run:
         """Run of one member."""
@@ -137,12 +131,11 @@ class Runs:
         if self.ends[row] > times[-1]:
             times = np.append(times, self.ends[row])
             states = self.states[row, [*range(count), -1]]
-        ended = None if self.reasons[row] == RUNNING else self.names[self.reasons[row]]
         return Run(
             times,
             states,
             int(self.steps[row]),
-            ended,
+            self.reasons[row],
             self.pulling[row] or (),
             seconds=float(self.seconds[row]),
             local_tolerance=float(self.local_tolerances[row]),
@@ -227,10 +220,7 @@ def agree(
 
 
 def estimated_errors(
-    fine: Runs,
-    coarse: Runs,
-    attitudes: Callable[[Array], Array],
-    rates: Callable[[Runs], Array],
+    fine: Runs, coarse: Runs, angles: slice | Sequence[int], rates: Callable[[Runs], Array]
 ) -> Array:
     """Estimated errors of the finer runs of k members in rad, as far as they can be judged.
 
@@ -239,8 +229,8 @@ def estimated_errors(
     Parameters
     ----------
     fine, coarse : Runs
-    attitudes : callable
-        From states, shape (..., d), to beta and gamma, shape (..., 2).
+    angles : slice or sequence of int
+        Columns of the states that hold beta and gamma.
     rates : callable
         From the finer runs to the rates of beta and gamma at their ends, shape (k, 2).
     """
@@ -248,15 +238,15 @@ def estimated_errors(
     limited, flat = fine.ended(TIME_LIMIT), fine.ended(FLAT)
     reached = (counts > 1) & (counts <= others)
     alike = np.where(limited, reached, fine.reasons == coarse.reasons)
-    apart = np.abs(attitudes(fine.states) - attitudes(coarse.states)).max(axis=2)
+    apart = np.abs(fine.states[..., angles] - coarse.states[..., angles]).max(axis=2)
     # One of two endings may come before a sample, and the other one after it.
     apart[np.arange(apart.shape[1]) >= np.minimum(counts, others)[:, None]] = 0.0
     worst = apart.max(axis=1)
-    ended = (fine.reasons != RUNNING) & ~limited
+    ended = ~fine.ended(None) & ~limited
     if ended.any():
         # On a flat disk only the sum or the difference of alpha and gamma has a meaning.
         meant = ~(flat[:, None] & [False, True])
-        at_end = meant * (attitudes(fine.last) - attitudes(coarse.last))
+        at_end = meant * (fine.last - coarse.last)[:, angles]
         late = error_at_ending(at_end, fine.ends - coarse.ends, meant * rates(fine))
         worst = np.where(ended, np.maximum(worst, late), worst)
     return np.where(alike, np.maximum(CAUTION * worst, ROUNDING), np.inf)
@@ -335,20 +325,17 @@ def run_to(
     ToleranceError
         If not even the last two do.
     """
-    reasons = (*endings(problem), TIME_LIMIT)
 
     def rates(runs: Runs) -> Array:
         change = problem.right_hand_side(float(runs.ends[0]), runs.last[0])
         moved = runs.last + _MOMENT * np.asarray(change)
-        return (problem.attitudes(moved) - problem.attitudes(runs.last)) / _MOMENT
+        return (moved - runs.last)[:, problem.angles] / _MOMENT
 
     def alone(_: Rows, local: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
-        runs = Runs.empty(1, times, problem.start.size, reasons)
-        runs.put_run(0, run(local, longest))
-        return runs, {}
+        return Runs.of(run(local, longest), times), {}
 
     def estimated(fine: Runs, coarse: Runs, _: Rows) -> Array:
-        return estimated_errors(fine, coarse, problem.attitudes, rates)
+        return estimated_errors(fine, coarse, problem.angles, rates)
 
     found, failures = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
     for failure in failures.values():

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
+from analysis.motion.endings import CONTACT_WOULD_PULL
 from analysis.problem.checks import Array
 from analysis.problem.constraints import multiplier_names
 from analysis.simulation.compiled import systems
@@ -43,20 +43,20 @@ class Code:
     Attributes
     ----------
     structure : Structure
-    reasons : tuple of str
+    reasons : ndarray of object
         Why a run may end.
     size : int
         Numbers of a state.
-    attitudes : slice
+    angles : slice
         Columns of beta and gamma in it.
     """
 
     def __init__(self, structure: Structure, compact: bool) -> None:
         self.structure, self._compact = structure, compact
         self._system = systems.build(structure)
-        self.reasons = (*self._system.endings, TIME_LIMIT)
+        self.reasons = np.array(list(self._system.endings), dtype=object)
         self.size = len(self._system.variables)
-        self.attitudes = slice(0, 2) if structure.formulation == "reduced" else slice(4, 6)
+        self.angles = slice(0, 2) if structure.formulation == "reduced" else slice(4, 6)
         self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 

@@ -219,8 +219,7 @@ def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Except
             )
             return readings[1][:, 0, 4:]
 
-        columns = group.code.attitudes
-        return estimated_errors(fine, coarse, lambda states: states[..., columns], rates)
+        return estimated_errors(fine, coarse, group.code.angles, rates)
 
     rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
     runs, failures = agree(run, estimated, len(group), tolerance, rungs, method="taylor")

@@ -15,7 +15,7 @@ from analysis.problem.elementary import Rows
 from analysis.simulation.compiled.code import Code
 from analysis.simulation.compiled.library import heyoka
 from analysis.simulation.compiled.systems import ALIVE, REASON, WHEN
-from analysis.solve.to_tolerance import RUNNING, Runs
+from analysis.solve.to_tolerance import Runs
 from analysis.solve.watch import Watch, intervals
 
 
@@ -93,7 +93,7 @@ def integrate(
     size = members.size + -members.size % width
     lanes = members[np.minimum(np.arange(size), members.size - 1)]
     longest, grid = (step_fraction * group.longest[lanes]).tolist(), np.repeat(times, width)
-    found = Runs.empty(members.size, times, code.size, code.reasons)
+    found = Runs.empty(members.size, times, code.size)
     failed, errors = list[int](), dict[int, Exception]()
     with code.integrator(local_tolerance, width) as (solver, edges):
         for first in range(0, members.size, width):
@@ -106,7 +106,7 @@ def integrate(
                 max_steps=limit.steps_left,
                 callback=_interruption(limit, end),
             )
-            failed += _take(found, solver, samples, first)
+            failed += _take(found, code.reasons, solver, samples, first)
             if code.structure.allow_pulling:
                 for row, each in enumerate(edges[: members.size - first], first):
                     found.pulling[row] = intervals(each, float(found.ends[row]))
@@ -136,7 +136,7 @@ def _start(solver: Any, edges: list[list[float]], group: Group, lanes: Rows, beg
             each[:] = [begin] * is_pulled
 
 
-def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
+def _take(found: Runs, reasons: AnyArray, solver: Any, samples: Array, first: int) -> list[int]:
     """Take over what a batch has reached; returns the rows that must be run alone."""
     count = min(solver.batch_size, len(found.ends) - first)
     rows = slice(first, first + count)
@@ -154,7 +154,7 @@ def _take(found: Runs, solver: Any, samples: Array, first: int) -> list[int]:
     ended = np.flatnonzero(alive == 0.0)
     stopped = first + ended
     found.ends[stopped] = solver.pars[WHEN, ended]
-    found.reasons[stopped] = solver.pars[REASON, ended]
+    found.reasons[stopped] = reasons[solver.pars[REASON, ended].astype(int)]
     for row in stopped.tolist():
         _end(found, row)
     return []
@@ -170,13 +170,13 @@ def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | 
     """What is wrong with a run that was watched; tells when it has met its time limit."""
     watch.steps += int(found.steps[0])
     kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
-    if found.reasons[0] != RUNNING or outcome == kinds.time_limit:
+    if found.reasons[0] is not None or outcome == kinds.time_limit:
         return None
     if outcome == kinds.cb_stop:
-        found.ends[0], found.reasons[0] = solver.time[0], found.names.index(TIME_LIMIT)
+        found.ends[0], found.reasons[0] = solver.time[0], TIME_LIMIT
         _end(found, 0)
         return None
-    moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.attitudes][0])
+    moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.angles][0])
     found.states[:] = np.nan
     if outcome == kinds.step_limit:
         watch.flattest = (moment, asin(min(1.0, leaning)))

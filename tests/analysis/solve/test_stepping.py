@@ -19,10 +19,7 @@ def run_of(
     right_hand_side: Callable[[float, Array], Any], method: Method = "DOP853", **conditions: Any
 ) -> Run:
     """Run from two numbers up to 1 s, in long steps."""
-    start, attitudes = np.array([1.0, 0.0]), np.asarray
-    problem = InitialValueProblem(
-        right_hand_side, start, None, None, 1.0, attitudes, conditions=conditions
-    )
+    problem = InitialValueProblem(right_hand_side, np.array([1.0, 0.0]), 1.0, conditions)
     times = np.array([0.0, 1.0])
     return integrate(problem, times, method, 1e-4, allow_pulling=True, watch=Watch())
 
@@ -40,9 +37,7 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
 
 @pytest.mark.parametrize("fraction", [1.0, 0.5, 0.1])
 def test_steps_are_as_long_as_they_may_be_where_nothing_changes(fraction: float) -> None:
-    at_rest = InitialValueProblem(
-        lambda _, state: 0.0 * state, np.ones(2), None, None, 0.01, np.asarray
-    )
+    at_rest = InitialValueProblem(lambda _, state: 0.0 * state, np.ones(2), 0.01)
     limited = at_rest.with_steps_up_to(fraction)
     run = integrate(
         limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=Watch()

@@ -48,7 +48,7 @@ def test_every_member_keeps_the_run_that_agreed_with_the_one_before() -> None:
     errors = {1e-9: (1e-5, 1e-3, 1e-3), 1e-12: (0.0, 1e-5, 1e-3)}
 
     def run(members: Rows, _: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
-        runs = Runs.empty(members.size, TIMES, 1, ())
+        runs = Runs.empty(members.size, TIMES, 1)
         runs.states[:], runs.steps[:] = longest, 1
         return runs, {}
 
@@ -63,9 +63,9 @@ def test_every_member_keeps_the_run_that_agreed_with_the_one_before() -> None:
 
 
 def test_a_run_out_of_time_is_judged_by_what_both_have_beyond_the_start() -> None:
-    fine, coarse = (Runs.empty(3, TIMES, 2, (TIME_LIMIT,)) for _ in range(2))
+    fine, coarse = (Runs.empty(3, TIMES, 2) for _ in range(2))
     for each, error in ((fine, 0.0), (coarse, 1e-7)):
         each.states[:] = each.last[:] = error
-    fine.reasons[:], fine.ends[:], coarse.ends[2] = 0, TIMES[:3], TIMES[1]
-    found = estimated_errors(fine, coarse, lambda states: states, lambda each: each.last)
+    fine.reasons[:], fine.ends[:], coarse.ends[2] = TIME_LIMIT, TIMES[:3], TIMES[1]
+    found = estimated_errors(fine, coarse, slice(None), lambda each: each.last)
     assert found.tolist() == [np.inf, pytest.approx(2e-7), np.inf]
