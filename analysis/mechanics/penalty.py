@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.mechanics.attitude import Chart, EulerAngles, Frame, Moving, Quaternion
 from analysis.mechanics.constraints import Direction, at_point
-from analysis.mechanics.dual import Functions, of_floats, rate
+from analysis.mechanics.dual import Functions, rate
 from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, add, cross, dot, scaled
 from analysis.mechanics.newton_euler import (
     Friction,
@@ -63,6 +63,15 @@ class YieldingTable:
     spring: Callable[[Any], Any]
     normal_force: Callable[[Any, Any], Any]
     friction: Friction
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "YieldingTable":
+        """That of a scenario, in arrays."""
+        forces = _forces(scenario)
+        spring, normal_force = (
+            np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force")
+        )
+        return cls(scenario, spring, normal_force, scenario.friction.force)
 
     def derivative(self, chart: Chart, state: Numbers) -> tuple[list[Any], Touch, list[Any]]:
         """Time derivative of a state, the contact, and the power in W taken by each of `CAUSES`.
@@ -158,7 +167,7 @@ class YieldingTable:
         return force, (-(moment * p), push * e - moment * q, 0.0)
 
     def readings(self, states: Array) -> dict[str, Array]:
-        """Arrays of a `SpatialMotion` by their names, from states of `Quaternion`, (n, 13)."""
+        """Arrays of a `SpatialMotion` by their names, from n states of 13 numbers or more."""
         moving = Quaternion.moving(states.T)
         touch, frame, angular = self.touch(moving), moving.frame, moving.angular
         disk, contact = self.scenario.disk, self.scenario.penalty_contact
@@ -184,81 +193,31 @@ Solver = Callable[..., tuple[Any, ...]]
 """From the numbers of a state to its time derivative and what else follows from it."""
 
 
-def free_solver(scenario: Scenario, functions: Functions) -> Solver:
-    """Function from a state in Euler angles, 12 numbers, to its derivative and the normal force.
+def free_solver(scenario: Scenario, chart: Chart, functions: Functions) -> Solver:
+    """Function from a state to its derivative and, behind that, what its chart is asked for.
+
+    That is the normal force in N from Euler angles, 12 numbers, and the power in W taken by each
+    of `CAUSES` from a quaternion, 13 numbers.
 
     Parameters
     ----------
     scenario : Scenario
         With a penalty contact.
+    chart : EulerAngles or Quaternion
     functions : mapping
         Of the numbers.
     """
-
-    def results(table: YieldingTable, state: list[Symbol]) -> list[Any]:
-        derivative, touch, _ = table.derivative(EulerAngles, state)
-        return [*derivative, touch.force]
-
-    return _recorded(scenario, 12, results, functions)
-
-
-class FreeBody:
-    """A disk on a table that yields, in a chart that is regular in every attitude.
-
-    Its state holds that of `Quaternion`, 13 numbers, and the energy taken so far by each of
-    `CAUSES` (6).
-
-    Parameters
-    ----------
-    scenario : Scenario
-        With a penalty contact.
-
-    Raises
-    ------
-    ValueError
-        If the contact is the ideal one.
-    """
-
-    def __init__(self, scenario: Scenario) -> None:
-        self.contact, self.disk = scenario.penalty_contact, scenario.disk
-
-        def derivative(table: YieldingTable, state: list[Symbol]) -> list[Any]:
-            found, _, powers = table.derivative(Quaternion, state)
-            return [*found, *powers]
-
-        self._derivative = _recorded(scenario, 13, derivative, of_floats(scenario.friction))
-        forces = _forces(scenario)
-        spring, normal_force = (
-            np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force")
-        )
-        self._table = YieldingTable(scenario, spring, normal_force, scenario.friction.force)
-
-    def derivative(self, _: float, state: Array) -> tuple[float, ...]:
-        """Time derivative of the state, 19 numbers."""
-        return self._derivative(*state[:13].tolist())
-
-    def readings(self, states: Array) -> dict[str, Array]:
-        """Arrays of a `SpatialMotion` by their names, from states, shape (n, 19)."""
-        return self._table.readings(states[:, :13])
-
-
-def _recorded(
-    scenario: Scenario,
-    size: int,
-    results: Callable[[YieldingTable, list[Symbol]], list[Any]],
-    functions: Functions,
-) -> Solver:
-    """Code of results from a state of this size, with the numbers of a scenario in it."""
-    is_simple = scenario.friction.is_simple
+    is_simple, in_angles = scenario.friction.is_simple, chart is EulerAngles
     force = friction_of(is_simple=is_simple)
 
     def friction(along: Symbol, across: Symbol, normal_force: Symbol) -> tuple[Any, Any]:
         return force(along, across, call("load", normal_force) if is_simple else normal_force)
 
-    recorder = Recorder((), [f"s{number}" for number in range(size)])
+    recorder = Recorder((), [f"s{number}" for number in range(12 if in_angles else 13)])
     spring, normal_force = (partial(call, name) for name in ("spring", "normal_force"))
     table = YieldingTable(scenario, spring, normal_force, friction)
-    code = recorder.code(results(table, recorder.variables))
+    derivative, touch, powers = table.derivative(chart, recorder.variables)
+    code = recorder.code([*derivative, *([touch.force] if in_angles else powers)])
     solver: Solver = code(**functions, **_forces(scenario))
     return solver
 

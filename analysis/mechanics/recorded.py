@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from analysis.mechanics.attitude import paper_of, state_of
+from analysis.mechanics.attitude import EulerAngles, paper_of, state_of
 from analysis.mechanics.dual import (
     Dual,
     Functions,
@@ -185,7 +185,7 @@ def solver(
     """
     law = scenario.friction
     if scenario.contact is not None:
-        return free_solver(scenario, functions(law))
+        return free_solver(scenario, EulerAngles, functions(law))
     contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
     code = formula(Structure.of(scenario))(
         *numbers(scenario), force=law.force, contact_load=contact_load, **functions(law)

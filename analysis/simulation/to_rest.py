@@ -7,8 +7,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from analysis.mechanics.attitude import EulerTurning, Quaternion, paper_of
+from analysis.mechanics.dual import of_floats
 from analysis.mechanics.newton_euler import kinetic_energy
-from analysis.mechanics.penalty import FreeBody
+from analysis.mechanics.penalty import YieldingTable, free_solver
 from analysis.motion import frames
 from analysis.motion.endings import StopWhen
 from analysis.motion.spatial_motion import SpatialMotion
@@ -121,19 +122,23 @@ def simulate_to_rest(
 
 
 class InHouseWay(WayToRest):
-    """By the in-house equations; a state is one of `FreeBody`."""
+    """By the in-house equations.
+
+    A state holds that of `Quaternion`, 13 numbers, and the energy taken by each of `CAUSES`.
+    """
 
     source, package, stepper = "in-house", "scipy", "method"
 
     def build(self) -> None:
         """Record the equations."""
-        self._body = FreeBody(self.scenario)
+        self._table = YieldingTable.of(self.scenario)
+        self._solve = free_solver(self.scenario, Quaternion, of_floats(self.scenario.friction))
         self.start = start_vector(self.scenario.disk, self.scenario.initial_state)
 
     def starting_at(self, state: Array) -> InitialValueProblem:
         """The motion from a state on."""
         return InitialValueProblem(
-            self._body.derivative,
+            lambda _, state: self._solve(*state[:13].tolist()),
             _of_unit_length(state),
             contact_time(self.scenario),
             self.conditions,
@@ -144,14 +149,14 @@ class InHouseWay(WayToRest):
         """Kinetic energies, and how far the centre of gravity is above its height at rest."""
         disk = self.scenario.disk
         velocity, angular = tuple(states[:, 7:10].T), tuple(states[:, 10:13].T)
-        low = self._body.contact.resting_height(disk, self.scenario.weight)
+        low = self.scenario.penalty_contact.resting_height(disk, self.scenario.weight)
         return kinetic_energy(disk, velocity, angular), states[:, 2] - low
 
     def readings(self, states: Array) -> dict[str, Array]:
         """Arrays of a `SpatialMotion` by their names."""
         states = _of_unit_length(states)
         attitudes = {"quaternions": states[:, 3:7], "dissipated": states[:, 13:]}
-        return attitudes | self._body.readings(states)
+        return attitudes | self._table.readings(states)
 
     def paper_state(self, state: Array) -> State | None:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
@@ -179,7 +184,7 @@ def _of_unit_length(states: Array) -> Array:
 
 
 def start_vector(disk: Body, start: State) -> Array:
-    """State of `FreeBody` for a start in the paper's coordinates, shape (19,)."""
+    """State of `InHouseWay` for a start in the paper's coordinates, shape (19,)."""
     coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
     (position,), rotation = frames.poses(coordinates)
     (velocity,), (angular,) = frames.twists(coordinates, rates)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from analysis import STEEL_DISK, Body, Dissipation, PenaltyContact, Scenario, Start, Table
-from analysis.mechanics.attitude import EulerAngles, state_of
-from analysis.mechanics.dual import rate
-from analysis.mechanics.penalty import FreeBody
+from analysis.mechanics.attitude import EulerAngles, Quaternion, state_of
+from analysis.mechanics.dual import of_floats, rate
+from analysis.mechanics.penalty import YieldingTable, free_solver
 from analysis.mechanics.recorded import solver
 from analysis.problem.checks import Array
 from analysis.problem.contact import CAUSES
@@ -19,6 +19,12 @@ from tests.bodies import EGG, ELLIPSE
 from tests.helpers import assert_close, derivative
 
 HALF = 2e-3
+
+
+def changes_of(scenario: Scenario, state: Array) -> Array:
+    """Time derivative of a state that holds a quaternion."""
+    solve = free_solver(scenario, Quaternion, of_floats(scenario.friction))
+    return np.array(solve(*state[:13].tolist()))
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -42,10 +48,11 @@ def test_both_charts_of_the_attitude_give_the_same_motion(half: float, seed: int
 
     here = state_of(disk, state.coordinates, state.rates)
     *changes, force = solver(scenario)(*here)
-    body, free = start_vector(disk, state), FreeBody(scenario)
-    found = np.array(free.derivative(0.0, body))[7:13]
+    body = start_vector(disk, state)
+    found = changes_of(scenario, body)[7:13]
     assert_close(found, rate(velocities, here, changes), relative=1e-12)
-    assert free.readings(body[None])["normal_force"][0] == pytest.approx(force, rel=1e-12)
+    readings = YieldingTable.of(scenario).readings(body[None])
+    assert readings["normal_force"][0] == pytest.approx(force, rel=1e-12)
 
 
 SURFACES = ((STEEL_DISK, 0.0), (STEEL_DISK, HALF), (ELLIPSE, HALF), (EGG, 0.0))
@@ -60,15 +67,15 @@ def test_energy_falls_by_what_is_taken(body: Body, half: float, cause: str) -> N
     start = Start(beta=1.1, gamma=0.3, spin=9.0, x_rate=0.2, y_rate=0.4, beta_rate=2.0)
     losses = Dissipation(**{cause: 1e-2})
     scenario = Scenario(disk=body, contact=contact, dissipation=losses, start=start)
-    free, state = FreeBody(scenario), start_vector(body, scenario.initial_state)
+    table, state = YieldingTable.of(scenario), start_vector(body, scenario.initial_state)
     state[9] -= 0.1
-    change = np.array(free.derivative(0.0, state))
+    change = changes_of(scenario, state)
     powers = change[13:]
     # The contact's damper and sliding are always there.
     np.testing.assert_array_equal(powers > 0.0, [each in (*CAUSES[:2], cause) for each in CAUSES])
 
     def energy(time: float) -> Array:
-        total: Array = free.readings((state + time * change)[None])["energies"].sum(axis=1)
+        total: Array = table.readings((state + time * change)[None])["energies"].sum(axis=1)
         return total
 
     assert derivative(energy, 1e-4) == pytest.approx(-powers.sum(), rel=1e-9)
