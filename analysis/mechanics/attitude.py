@@ -13,10 +13,7 @@ among them.
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from analysis.mechanics.linear_algebra import Numbers, Vector, add, dot, scaled
-from analysis.problem.checks import Array
 from analysis.problem.elementary import cos, sin
 
 
@@ -124,12 +121,6 @@ class EulerAngles:
         return Frame((cg, -sg, 0.0), (cb * sg, cb * cg, -sb), (sb * sg, sb * cg, cb))
 
     @staticmethod
-    def turning(angles: Numbers) -> tuple[Vector, Any]:
-        """Direction along which the angular velocity is the rate of alpha times a factor."""
-        _, beta, gamma = angles
-        return (sin(gamma), cos(gamma), 0.0), sin(beta)
-
-    @staticmethod
     def angular_velocity(angles: Numbers, rates: Numbers) -> Vector:
         """Angular velocity in axes of the body."""
         ahead, _, up = EulerAngles.frame(angles)
@@ -231,12 +222,6 @@ def paper_of(
     x, y, z, spin = state[0], state[1], state[2], turning[0]
     rates = state[6] + spin * y - u, state[7] - spin * x - v, state[8] - w
     return (x - a, y - b, z - c, *state[3:6]), (*rates, *turning)
-
-
-def paper_arrays(disk: Any, states: Array) -> tuple[Array, Array]:
-    """The paper's coordinates and their rates, each shape (..., 6), of states, (..., 12)."""
-    coordinates, rates = paper_of(disk, np.moveaxis(states, -1, 0))
-    return np.stack(coordinates, axis=-1), np.stack(rates, axis=-1)
 
 
 def _offset(disk: Any, coordinates: Numbers, rates: Numbers) -> tuple[Vector, Vector]:

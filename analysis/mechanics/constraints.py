@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from analysis.mechanics.attitude import EulerAngles, Frame, state_of
 from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, cross, dot
 from analysis.problem.constraints import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
+from analysis.problem.elementary import cos, sin
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 
@@ -81,7 +82,7 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
     angles : sequence of 3 numbers
         Euler angles in rad.
     """
-    frame = EulerAngles.frame(angles)
+    (_, beta, gamma), frame = angles, EulerAngles.frame(angles)
     ahead, across, up = contact_directions(disk, frame)
     every = {
         "normal_force": up,
@@ -89,7 +90,8 @@ def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[D
         "cog_force_y": Direction(AXES[1], NONE),
         "tangential_force": ahead,
         "lateral_force": across,
-        "spin_torque": Direction(NONE, *EulerAngles.turning(angles)),
+        # Along it, the angular velocity is the rate of alpha times the scale.
+        "spin_torque": Direction(NONE, (sin(gamma), cos(gamma), 0.0), sin(beta)),
         "tilt_torque": Direction(NONE, frame.ahead),
     }
     return [every[name] for name in multiplier_names(constraints)]

@@ -5,8 +5,6 @@ from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
 from analysis.mechanics.dual import Functions, derivatives, of_duals, of_floats
 from analysis.mechanics.penalty import Solver, friction_of
 from analysis.mechanics.recorded import NUMBERS, disk_of, numbers
@@ -127,31 +125,21 @@ def acceleration_from(
     return (h + f - height * sb * weight * friction(slip)) / M
 
 
-def expand(disk: Body, spin: Any, alpha: Array, x: Array) -> tuple[Array, Array]:
-    """Co-rotating coordinates and rates from reduced states, Eqs. (94), (96), (97).
+def expanded(
+    disk: Body, spin: Any, alpha: Any, x: Sequence[Any] | Array
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Co-rotating coordinates and rates of a reduced state, 6 numbers each; Eqs. (94), (96), (97).
 
     Parameters
     ----------
     disk : Body
-    spin : float
+    spin : number
         Constant spinning speed in rad/s.
-    alpha : ndarray, shape (..., n)
+    alpha : number
         Angle of the R-frame in rad.
-    x : ndarray, shape (..., n, 3)
-        beta, gamma and the rate of beta.
-
-    Returns
-    -------
-    coordinates, rates : ndarray, shape (..., n, 6)
+    x : 3 numbers
+        beta, gamma and the rate of beta, of any kind.
     """
-    coordinates, rates = expanded(disk, spin, alpha, np.moveaxis(x, -1, 0))
-    return np.stack(coordinates, axis=-1), np.stack(np.broadcast_arrays(*rates), axis=-1)
-
-
-def expanded(
-    disk: Body, spin: Any, alpha: Any, x: Sequence[Any] | Array
-) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """The six coordinates and the six rates of `expand`, for numbers of any kind."""
     beta, gamma, beta_rate = x
     # Eq. (97) prints sin(gamma) in the second term of y'; the constraint (83) gives cos(gamma).
     free = 0.0, 0.0, 0.0, 0.0, beta_rate, 0.0

@@ -77,11 +77,8 @@ def interpolate(
 
     most, fewer = through(high), through(low)
     found, slopes = most(wanted)
-    error = np.zeros_like(found)
-    for part in _PROBES:
-        probe = (1.0 - part) * times[interval] + part * times[interval + 1]
-        error = np.maximum(error, CAUTION * np.abs(most(probe)[0] - fewer(probe)[0]))
-    return found, slopes, error
+    (apart,) = _differences((most, fewer), times[interval], times[interval + 1])
+    return found, slopes, CAUTION * apart
 
 
 def crossings(
@@ -177,11 +174,16 @@ def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:
     return np.argsort(~kept, axis=1, kind="stable"), kept.sum(axis=1), kept
 
 
+def _differences(through: Sequence[Polynomials], low: Array, high: Array) -> list[Array]:
+    """Largest differences of polynomials from the next ones between two times, shape (m, k)."""
+    probes = [(1.0 - part) * low + part * high for part in _PROBES]
+    found = [np.array([each(probe)[0] for probe in probes]) for each in through]
+    return [np.max(np.abs(one - other), axis=0) for one, other in pairwise(found)]
+
+
 def _error(through: Sequence[Polynomials], low: Array, high: Array) -> Array:
     """Error to expect of the first of three polynomials through fewer and fewer samples."""
-    probes = [(1.0 - part) * low + part * high for part in _PROBES]
-    found = [np.array([each(probe)[0][:, 0] for probe in probes]) for each in through]
-    apart, before = (np.max(np.abs(one - other), axis=0) for one, other in pairwise(found))
+    apart, before = (each[:, 0] for each in _differences(through, low, high))
     # Around an impact, or of too few samples, more of them tell nothing.
     tells = (apart < _GAIN * before) | (apart < _ROUNDING)
     return np.where(tells, CAUTION * apart, np.inf)

@@ -86,9 +86,7 @@ class OutcomeTable:
         """Table of so many rows that holds the axes alone."""
         columns = {"number": np.arange(size), **axes}
         for name, measure in OUTCOMES.items():
-            columns[name] = np.full(
-                size, None if measure is None else np.nan, object if measure is None else float
-            )
+            columns[name] = np.full(size, None if measure is None else np.nan)
         return cls(axes=tuple(axes), columns=columns)
 
     def put(self, rows: Any, found: Mapping[str, Any]) -> None:

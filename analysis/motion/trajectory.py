@@ -135,12 +135,11 @@ class Trajectory(InCoordinates, SampledMotion):
 
 def versions(*packages: str) -> dict[str, str]:
     """Versions of Python and of these packages."""
-    return {"python": _python_version()} | {name: _version(name) for name in packages}
+    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
 
 
 # Reading one takes as long as the shortest runs.
 _version = cache(version)
-_python_version = cache(platform.python_version)
 
 
 def _column(name: str) -> int:

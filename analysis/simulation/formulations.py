@@ -1,6 +1,6 @@
 """Formulations of the equations of motion as initial value problems, and the way back."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from analysis.mechanics import recorded, reduced
-from analysis.mechanics.attitude import paper_arrays, paper_of, state_of
+from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
@@ -147,7 +147,7 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProbl
         return float(velocity_residuals(slips, scenario.disk, state.tolist())[0])
 
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates = paper_arrays(scenario.disk, states)
+        coordinates, rates = _in_rows(paper_of(scenario.disk, states.T))
         # The first sample is the start itself, without the rounding on the way to it and back.
         coordinates[0], rates[0] = start.coordinates, start.rates
         return coordinates, rates, _multipliers(solved, states)
@@ -175,7 +175,7 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
 
     def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
         turned = alpha + spin * (times - times[0])
-        coordinates, rates = reduced.expand(disk, spin, turned, states[:, :3])
+        coordinates, rates = _in_rows(reduced.expanded(disk, spin, turned, states[:, :3].T))
         states = np.array(state_of(disk, coordinates.T, rates.T)).T
         return coordinates, rates, _multipliers(full, states)
 
@@ -203,6 +203,12 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
         jacobian=jacobian,
     )
     return PosedProblem(problem, expand)
+
+
+def _in_rows(both: Iterable[Iterable[Any]]) -> tuple[Array, Array]:
+    """Coordinates and rates, each shape (n, 6), from the n numbers of each of them, or one."""
+    coordinates, rates = (np.stack(np.broadcast_arrays(*each), axis=-1) for each in both)
+    return coordinates, rates
 
 
 def _multipliers(solved: Solver, states: Array) -> Array:

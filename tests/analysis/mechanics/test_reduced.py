@@ -20,7 +20,7 @@ def test_reduced_system_moves_as_the_index_1_system_of_model_4(law: type[Frictio
 
     def expanded(alpha: float, x: Array) -> Array:
         """Coordinates and rates, shape (2, 6)."""
-        return np.concatenate(reduced.expand(scenario.disk, spin, np.array([alpha]), x[None]))
+        return np.array(reduced.expanded(scenario.disk, spin, alpha, x.tolist()))
 
     solved = reduced.solver(scenario, spin)(*x.tolist())
     change = np.array(solved[:3])
