@@ -5,7 +5,6 @@ angular velocity. Its direction is that linear form; its multiplier acts along i
 force in N, or a moment in N m for a rate of an angle, Eqs. (31), (84), (87) and (88).
 """
 
-from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from analysis.mechanics.attitude import EulerAngles, Frame, state_of
@@ -38,18 +37,12 @@ SLIPS: ConstraintSet = ("no-slip-along", "no-slip-across")
 """Constraints without which the disk slips along and across its edge."""
 
 
-def at_point(point: Vector, frame: Frame) -> tuple[Direction, Direction, Direction]:
+def at_point(point: Vector, frame: Frame) -> list[Direction]:
     """Directions in which a point of the body, seen from S, moves along the axes of the frame."""
-    return _along_axes(cross(point, axis) for axis in frame)
+    return [Direction(along, cross(point, axis)) for along, axis in zip(AXES, frame, strict=True)]
 
 
-def _along_axes(turning: Iterable[Vector]) -> tuple[Direction, Direction, Direction]:
-    """Directions along the axes of the frame, and what they are of the turning."""
-    ahead, across, up = map(Direction, AXES, turning)
-    return ahead, across, up
-
-
-def contact_directions(body: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
+def contact_directions(body: Any, frame: Frame) -> list[Direction]:
     """Directions in which the lowest point moves along the axes of the frame R."""
     if body.is_round_disk:
         return rim_directions(body, frame)
@@ -57,7 +50,7 @@ def contact_directions(body: Any, frame: Frame) -> tuple[Direction, Direction, D
     return at_point((x - body.eccentricity, y, z), frame)
 
 
-def rim_directions(disk: Any, frame: Frame) -> tuple[Direction, Direction, Direction]:
+def rim_directions(disk: Any, frame: Frame) -> list[Direction]:
     """Directions in which the lowest point of the thin disk moves along the axes of the frame.
 
     The e_x of the frame lies in the disk, so that the point, seen from S, is -r e_z x e_x - e x
@@ -65,10 +58,10 @@ def rim_directions(disk: Any, frame: Frame) -> tuple[Direction, Direction, Direc
     """
     r, e, (x, y, _) = disk.radius, disk.eccentricity, frame.ahead
     lever = r, 0.0, 0.0
-    return _along_axes(
-        (-(r * c * x), e * c - r * c * y, along - e * b)
-        for along, (_, b, c) in zip(lever, frame, strict=True)
-    )
+    return [
+        Direction(axis, (-(r * c * x), e * c - r * c * y, along - e * b))
+        for axis, along, (_, b, c) in zip(AXES, lever, frame, strict=True)
+    ]
 
 
 def directions(constraints: ConstraintSet, disk: Any, angles: Numbers) -> list[Direction]:

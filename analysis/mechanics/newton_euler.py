@@ -166,15 +166,13 @@ def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vecto
     (a, b, c), (d, e, f) = disk.inertia_about_cog, disk.products
     (x, y, z), (u, v, _), spin = gravity, moving.velocity, moving.spin
     # The torque -w x I w by the products of the angular velocity, each with a constant vector.
-    parts = (
-        (q * s, (b - c, -d, e)),
-        (s * p, (d, c - a, -f)),
-        (p * q, (-e, f, a - b)),
-        *((s * s - q * q, (f, 0.0, 0.0)), (p * p - s * s, (0.0, e, 0.0))),
-        (q * q - p * p, (0.0, 0.0, d)),
+    products = q * s, s * p, p * q, s * s - q * q, p * p - s * s, q * q - p * p
+    torques = (
+        *((b - c, -d, e), (d, c - a, -f), (-e, f, a - b)),
+        *((f, 0.0, 0.0), (0.0, e, 0.0), (0.0, 0.0, d)),
     )
     turning = NONE
-    for product, torque in parts:
+    for product, torque in zip(products, torques, strict=True):
         turning = add(turning, scaled(product, turned_by(disk, torque)))
     return (x + spin * v, y - spin * u, z), turning
 
