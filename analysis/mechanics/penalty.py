@@ -218,8 +218,7 @@ def free_solver(scenario: Scenario, chart: Chart, functions: Functions) -> Solve
     table = YieldingTable(scenario, spring, normal_force, friction)
     derivative, touch, powers = table.derivative(chart, recorder.variables)
     code = recorder.code([*derivative, *([touch.force] if in_angles else powers)])
-    solver: Solver = code(**functions, **_forces(scenario))
-    return solver
+    return code(**functions, **_forces(scenario))
 
 
 def friction_of(*, is_simple: bool) -> Friction:

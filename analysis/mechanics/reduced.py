@@ -70,8 +70,7 @@ def solver(
     """
     law = scenario.friction
     code = formula(is_simple=law.is_simple)
-    found: Solver = code(*numbers(scenario), spin, force=law.force, **functions(law))
-    return found
+    return code(*numbers(scenario), spin, force=law.force, **functions(law))
 
 
 def right_hand_side(

@@ -140,8 +140,7 @@ def follow_turns(times: Array, coordinates: Array, rates: Array, fall: float) ->
 
 def _farthest(speed: Array, spacing: Array, fall: float) -> Array:
     """How far anything can have gone between samples with these speeds, shape (n - 1,)."""
-    way: Array = spacing * np.maximum(speed[1:], speed[:-1]) + 0.5 * fall * spacing**2
-    return way
+    return spacing * np.maximum(speed[1:], speed[:-1]) + 0.5 * fall * spacing**2
 
 
 def _turn(angle: Array, expected: Array) -> Array:

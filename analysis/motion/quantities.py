@@ -123,15 +123,13 @@ class Quantities(ABC):
     def cog_positions(self) -> Array:
         """Inertial position of the centre of gravity in m, shape (n, 3)."""
         positions, rotations, *_ = self.poses
-        result: Array = positions + np.asarray(self._eccentricity)[..., None] * rotations[..., 0]
-        return result
+        return positions + np.asarray(self._eccentricity)[..., None] * rotations[..., 0]
 
     @property
     def cog_velocities(self) -> Array:
         """Inertial velocity of the centre of gravity in m/s, shape (n, 3)."""
         positions, _, velocities, angular = self.poses
-        result: Array = velocities + np.cross(angular, self.cog_positions - positions)
-        return result
+        return velocities + np.cross(angular, self.cog_positions - positions)
 
     @property
     def contact_speed(self) -> Array:
