@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import asin, isfinite, isnan, nan
+from math import asin, isfinite, isnan, nan, sin
 from typing import Any
 
 import numpy as np
@@ -16,10 +16,9 @@ import numpy.typing as npt
 from scipy import integrate as solvers
 from scipy.optimize import brentq
 
-from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT, Ending
+from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Ending
 from analysis.problem.checks import Array
 from analysis.problem.choices import Method
-from analysis.problem.limits import LEAST_TILT
 from analysis.solve.watch import Lookout, StateFunction, Step, Watch
 
 STILL = 1e-9
@@ -181,9 +180,9 @@ def integrate(
     for step in _steps(solver, problem, times):
         watch.steps += 1
         if not watch.steps_left:
-            if FLAT in problem.endings:
-                above = problem.endings[FLAT](step.last)
-                watch.flattest = step.end, asin(min(1.0, above + LEAST_TILT))
+            if problem.angles:
+                beta, _ = step.last[..., problem.angles]
+                watch.flattest = step.end, asin(sin(beta))
             raise watch.given_up(method)
         ended = lookout.ending(step)
         count = int(np.searchsorted(times, step.end, side="right"))
