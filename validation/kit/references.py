@@ -1,4 +1,5 @@
 """What a run is compared with: two runs by other methods, and how far they are apart.
+
 Where they end is found apart from the solvers' own search for endings. A run that knows of no
 ending is sampled so finely that none lies unseen between two samples. Where one may lie, the run
 is made again from the sample before, with finer and finer samples.
