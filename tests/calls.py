@@ -3,7 +3,10 @@
 import os
 import subprocess
 import sys
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -12,6 +15,14 @@ from validation import cli
 Capture = pytest.CaptureFixture[str]
 
 ROOT = Path(__file__).parents[1]
+
+
+class Answer(NamedTuple):
+    """Exit code of a call, and what it prints."""
+
+    code: int
+    out: str
+    err: str
 
 
 def python(*words: str, folder: Path = ROOT, code: int = 0) -> subprocess.CompletedProcess[str]:
@@ -30,18 +41,24 @@ def run(*words: str) -> int:
         return int(stop.code or 0)
 
 
-def refusal(capsys: Capture, *words: str, code: int = 2) -> str:
+def answer(*words: str) -> Answer:
+    """Exit code of a call with what it prints."""
+    with redirect_stdout(StringIO()) as out, redirect_stderr(StringIO()) as err:
+        code = run(*words)
+    return Answer(code, out.getvalue(), err.getvalue())
+
+
+def refusal(*words: str, code: int = 2) -> str:
     """The one line in which a call is refused, with this code and nothing else said."""
-    assert run(*words) == code
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    command = words[0].partition(" ")[0]
+    shown, command = answer(*words), words[0].partition(" ")[0]
+    assert (shown.code, shown.out) == (code, "")
     assert shown.err.startswith(f"tippedisk {command}: error: ")
     assert shown.err.count("\n") == 1
     return shown.err
 
 
-def printed(capsys: Capture, *words: str) -> str:
+def printed(*words: str) -> str:
     """What a call prints that succeeds."""
-    assert run(*words) == 0
-    return capsys.readouterr().out
+    shown = answer(*words)
+    assert shown.code == 0, shown.err
+    return shown.out

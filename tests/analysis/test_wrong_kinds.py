@@ -1,4 +1,4 @@
-"""Whatever is public refuses by name what is nothing of the kind that it takes."""
+"""Whatever is public refuses by name what is of no kind that it takes, or out of range."""
 
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type, call-overload, dict-item, list-item"
@@ -28,6 +28,7 @@ from analysis import (
     PenaltyContact,
     RestCriterion,
     Scenario,
+    SmoothCoulomb,
     Start,
     Table,
     Trajectory,
@@ -52,7 +53,8 @@ from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 
 FULL, REDUCED, REST = Scenario(), model(4), Scenario.rest()
-RUN, REST_RUN = simulate(FULL, [0.0, 0.01]), analysis.simulate_to_rest(REST, 0.01)
+TIMES = [0.0, 0.01]
+RUN, REST_RUN = simulate(FULL, TIMES), analysis.simulate_to_rest(REST, 0.01)
 TILTED = stationary.StationaryMotion(
     spin=30.0, x=0.0, y=0.0, beta=1.0, gamma=1.0, eigenvalues=np.zeros(1, complex), value=30.0
 )
@@ -88,7 +90,7 @@ FITTING: dict[str, Any] = {
     "state": FULL.initial_state,
     "stiffness": 1e5,
     "time": 0.0,
-    "times": [0.0, 0.01],
+    "times": TIMES,
     "trajectory": RUN,
     "values": [2.0, 1.0],
 }
@@ -196,6 +198,30 @@ def _trajectory(**changes: Any) -> Any:
     return Trajectory(**CALLS[Trajectory] | changes)
 
 
+def _full(**how: Any) -> Any:
+    return simulate(**{"scenario": FULL, "times": TIMES} | how)
+
+
+def _reduced(scenario: Scenario) -> Any:
+    return simulate(scenario, TIMES, formulation="reduced")
+
+
+def _many(scenarios: Any = (FULL,), **how: Any) -> Any:
+    return simulate_many(list(scenarios), TIMES, **{"workers": 1} | how)
+
+
+def _rest(scenario: Scenario = REST, **how: Any) -> Any:
+    return analysis.simulate_to_rest(scenario, 0.01, **how)
+
+
+def _ensemble(scenario: Scenario = FULL, **fields: Any) -> Any:
+    return Ensemble(scenario=scenario, fields=fields)
+
+
+PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
+SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
+CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
+
 WRONG: dict[str, Callable[[], Any]] = {
     "disk must be a Body, got 'x'": lambda: Scenario.rest(disk="x"),
     "constraints must be one of contact, .* got array": lambda: Scenario(
@@ -203,7 +229,7 @@ WRONG: dict[str, Callable[[], Any]] = {
     ),
     "fields must be named by text, got 5": lambda: Ensemble(scenario=FULL, fields={5: [1.0]}),
     r"motions\[1\] must be a SampledMotion, got 'x'": lambda: analysis.outcomes([RUN, "x"]),
-    r"scenarios\[1\] must be a Scenario, got 3": lambda: simulate_many([FULL, 3], [0.0, 0.01]),
+    r"scenarios\[1\] must be a Scenario, got 3": lambda: _many([FULL, 3]),
     "ax must be the axes of a figure, got 5": lambda: RUN.plot("beta", ax=5),
     "index must be at most 1, got 2": lambda: RUN.state(2),
     "index must be at least -2, got -3": lambda: RUN.state(-3),
@@ -225,6 +251,45 @@ WRONG: dict[str, Callable[[], Any]] = {
     "interval must be lowest and highest value": lambda: stationary.stationary_branch(
         REDUCED, TILTED, [1.0]
     ),
+    "local_tolerance must lie from 3e-14 to less than 1": lambda: _full(local_tolerance=2.0),
+    "give either tolerance or": lambda: _full(tolerance=1e-6, local_tolerance=1e-6),
+    "time_limit must be positive, got 0": lambda: _full(time_limit=0.0),
+    "formulation 'reduced' exists for Model 4 alone, got": lambda: _reduced(model(3)),
+    "formulation 'reduced' takes the load 'weight'": lambda: _reduced(
+        model(4, friction=SmoothCoulomb(load="contact"))
+    ),
+    "formulation 'reduced' needs a hor": lambda: _reduced(model(4, table=Table(inclination=0.1))),
+    "start breaks 'fixed centre of gravity": lambda: _full(
+        scenario=model(2, start=FULL.initial_state)
+    ),
+    "formulation 'free-body' needs a penalty contact, got": lambda: _full(formulation="free-body"),
+    "formulation 'index-1' takes no penalty contact, got": lambda: _full(
+        scenario=PENALTY, formulation="index-1"
+    ),
+    "stop_when must be one of inverted, lost, module:func": lambda: _full(stop_when="asleep"),
+    "stop_when must hold names or functions of a State": lambda: _full(stop_when="math:pi"),
+    "stop_when <lambda> must say a number of": lambda: _full(stop_when=lambda _: "low"),
+    "stop_when 'no.such:thing' cannot be loaded: No": lambda: _full(stop_when="no.such:thing"),
+    "stop_when .* different names, got <lambda> twice": lambda: _full(stop_when=CONDITIONS),
+    "stop_when must hold functions that worker processes": lambda: _many(
+        2 * [FULL], workers=2, method="RK45", stop_when=CONDITIONS[0]
+    ),
+    "workers must be at least 1, got 0": lambda: _many(workers=0),
+    "local_tolerance must lie from 1e-13 to less th": lambda: _rest(local_tolerance=2.0),
+    "half_thickness must be positive for the disk": lambda: _rest(SHARP),
+    "contact must be a PenaltyContact, got None": lambda: _rest(FULL),
+    "spacing must not exceed end = 0.01": lambda: _rest(spacing=2.0),
+    "give either tolerance or l": lambda: _rest(tolerance=1e-3, local_tolerance=1e-8),
+    "method must be one of": lambda: _rest(method="Radau"),
+    "fields must map names to arrays": _ensemble,
+    "start.spin must hold no masked valu": lambda: _ensemble(spin=np.ma.array([1.0], mask=[True])),
+    "fields must be a field of a scenario": lambda: _ensemble(spim=[1.0]),
+    "fields .* start.spin twice": lambda: _ensemble(**{"spin": [1.0], "start.spin": [2.0]}),
+    r"fields .* got \(2,\) of start.spin": lambda: _ensemble(spin=[1.0, 2.0], mu=[0.1]),
+    r"start.spin must have shape \(m,\)": lambda: _ensemble(spin=3.0),
+    "member 1 of fields: stiffness must be at le": lambda: _ensemble(
+        PENALTY, stiffness=[1e5, 1.0]
+    ),
 }
 """How a message begins, and the call."""
 
@@ -236,8 +301,13 @@ test_wrong_value_is_told_with_what_is_allowed = refusals(
 @pytest.mark.parametrize("member", [2, -3, "x", None])
 def test_member_that_an_ensemble_does_not_have_is_refused_by_name(member: Any) -> None:
     ensemble = Ensemble(scenario=FULL, fields={"spin": [30.0, 40.0]})
-    runs = simulate_many(ensemble, [0.0, 0.01], workers=1)
+    runs = simulate_many(ensemble, TIMES, workers=1)
     for call in (ensemble.__getitem__, runs.__getitem__, runs.outcome):
         with pytest.raises(IndexError, match=rf"^member must lie from -2 to 1, got {member!r}$"):
             call(member)
     assert runs[-1].scenario == ensemble[-1] == ensemble[1]
+
+
+def test_truth_values_of_numpy_are_switches() -> None:
+    assert _full(allow_pulling=np.True_).ending is None
+    assert PenaltyContact(stiffness=1e5, bilateral=np.True_).bilateral is True

@@ -121,8 +121,8 @@ def test_friction_is_in_a_scene_only_where_some_slip_is_left(constraints: Constr
         assert any("friction" in item.why for item in inventory(scene)) is slips
 
 
-def test_command_prints_items_reasons_and_sums(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = printed(capsys, "scene --model 3 --formulation euler-tree")
+def test_command_prints_items_reasons_and_sums() -> None:
+    shown = printed("scene --model 3 --formulation euler-tree")
     assert "JointRollingDisc" in shown
     assert "without slip along the edge" in shown
     assert "6 coordinates, 6 algebraic equations (4 constraints" in shown

@@ -8,15 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.calls import Capture, run
+from tests.calls import answer
 from validation import benchmark
 from validation.benchmark import measured
 from validation.study import Check
 
 
-def test_missed_limit_is_the_exit_code(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
-) -> None:
+def test_missed_limit_is_the_exit_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def part(_: int) -> Iterator[Check]:
         """A part."""
         yield measured("of no bound", 5.0, "ms")
@@ -25,10 +23,10 @@ def test_missed_limit_is_the_exit_code(
     monkeypatch.setattr(benchmark, "PARTS", (part,))
     cases = [(1.0, 1.0, 0), (nan, inf, 0), (1.1, 1.0, 1), (nan, 1.0, 1), (inf, 1.0, 1)]
     for value, limit, code in cases:
-        assert run("benchmark") == code, (value, limit)
-        assert ("NO" in capsys.readouterr().out) == (code == 1)
-        assert run(f"benchmark --json --plot {tmp_path}/a.png") == code
-        told = [each["at most"] for each in json.loads(capsys.readouterr().out)]
+        shown, data = answer("benchmark"), answer(f"benchmark --json --plot {tmp_path}/a.png")
+        assert shown.code == data.code == code, (value, limit)
+        assert ("NO" in shown.out) == (code == 1)
+        told = [each["at most"] for each in json.loads(data.out)]
         assert told == [None, None if limit == inf else limit]
 
 

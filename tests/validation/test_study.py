@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.calls import Capture, printed, run
+from tests.calls import answer, printed
 from tests.helpers import failing
 from tests.toy_study import CASES, STUDY
 from validation import report
@@ -210,33 +210,33 @@ def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
 
 
 def test_command_prints_what_fails_and_all_checks_if_asked(
-    make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     holding, failed = make(), make(results=tmp_path)
     call = f"report --out {tmp_path}"
     monkeypatch.setattr(report, "make", lambda *_, **__: holding)
     told = "holds: toy: largest: 4.0, limit 4.0 (stored)"
-    assert told in printed(capsys, call, "--verbose")
-    said = printed(capsys, call)
+    assert told in printed(call, "--verbose")
+    said = printed(call)
     assert told not in said
     assert "It grows. Yes: 4 [above 1]" in said
     assert "All checks hold" in said
     monkeypatch.setattr(report, "make", lambda *_, **__: failed)
-    assert run(call) == 1
-    said = capsys.readouterr().out
-    assert "FAILS: toy: table" in said
-    assert "2 of 2 checks FAIL" in said
-    assert run(call, f"--json --csv {tmp_path}/a.csv --plot {tmp_path}/a.png") == 1
-    checks = json.loads(capsys.readouterr().out)["checks"]
-    assert [each["name"] for each in checks] == ["toy: table", "toy-section: section"]
+    shown = answer(call)
+    assert "FAILS: toy: table" in shown.out
+    assert "2 of 2 checks FAIL" in shown.out
+    data = answer(call, f"--json --csv {tmp_path}/a.csv --plot {tmp_path}/a.png")
+    assert shown.code == data.code == 1
+    names = [each["name"] for each in json.loads(data.out)["checks"]]
+    assert names == ["toy: table", "toy-section: section"]
     assert (tmp_path / "a.csv").read_text() == "section,statement,answer,numbers,criterion,good\n"
 
 
 def test_command_tells_what_it_has_measured_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(report, "find", lambda _: SimpleNamespace(STUDIES=[STUDY]))
     monkeypatch.setattr(report, "measure", partial(report.measure, workers=0))
-    (told,) = json.loads(printed(capsys, f"study claims --out {tmp_path} --json"))
+    (told,) = json.loads(printed(f"study claims --out {tmp_path} --json"))
     assert told["cases"] == len(CASES)
     assert len(pd.read_csv(told["file"])) == told["rows"]

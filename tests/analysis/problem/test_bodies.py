@@ -95,8 +95,8 @@ def test_to_name_what_a_body_is_changes_nothing(body: Body) -> None:
     assert named.values() == scenario.values()
 
 
-def test_a_body_of_ones_own_is_told_by_an_option(capsys: pytest.CaptureFixture[str]) -> None:
-    own = printed(capsys, "scenario --radius 0.03 --body", "tests.bodies:Egg,waist=0.9")
+def test_a_body_of_ones_own_is_told_by_an_option() -> None:
+    own = printed("scenario --radius 0.03 --body", "tests.bodies:Egg,waist=0.9")
     for line in ("radius = 0.03", 'body = "tests.bodies:Egg"', "waist = 0.9"):
         assert f"\n{line}" in own
 

@@ -55,9 +55,9 @@ NEARLY: dict[str, Callable[[], object]] = {
 test_one_line_says_what_is_right = refusals(NEARLY, (ValueError, TypeError, KeyError))
 
 
-def test_negative_values_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
+def test_negative_values_are_taken() -> None:
     for written, read in {"-1e-1": "-0.1", "-90deg": '"-pi/2"', "-pi/2": '"-pi/2"'}.items():
-        assert f"\ngamma = {read}  # rad" in printed(capsys, "scenario --gamma", written)
+        assert f"\ngamma = {read}  # rad" in printed("scenario --gamma", written)
 
 
 MANY = """

@@ -103,15 +103,15 @@ def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quant
         assert f"{quantity.name} = " in text
 
 
-def test_every_quantity_is_told_with_what_it_means(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = " ".join(printed(capsys, "scenario --help").split())
+def test_every_quantity_is_told_with_what_it_means() -> None:
+    shown = " ".join(printed("scenario --help").split())
     for quantity in QUANTITIES.values():
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
 
 
 @EVERY
 def test_an_option_changes_its_quantity_and_nothing_else(
-    quantity: Quantity, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    quantity: Quantity, tmp_path: Path
 ) -> None:
     scenario, path = home(quantity), tmp_path / "my.toml"
     path.write_text(scenario_text(scenario))
@@ -119,7 +119,7 @@ def test_an_option_changes_its_quantity_and_nothing_else(
     words = [f"{quantity.flag}={value}"]
     if quantity.is_switch:
         words = [quantity.flag.replace("--", "--no-")]
-    shown = printed(capsys, "scenario", str(path), *words)
+    shown = printed("scenario", str(path), *words)
     assert shown == scenario_text(changed(scenario, {quantity.key: value}))
     assert quantity.is_switch or value == "contact" or shown != scenario_text(scenario)
 

@@ -47,10 +47,8 @@ SAID = {
 
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("option", SAID)
-def test_what_is_no_law_or_condition_is_refused(
-    call: str, option: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert SAID[option] in refusal(capsys, call, option)
+def test_what_is_no_law_or_condition_is_refused(call: str, option: str, folder: Path) -> None:
+    assert SAID[option] in refusal(call, option)
     assert written(folder) == []
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-import mbs_models
 from analysis import (
     CENTRED_DISK,
     MODELS,
+    Formulation,
     Level,
     Method,
     PenaltyContact,
@@ -25,12 +25,19 @@ from analysis import (
 from analysis.motion.endings import REACHED
 from analysis.problem import limits
 from analysis.problem.limits import LEAST_TILT
-from mbs_models import Integrator, Scene
 from tests.helpers import EITHER_METHOD, angles_apart, model, mostly_slow, not_none
+from validation.run import run
 
 TIMES = np.linspace(0.0, 0.6, 121)
 SOFT = Scenario(contact=PenaltyContact(stiffness=1e6, damping=300.0))
 FALLING = Scenario(start=Start(beta=pi / 2, gamma=pi / 2 - 0.3, spin=15.0))
+IN_HOUSE: dict[str, Any] = {"source": "in-house"}
+SIDES = (IN_HOUSE, {"formulation": "contact-tree"}, {"formulation": "euler-tree"})
+
+
+def assert_ends(run: Trajectory, reason: str | None, time: float, within: float) -> None:
+    assert (run.ending and run.ending.reason) == reason, run.scenario
+    assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
 
 
 @pytest.mark.parametrize(
@@ -60,15 +67,13 @@ def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(
 
 @pytest.mark.parametrize("method", EITHER_METHOD)
 @pytest.mark.parametrize("formulation", ["index-1", "reduced"])
-def test_a_condition_may_ask_for_any_coordinate(formulation: str, method: str) -> None:
-    scenario = model(4, start=Start(alpha=0.3))
-    how: Any = {
-        "formulation": formulation,
-        "method": method,
-        "stop_when": lambda state: 1.7 - state.coordinates[3],
-    }
-    run = simulate(scenario, TIMES, **how)
-    assert run.times[-1] == pytest.approx((1.7 - 0.3) / 40.0, abs=1e-9)
+def test_a_condition_may_ask_for_any_coordinate(formulation: Formulation, method: Method) -> None:
+    def turned(state: State) -> float:
+        return 1.7 - state.coordinates[3]
+
+    how: dict[str, Any] = {"formulation": formulation, "method": method}
+    run = simulate(model(4, start=Start(alpha=0.3)), TIMES, stop_when=turned, **how)
+    assert_ends(run, "turned", (1.7 - 0.3) / 40.0, 1e-9)
 
 
 def slow(state: State) -> float:
@@ -107,15 +112,10 @@ def test_a_run_may_start_on_a_condition_and_ends_where_it_comes_back(method: Met
     def back(state: State) -> float:
         return -state.rates[4]
 
-    runs = [
-        simulate(Scenario(), TIMES, tolerance=1e-8, method=method, stop_when=each)
-        for each in (ahead, back)
-    ]
-    runs += [
-        mbs_models.simulate(Scene(Scenario()), TIMES, stop_when=each) for each in (ahead, back)
-    ]
-    for run, time in zip(runs, 2 * (0.395551676, 0.565391838), strict=True):
-        assert not_none(run.ending).time == pytest.approx(time, abs=2e-8)
+    for how in (IN_HOUSE | {"method": method, "tolerance": 1e-8}, {}):
+        for condition, time in ((ahead, 0.395551676), (back, 0.565391838)):
+            found = run(Scenario(), TIMES, stop_when=condition, **how)
+            assert_ends(found, condition.__name__, time, 2e-8)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
 ) -> None:
     scenario = model(4, start=start)
     run = simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
-    assert not_none(run.ending).time == pytest.approx(time, abs=tolerance / 3.0)
+    assert_ends(run, "inverted", time, tolerance / 3.0)
     # Steps across that kink would be short, and twice as many.
     assert run.counts["right_hand_sides"] < 2000
     whole = simulate(
@@ -159,11 +159,6 @@ def turned_by(angle: float) -> Callable[[State], float]:
 
     condition.__name__ = f"turned by {angle}"
     return condition
-
-
-def assert_ends(run: Trajectory, reason: str | None, time: float, within: float) -> None:
-    assert (run.ending and run.ending.reason) == reason, run.scenario
-    assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
 
 
 def test_a_pull_behind_the_end_of_a_run_in_the_same_step_is_not_noted() -> None:
@@ -229,13 +224,6 @@ HIDDEN = Scenario(start=Start(spin=0.0, beta=0.1))
 """It seems to fall flat, passes within 1.4e-4 rad of it and rises again."""
 
 
-def run(side: str, scenario: Scenario, times: Any, **how: Any) -> Trajectory:
-    """A motion in-house, or by one of the engine's formulations."""
-    if side == "in-house":
-        return simulate(scenario, times, **how)
-    return mbs_models.simulate(Scene(scenario, side), times, **how)  # type: ignore[arg-type]
-
-
 def time_of_fall(scenario: Scenario) -> float:
     """Time in s in which a disk falls flat without turning, from its energy, by quadrature."""
     disk, gravity = scenario.disk, scenario.table.gravity
@@ -251,20 +239,21 @@ def time_of_fall(scenario: Scenario) -> float:
     return float(quad(slowness, 0.0, sqrt(first - LEAST_TILT), epsabs=1e-13, epsrel=1e-13)[0])
 
 
-@pytest.mark.parametrize("side", ["in-house", "contact-tree", "euler-tree"])
+@pytest.mark.parametrize("side", SIDES, ids=str)
 @pytest.mark.parametrize("scenario", FALLS.values(), ids=FALLS)
 @pytest.mark.parametrize("count", [2, 201])
-def test_disk_ends_flat_when_it_lies_flat(side: str, scenario: Scenario, count: int) -> None:
-    ending = run(side, scenario, np.linspace(0.0, 1.0, count)).ending
-    assert not_none(ending).reason == "flat"
-    assert not_none(ending).time == pytest.approx(time_of_fall(scenario), abs=1e-7)
+def test_disk_ends_flat_when_it_lies_flat(
+    side: dict[str, Any], scenario: Scenario, count: int
+) -> None:
+    found = run(scenario, np.linspace(0.0, 1.0, count), **side)
+    assert_ends(found, "flat", time_of_fall(scenario), 1e-7)
 
 
 def test_disk_that_passes_nearly_flat_goes_on_alike_on_both_sides() -> None:
-    sides = {"in-house": 1e-6, "contact-tree": 1e-4}
-    found = [run(side, HIDDEN, [0.0, 0.05], tolerance=asked) for side, asked in sides.items()]
-    assert [each.ending for each in found] == [None, None]
-    assert angles_apart(*found) < 2e-6
+    asked = zip(SIDES, (1e-6, 1e-4), strict=False)
+    one, other = (run(HIDDEN, [0.0, 0.05], tolerance=each, **side) for side, each in asked)
+    assert one.ending is None is other.ending
+    assert angles_apart(one, other) < 2e-6
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
@@ -276,20 +265,15 @@ def test_rates_that_grow_near_flat_are_in_the_way_of_no_tolerance(level: Level) 
     assert angles_apart(coarse, fine) < 1e-5
 
 
-DOPRI5 = Integrator(name="DOPRI5", local_tolerance=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("side", "how"), [("in-house", {}), ("contact-tree", {"integrator": DOPRI5})]
-)
+@pytest.mark.parametrize("how", [IN_HOUSE, SIDES[1] | {"local_tolerance": 1e-12}], ids=str)
 def test_run_that_takes_far_more_steps_than_expected_says_where_unless_it_has_a_time_limit(
-    side: str, how: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+    how: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(limits, "SPARE_SECONDS", 1e-3)
     said = set()
     for _ in range(2):
         with pytest.raises(ArithmeticError, match=r"at t = 0\.0.* steps, far more than") as told:
-            run(side, HIDDEN, [0.0, 0.05], **how)
+            run(HIDDEN, [0.0, 0.05], **how)
         said.add(str(told.value))
     assert len(said) == 1
-    assert run("in-house", HIDDEN, [0.0, 0.05], time_limit=1e6).ending is None
+    assert simulate(HIDDEN, [0.0, 0.05], time_limit=1e6).ending is None

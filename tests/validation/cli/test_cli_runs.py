@@ -6,18 +6,18 @@ from pathlib import Path
 import pytest
 
 from analysis import Dissipation, SpatialMotion, load_run, scenario_text
-from tests.calls import Capture, printed
+from tests.calls import printed
 
 SIMULATE = "simulate --samples 6 --end 0.1 --tolerance 1e-6"
 SHORT = "rest --source in-house --end 0.02"
 
 
-def test_command_simulates_stores_and_draws(capsys: Capture) -> None:
+def test_command_simulates_stores_and_draws() -> None:
     call = "rest --source in-house --rolling-viscous 2e-3 --pivoting 2e-4 --end 1.6"
-    shown = printed(capsys, call, "--out rest.npz --plot rest.png")
+    shown = printed(call, "--out rest.npz --plot rest.png")
     motion = load_run("rest.npz", SpatialMotion)
     assert motion.scenario.dissipation == Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
-    assert printed(capsys, "scenario rest.npz") == scenario_text(motion.scenario)
+    assert printed("scenario rest.npz") == scenario_text(motion.scenario)
     assert motion.source == "in-house"
     assert motion.times[-1] == pytest.approx(1.6)
     assert Path("rest.png").stat().st_size > 1000
@@ -40,7 +40,7 @@ SAID = {
 
 
 @pytest.mark.parametrize("call", SAID)
-def test_command_says_how_far_it_came_and_what_it_lacks(call: str, capsys: Capture) -> None:
-    shown = printed(capsys, call)
+def test_command_says_how_far_it_came_and_what_it_lacks(call: str) -> None:
+    shown = printed(call)
     assert SAID[call] in shown
     assert ("unstable" in shown) == ("unstable" in SAID[call])

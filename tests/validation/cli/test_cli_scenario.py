@@ -24,7 +24,7 @@ from analysis import (
 )
 from analysis.problem.choices import SOURCES
 from analysis.problem.scenario_file import scenario_text
-from tests.calls import Capture, printed, refusal, run
+from tests.calls import answer, printed, refusal, run
 from tests.helpers import not_none
 from tests.validation.cli.test_refusals import RING
 from validation.studies import comparisons
@@ -74,19 +74,19 @@ def _files(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("words", TOLD)
-def test_options_change_what_they_name_and_nothing_else(words: str, capsys: Capture) -> None:
-    assert printed(capsys, "scenario", words) == scenario_text(TOLD[words])
+def test_options_change_what_they_name_and_nothing_else(words: str) -> None:
+    assert printed("scenario", words) == scenario_text(TOLD[words])
 
 
-def test_of_a_file_and_options_the_one_that_is_wrong_is_blamed(capsys: Capture) -> None:
-    said = refusal(capsys, "scenario state.toml --spin 30")
+def test_of_a_file_and_options_the_one_that_is_wrong_is_blamed() -> None:
+    said = refusal("scenario state.toml --spin 30")
     assert "--spin: spin cannot change: the start is told by its coord" in said
-    said = refusal(capsys, "scenario rolling.toml --model 3")
+    said = refusal("scenario rolling.toml --model 3")
     assert "error: gamma_rate must be -2.44929e-15 in Model 3" in said
 
 
 @pytest.mark.parametrize("source", SOURCES)
-def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -> None:
+def test_run_can_be_repeated_from_its_own_result(source: str) -> None:
     words = f"simulate --source {source} --end 0.05 --samples 6 --tolerance 1e-6"
     problem = f"{RING} --model 2 --law tanh --spin 30 --gamma -pi/2+0.3 --inclination 2deg"
     assert run(words, problem, "--out first.npz") == 0
@@ -98,8 +98,7 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     assert 0.0 < not_none(first.error_estimate) <= 1e-6
     assert scenario_text(again.scenario) == scenario_text(first.scenario)
     assert (first.coordinates == again.coordinates).all()
-    capsys.readouterr()
-    assert printed(capsys, "scenario", problem) == scenario_text(first.scenario)
+    assert printed("scenario", problem) == scenario_text(first.scenario)
 
 
 @pytest.mark.parametrize(
@@ -111,18 +110,15 @@ def test_run_can_be_repeated_from_its_own_result(source: str, capsys: Capture) -
     ],
 )
 def test_check_answers_by_its_exit_code(
-    difference: float | None,
-    code: int,
-    verdict: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: Capture,
+    difference: float | None, code: int, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def answer(scenario: Scenario, **how: float) -> list[comparisons.Comparison]:
+    def compared(scenario: Scenario, **how: float) -> list[comparisons.Comparison]:
         assert how == {"states": 10, "end": 2.0}
         assert scenario == replace(PAPER, friction=SmoothCoulomb(coefficient=0.2))
         about: Any = {"quantity": "accelerations", "formulation": "floating", "detail": ""}
         return [comparisons.Comparison(criterion=1e-8, difference=difference, **about)]
 
-    monkeypatch.setattr(comparisons, "compare_scenario", answer)
-    assert run("check --mu 0.2 --states 10") == code
-    assert capsys.readouterr().out.endswith(f"{verdict}\n")
+    monkeypatch.setattr(comparisons, "compare_scenario", compared)
+    shown = answer("check --mu 0.2 --states 10")
+    assert shown.code == code
+    assert shown.out.endswith(f"{verdict}\n")

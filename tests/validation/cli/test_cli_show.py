@@ -32,9 +32,7 @@ def stored(**motions: Trajectory | SpatialMotion) -> list[str]:
     return [f"{name}.npz" for name in motions]
 
 
-def test_largest_and_root_mean_square_differences_or_the_samples_of_one_motion_are_written(
-    capsys: Capture,
-) -> None:
+def test_largest_and_root_mean_square_differences_or_samples_of_one_motion_are_written() -> None:
     one = random_trajectory()
     shift = np.zeros_like(one.coordinates)
     shift[2, 4] = 3e-3
@@ -46,10 +44,10 @@ def test_largest_and_root_mean_square_differences_or_the_samples_of_one_motion_a
     assert rows["gamma"][3] == 0.0
     assert not table.note
     # Nothing is printed that is written.
-    assert printed(capsys, "show", *files, "--csv out.csv") == ""
+    assert printed("show", *files, "--csv out.csv") == ""
     table.to_csv(Path("table.csv"))
     assert Path("out.csv").read_text() == Path("table.csv").read_text()
-    assert printed(capsys, "show one.npz --csv out.csv") == ""
+    assert printed("show one.npz --csv out.csv") == ""
     one.to_csv(Path("samples.csv"))
     assert Path("out.csv").read_text() == Path("samples.csv").read_text()
 
@@ -71,10 +69,10 @@ def test_runs_sampled_at_other_times_are_interpolated_or_not_compared_and_said_t
     assert "no time in common" in difference_table([("fine", fine), ("later", later)]).note
 
 
-def test_rest_files_are_shown_beside_trajectories(capsys: Capture) -> None:
+def test_rest_files_are_shown_beside_trajectories() -> None:
     rest = simulate_to_rest(Scenario.rest(start=Start(spin=5.0, beta=1.2)), 0.02)
     files = stored(rest=rest, run=rest.to_trajectory())
-    shown = printed(capsys, "show", *files, "--plot both.png")
+    shown = printed("show", *files, "--plot both.png")
     assert "rest: SpatialMotion(" in shown
     assert "run: Trajectory(" in shown
     found = re.search(r"cog_height +m +(\S+)", shown)
@@ -88,32 +86,32 @@ def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) 
         (file,) = stored(**{name: random_trajectory()})
     except OSError:
         pytest.skip("no such name here")
-    assert cli.main(["show", file, "--plot", "made.svg"]) == 0
-    assert cli.main(["animate", file, "--out", "made.html"]) == 0
+    for call in (["show", file, "--plot", "made.svg"], ["animate", file, "--out", "made.html"]):
+        assert cli.main(call) == 0
     assert capsys.readouterr().err == ""
     if "$" in name:
         assert name in Path("made.svg").read_text(encoding="utf-8")
 
 
-def test_files_of_one_name_are_told_apart_by_their_folders(capsys: Capture) -> None:
+def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
     for folder, coefficient in (("one", 0.1), ("other", 0.2)):
         Path(folder).mkdir()
         friction = SmoothCoulomb(coefficient=coefficient)
         one = random_trajectory()
         replace(one, scenario=replace(one.scenario, friction=friction)).save(f"{folder}/run.npz")
-    found = json.loads(printed(capsys, "show one/run.npz other/run.npz --json"))
+    found = json.loads(printed("show one/run.npz other/run.npz --json"))
     names = [str(Path(folder) / "run.npz") for folder in ("one", "other")]
     assert [*found["runs"]] == names
     (row,) = (each for each in found["fields"] if each["field"] == "friction.coefficient")
     assert [row[name] for name in names] == ["0.1", "0.2"]
 
 
-def test_problems_and_ways_that_differ_are_told_first(capsys: Capture) -> None:
+def test_problems_and_ways_that_differ_are_told_first() -> None:
     one, other = (simulate(Scenario(), [0.0, 0.1], local_tolerance=tol) for tol in (1e-6, 1e-8))
     friction = SmoothCoulomb(coefficient=0.2)
     start = Start(gamma=float(np.nextafter(Start().gamma, 0.0)))
     other = replace(other, scenario=replace(one.scenario, friction=friction, start=start))
-    shown = printed(capsys, "show", *stored(one=one, other=other))
+    shown = printed("show", *stored(one=one, other=other))
     first, _, _, *lines = shown.partition("\n\n")[0].splitlines()
     assert first == "What differs"
     assert {name: [*map(float, cells)] for name, *cells in map(str.split, lines)} == {

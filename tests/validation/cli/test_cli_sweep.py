@@ -9,7 +9,7 @@ import pytest
 
 from analysis import MODELS, Scenario
 from analysis.simulation.compiled import library
-from tests.calls import Capture, refusal, run
+from tests.calls import answer, refusal, run
 from tests.sweeps import sweep
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_sweep
@@ -19,10 +19,9 @@ SHORT = "--model 4 --formulation reduced --end 0.05 --tolerance 1e-4 --workers 1
 CALL = f"sweep spin=30:40:5 {SHORT}"
 
 
-def test_sweep_fills_its_store_and_tells_what_failed(capsys: Capture) -> None:
-    assert run(f"sweep spin=30:40:2 mu=0.2,-0.3 {SHORT} --csv a.csv") == 0
-    said = capsys.readouterr()
-    assert said.out == "a.db: 4 cases, 2 of them failed\n"
+def test_sweep_fills_its_store_and_tells_what_failed() -> None:
+    said = answer(f"sweep spin=30:40:2 mu=0.2,-0.3 {SHORT} --csv a.csv")
+    assert (said.code, said.out) == (0, "a.db: 4 cases, 2 of them failed\n")
     assert Path("a.csv").read_text().count("\n") == 5
     assert "2 of 4 cases looked at are refused, such as: coefficient must not be" in said.err
     assert Results.load(Path("a.db")).sweep.scenario == Scenario(constraints=MODELS[4])
@@ -46,23 +45,23 @@ def test_axes_come_from_a_file_as_well() -> None:
 
 
 def test_what_cannot_run_here_is_refused_before_anything_is_kept(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(library, "find_spec", lambda _: None)
-    said = refusal(capsys, CALL, "--method taylor")
+    said = refusal(CALL, "--method taylor")
     assert "method 'taylor' needs heyoka, which is not installed: pip install" in said
     with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
         run_sweep(sweep("spin=30,31", method="taylor"), folder / "a.db")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
-    assert "5 cases may take" in refusal(capsys, CALL)
+    assert "5 cases may take" in refusal(CALL)
     assert not Path("a.db").exists()
 
 
-def test_map_is_refused_before_any_panel_if_one_store_is_of_another(capsys: Capture) -> None:
+def test_map_is_refused_before_any_panel_if_one_store_is_of_another() -> None:
     Path("maps").mkdir()
     with Store("maps/basins-2.db", sweep("spin=30,31")):
         pass
-    said = refusal(capsys, "map basins --cells 1 --levels 0 --workers 1 --out maps")
+    said = refusal("map basins --cells 1 --levels 0 --workers 1 --out maps")
     assert "basins-2.db holds results of another sweep" in said
     assert [each.name for each in Path("maps").iterdir()] == ["basins-2.db"]
 
@@ -70,10 +69,10 @@ def test_map_is_refused_before_any_panel_if_one_store_is_of_another(capsys: Capt
 @pytest.mark.parametrize("call", [CALL, "map attitude --workers 1 --out maps"])
 @pytest.mark.parametrize(("executor", "module"), [("dask", "distributed"), ("mpi", "mpi4py")])
 def test_missing_extra_is_told_in_one_line_and_nothing_is_made(
-    call: str, executor: str, module: str, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    call: str, executor: str, module: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    said = refusal(capsys, call, f"--executor {executor}")
+    said = refusal(call, f"--executor {executor}")
     assert f"the executor {executor} needs the extra" in said
     assert not Path("a.db").exists()
     assert not Path("maps").exists()

@@ -13,7 +13,7 @@ from analysis.motion.endings import CONDITIONS
 from analysis.motion.inversion import DEFINITION
 from analysis.problem.quantities import QUANTITIES
 from analysis.stability.spectra import SYSTEMS
-from tests.calls import Capture, printed, python, refusal, run
+from tests.calls import Answer, answer, printed, python, refusal
 from tests.helpers import mostly_slow
 from validation import report
 from validation.maps.problems import PROBLEMS
@@ -71,8 +71,8 @@ def test_choices_are_those_of_the_packages() -> None:
         assert tuple(choices or ()) == tuple(known)
 
 
-def test_help_says_what_counts_as_inverted_and_what_ends_a_run(capsys: Capture) -> None:
-    shown = " ".join(printed(capsys, "rest --help").split())
+def test_help_says_what_counts_as_inverted_and_what_ends_a_run() -> None:
+    shown = " ".join(printed("rest --help").split())
     assert DEFINITION in shown
     assert f"exact time: {', '.join(CONDITIONS)}, or where" in shown
 
@@ -84,7 +84,7 @@ def options_of(command: Command) -> list[Action]:
 
 @EVERY
 def test_nonsense_is_refused_in_one_line_that_names_the_option(
-    command: Command, folder: Path, capsys: Capture
+    command: Command, folder: Path
 ) -> None:
     for action in options_of(command):
         option = action.option_strings[0]
@@ -94,13 +94,13 @@ def test_nonsense_is_refused_in_one_line_that_names_the_option(
         values = ("glue", "nan") if is_number else ("glue",)
         for value in ("/dev/null/glue", "") if action.dest in PATHS else values:
             words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, "")]
-            assert option in refusal(capsys, command.name, *words, f"{option}={value}")
+            assert option in refusal(command.name, *words, f"{option}={value}")
     assert [each.name for each in folder.iterdir()] == ["run.npz"]
 
 
 @EVERY
-def test_help_says_what_every_option_means(command: Command, capsys: Capture) -> None:
-    shown = printed(capsys, command.name, "--help")
+def test_help_says_what_every_option_means(command: Command) -> None:
+    shown = printed(command.name, "--help")
     usage = shown.partition("\n")[0].partition("[OPTION ...]")[2]
     arguments = [each for each in command.parser().actions if not each.option_strings]
     assert usage.replace(" ...", "").replace("[", "").replace("]", "").split() == [
@@ -127,29 +127,28 @@ def test_help_says_what_every_option_means(command: Command, capsys: Capture) ->
         ("simulate --mu=--", "argument --mu: expected a value behind =, got '--'"),
     ],
 )
-def test_a_wrong_word_is_refused(words: str, said: str, capsys: Capture) -> None:
-    assert run(*words.split()) == 2
-    shown = capsys.readouterr()
+def test_a_wrong_word_is_refused(words: str, said: str) -> None:
+    shown = answer(words)
     assert said in shown.err
-    assert (shown.out, shown.err.count("\n")) == ("", 1)
+    assert (shown.code, shown.out, shown.err.count("\n")) == (2, "", 1)
 
 
 def test_codes_tell_a_fault_from_a_refusal_and_from_a_failed_run(
-    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def told(error: Exception) -> tuple[int, str]:
+    def told(error: Exception) -> Answer:
         def broken(**_: object) -> int:
             raise error
 
         monkeypatch.setattr("validation.commands.scenario.scenario", broken)
-        return run("scenario"), capsys.readouterr().err
+        return answer("scenario")
 
-    code, shown = told(KeyError("speed"))
-    assert (code, shown.partition(" ")[0]) == (70, "Traceback")
-    assert shown.endswith("KeyError: 'speed'\n")
+    fault = told(KeyError("speed"))
+    assert (fault.code, fault.err.partition(" ")[0]) == (70, "Traceback")
+    assert fault.err.endswith("KeyError: 'speed'\n")
     line = "tippedisk scenario: error: no\n"
-    assert told(ValueError("no")) == told(OSError("no")) == (2, line)
-    assert told(ArithmeticError("no")) == (1, line)
+    assert told(ValueError("no")) == told(OSError("no")) == (2, "", line)
+    assert told(ArithmeticError("no")) == (1, "", line)
 
 
 def test_help_and_wrong_paths_are_answered_before_numerical_imports() -> None:
@@ -167,8 +166,8 @@ def test_help_and_wrong_paths_are_answered_before_numerical_imports() -> None:
 
 
 @pytest.mark.parametrize("call", mostly_slow(FINDING, QUICK))
-def test_table_picture_and_data_are_made_at_once(call: str, folder: Path, capsys: Capture) -> None:
-    assert json.loads(printed(capsys, call, "--json --csv a.csv --plot a.png"))
+def test_table_picture_and_data_are_made_at_once(call: str, folder: Path) -> None:
+    assert json.loads(printed(call, "--json --csv a.csv --plot a.png"))
     assert (folder / "a.csv").read_text().count("\n") > 1
     assert (folder / "a.png").stat().st_size > 1000
 
@@ -191,17 +190,15 @@ OFFERED = {
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 @pytest.mark.parametrize("words", OFFERED)
-def test_bash_offers_what_fits(words: str, capsys: Capture) -> None:
-    script = printed(capsys, "completion bash") + COMPLETE.format(words=words)
+def test_bash_offers_what_fits(words: str) -> None:
+    script = printed("completion bash") + COMPLETE.format(words=words)
     done = subprocess.run(["/bin/bash", "-c", script], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == (f"{OFFERED[words]}\n", "")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_script_of_a_shell_knows_every_command_and_is_understood(
-    shell: str, capsys: Capture
-) -> None:
-    script = printed(capsys, "completion", shell)
+def test_script_of_a_shell_knows_every_command_and_is_understood(shell: str) -> None:
+    script = printed("completion", shell)
     for command in COMMANDS:
         assert f" {command.name} " in script or f":{command.name}:" in script
         for action in command.parser().actions:

@@ -136,18 +136,17 @@ def test_lost_streams_are_said_in_one_line_and_hide_neither_a_run_nor_a_wrong_ca
         assert ("3 samples of Model 1" in done.stdout) == (code == 0)
 
 
-def test_suffixes_are_known_in_any_case(capsys: Capture) -> None:
+def test_suffixes_are_known_in_any_case() -> None:
     save("new.npz", "RUN.NPZ")
-    capsys.readouterr()
-    assert "RUN: Trajectory(" in printed(capsys, "show RUN.NPZ --plot RUN.PNG")
-    told = printed(capsys, "animate RUN.NPZ --speed 0.01 --fps 10 --width 100 --out RUN.GIF")
+    assert "RUN: Trajectory(" in printed("show RUN.NPZ --plot RUN.PNG")
+    told = printed("animate RUN.NPZ --speed 0.01 --fps 10 --width 100 --out RUN.GIF")
     assert told.startswith("RUN.GIF: 0 to 0.01 s, 11 frames, ")
 
 
 def test_output_without_greek_letters_gets_the_table_with_replacements(
     capsys: Capture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = printed(capsys, SPINS)
+    whole = printed(SPINS)
     assert whole.startswith("Eigenvalues of Model 4 in 1/s\n")
     assert "λ" in whole
     narrow = io.BytesIO()

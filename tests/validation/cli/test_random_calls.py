@@ -11,7 +11,7 @@ import analysis
 import mbs_models
 from analysis.problem.choices import SOURCES
 from analysis.problem.quantities import QUANTITIES
-from tests.calls import Capture, run
+from tests.calls import answer
 from validation.commands import simulate as simulating
 
 NUMBERS = st.one_of(
@@ -47,27 +47,23 @@ QUICK = settings(
 )
 
 
-def is_taken(words: list[str], capsys: Capture) -> bool:
+def is_taken(words: list[str]) -> bool:
     """Run a command line, check how it answers, and say whether it passes all checks."""
-    capsys.readouterr()
-    code = run(*words)
-    shown = capsys.readouterr()
+    shown = answer(*words)
     # A run that fails has passed all checks.
-    assert code in (0, 1, 2)
+    assert shown.code in (0, 1, 2)
     # A number that looks as if it were meant in another unit is doubted in a line of its own.
     doubts = tuple(f"tippedisk {words[0]}: {each.name} is in " for each in QUANTITIES.values())
     lines = [line for line in shown.err.splitlines() if not line.startswith(doubts)]
     assert len(lines) <= 1
-    if code:
+    if shown.code:
         assert lines[0].startswith(f"tippedisk {words[0]}: error: ")
         assert shown.out == ""
-    return code != 2
+    return shown.code != 2
 
 
 @pytest.mark.parametrize("call", COMMANDS)
-def test_command_answers_in_one_line(
-    call: str, capsys: Capture, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_answers_in_one_line(call: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def accept(*_: Any, **__: Any) -> Any:
         """Take what passes all checks in place of simulating it."""
         raise ArithmeticError("accepted")
@@ -83,12 +79,12 @@ def test_command_answers_in_one_line(
         st.sampled_from(SOURCES),
         st.dictionaries(st.sampled_from(COMMANDS[call]), NUMBERS, max_size=3),
     )
-    def answer(source: str, chosen: dict[str, str]) -> None:
+    def tried(source: str, chosen: dict[str, str]) -> None:
         words = [*call.split(), *([source] if call.endswith("--source") else [])]
         # A value may begin with a minus sign.
         options = [f"{name}={value}" for name, value in chosen.items()]
-        answers[is_taken([*words, *options], capsys)] += 1
+        answers[is_taken([*words, *options])] += 1
 
-    answer()
+    tried()
     # Where all calls are refused, nothing is shown.
     assert answers[True] >= 5, answers

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.calls import Capture, refusal
+from tests.calls import refusal
 
 ENGINE = "simulate --out new.npz "
 SWEEP = "sweep --out new.db "
@@ -76,16 +76,16 @@ FAILED = {
 
 @pytest.mark.parametrize("call", [*REFUSED, *FAILED])
 def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(
-    call: str, folder: Path, capsys: Capture
+    call: str, folder: Path
 ) -> None:
     said = (REFUSED | FAILED)[call]
     Path("circle.png").symlink_to("circle.png")
-    assert said in refusal(capsys, call, code=1 if call in FAILED else 2)
+    assert said in refusal(call, code=1 if call in FAILED else 2)
     assert {entry.name for entry in folder.iterdir()} == {"run.npz", "circle.png"}
 
 
-def test_unreadable_run_is_told_by_its_name(capsys: Capture) -> None:
+def test_unreadable_run_is_told_by_its_name() -> None:
     path = Path("run.npz")
     path.write_bytes(path.read_bytes()[:700])
-    assert "run.npz" in refusal(capsys, "show run.npz --plot a.png")
+    assert "run.npz" in refusal("show run.npz --plot a.png")
     assert not Path("a.png").exists()

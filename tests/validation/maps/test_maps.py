@@ -15,7 +15,7 @@ from analysis import MODELS, STEEL_DISK, Scenario, Table
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from tests.bodies import ELLIPSE
-from tests.calls import Capture, printed, run
+from tests.calls import answer, printed
 from tests.helpers import not_none
 from tests.sweeps import direct
 from validation.maps import figures, problems
@@ -232,12 +232,12 @@ def test_exponent_is_that_of_starts_that_are_decided() -> None:
     [("spin-friction", 1, 3, 2), ("basins", 4, 0, 0), ("rest", 1, 0, 0)],
 )
 def test_map_is_drawn_and_told(
-    name: str, panels: int, *, pairs: int, seen: int, tmp_path: Path, capsys: Capture
+    name: str, panels: int, *, pairs: int, seen: int, tmp_path: Path
 ) -> None:
     call = f"map {name} --out {tmp_path} --cells 1 --levels 1 --end 1.2 --witnesses {seen}"
     call += f" --pairs {pairs} --csv {tmp_path}/map.csv"
-    assert run(*call.split()) == 0
-    said, beside = capsys.readouterr()
+    code, said, beside = answer(call)
+    assert code == 0
     starts = 1 + len(DISTANCES) if pairs else 0
     cases = 9 * panels + pairs * starts
     assert re.match(rf"tippedisk map: some {cases} cases, roughly \S+ \w+ on ", beside)
@@ -252,6 +252,6 @@ def test_map_is_drawn_and_told(
 
 
 @pytest.mark.slow
-def test_pairs_that_tell_no_exponent_are_told_of(tmp_path: Path, capsys: Capture) -> None:
+def test_pairs_that_tell_no_exponent_are_told_of(tmp_path: Path) -> None:
     call = f"map rest --out {tmp_path} --cells 1 --levels 0 --end 0.1 --witnesses 0 --pairs 1"
-    assert "no uncertainty exponent: pairs of starts end" in printed(capsys, call)
+    assert "no uncertainty exponent: pairs of starts end" in printed(call)
