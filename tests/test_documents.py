@@ -1,9 +1,13 @@
-"""README and docs: links lead somewhere, code runs as it stands, commands are understood."""
+"""README and docs: links lead somewhere, code runs, commands are understood; what goes out."""
 
+import doctest
 import importlib
+import inspect
 import re
 import shlex
+import tomllib
 from fnmatch import fnmatch
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -132,3 +136,31 @@ def test_commands_and_what_reads_their_files_run_in_turn(page: str, tmp_path: Pa
     for block in LATER:
         if page_of(block) == page:
             python("-c", PYTHON[block], folder=tmp_path)
+
+
+FUNCTIONS = {
+    f"{package.__name__}.{name}": found
+    for package in (analysis, mbs_models)
+    for name in package.__all__
+    if inspect.isfunction(found := getattr(package, name))
+}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_public_function_has_an_example(name: str) -> None:
+    assert doctest.DocTestParser().get_examples(FUNCTIONS[name].__doc__ or "")
+
+
+def test_newest_release_is_the_version_that_is_built_and_cited() -> None:
+    built = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    cited = dict(re.findall(r"^([\w-]+): (.*)$", citation, re.MULTILINE))
+    newest = re.findall(r"^## \[(\d.*)\] - (.*)$", changes, re.MULTILINE)[0]
+    assert newest == (built["version"], cited["date-released"])
+    assert (cited["version"], cited["license"]) == (built["version"], built["license"])
+
+
+@pytest.mark.parametrize("package", ["analysis", "mbs_models", "validation"])
+def test_type_checkers_find_the_annotations(package: str) -> None:
+    assert files(package).joinpath("py.typed").is_file()

@@ -55,6 +55,9 @@ def test_in_house_side_imports_numpy_and_scipy_only() -> None:
         assert packages <= known | library, path
 
 
+IN_HOUSE = "validation.run.run(analysis.Scenario(), [0.0, 0.01], source='in-house')"
+
+
 @pytest.mark.parametrize(
     ("module", "absent"),
     [
@@ -64,6 +67,7 @@ def test_in_house_side_imports_numpy_and_scipy_only() -> None:
         ("validation.commands.stability", ("exudyn", "matplotlib", "pandas")),
         ("validation.nonlinear.tables", ("exudyn", "matplotlib", "pandas")),
         ("validation.nonlinear.passage", ("exudyn", "matplotlib", "pandas")),
+        (f"analysis, validation.run; {IN_HOUSE}", ("exudyn",)),
     ],
 )
 def test_import_loads_nothing_it_does_not_need(module: str, absent: tuple[str, ...]) -> None:

@@ -10,11 +10,6 @@ from validation.study import Row, Study, relative
 CASES = {"one": 1.0, "two": 2.0}
 
 
-def cases() -> dict[str, float]:
-    """Two numbers."""
-    return CASES
-
-
 def measure(case: Any) -> list[Row]:
     """Some powers of a number."""
     if isinstance(case, str):
@@ -39,7 +34,7 @@ def _rows(number: float) -> list[Row]:
 
 STUDY = Study(
     name="toy",
-    cases=cases,
+    cases=CASES.copy,
     measure=measure,
     sample=("one",),
     confirm={"power": None, "value": relative("value", 1e-9), "curve": 1e-9},

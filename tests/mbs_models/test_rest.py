@@ -18,7 +18,7 @@ from analysis import (
     Start,
     Table,
 )
-from tests.bodies import BODIES
+from tests.bodies import BODIES, TIPPE_TOP
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
 
@@ -86,37 +86,24 @@ def test_the_disk_comes_to_rest_as_in_house() -> None:
         assert found == pytest.approx(expected, abs=5e-3)
 
 
+TOUCHING = Scenario(
+    disk=TIPPE_TOP,
+    friction=SmoothCoulomb(load="contact"),
+    contact=PenaltyContact.rounded(TIPPE_TOP, stiffness=8.3e4),
+    start=Start(beta=0.64, gamma=2.9, spin=-59.7, beta_rate=-2.1, height=0.0),
+)
+LIFTED = Start(beta=1.249, gamma=-0.65, spin=27.4, beta_rate=1.66, gamma_rate=33.3, height=2e-3)
+FILM = Scenario.rest(
+    friction=LubricatedCoulomb(load="contact", film=0.69),
+    table=Table(gravity=3.0),
+    contact=PenaltyContact.rounded(STEEL_DISK, stiffness=4.2e5, half_thickness=2.1e-3),
+    start=LIFTED,
+)
+"""A sphere that only just touches at first, and a film that lets go as a disk lifts off."""
+
+
 @pytest.mark.parametrize(
-    ("scenario", "end"),
-    [
-        # A sphere that only just touches at first, and a film that lets go as a disk lifts off.
-        (
-            Scenario(
-                disk=BODIES["sphere"],
-                friction=SmoothCoulomb(load="contact"),
-                contact=PenaltyContact.rounded(BODIES["sphere"], stiffness=8.3e4),
-                start=Start(beta=0.64, gamma=2.9, spin=-59.7, beta_rate=-2.1, height=0.0),
-            ),
-            0.02,
-        ),
-        (
-            Scenario.rest(
-                friction=LubricatedCoulomb(load="contact", film=0.69),
-                table=Table(gravity=3.0),
-                contact=PenaltyContact.rounded(STEEL_DISK, stiffness=4.2e5, half_thickness=2.1e-3),
-                start=Start(
-                    beta=1.249,
-                    gamma=-0.65,
-                    spin=27.4,
-                    beta_rate=1.66,
-                    gamma_rate=33.3,
-                    height=2e-3,
-                ),
-            ),
-            0.3,
-        ),
-    ],
-    ids=["touching", "film"],
+    ("scenario", "end"), [(TOUCHING, 0.02), (FILM, 0.3)], ids=["touching", "film"]
 )
 def test_a_contact_that_opens_and_closes_does_not_stall_either_side(
     scenario: Scenario, end: float

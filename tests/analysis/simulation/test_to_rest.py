@@ -1,7 +1,7 @@
 """The disk until rest: agreement before the fall, energy, either face, phases, endings."""
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from math import log2, pi
 from typing import Any
@@ -254,17 +254,10 @@ def test_disk_balanced_on_its_rim_is_not_at_rest(disk: Body, tilt: float, gamma:
 def test_disk_slides_down_a_slope_until_friction_carries_it() -> None:
     # The regularised law never sticks: the slope makes it creep at a speed that can be told.
     lean, friction = 0.035, SmoothCoulomb(load="contact")
-    motion = simulate_to_rest(
-        Scenario.rest(
-            friction=friction,
-            table=Table(inclination=lean, downhill=0.7),
-            start=Start(beta=0.005, gamma=-pi / 2, spin=0.0, alpha=0.3),
-            dissipation=SETTLING,
-        ),
-        3.0,
-        spacing=1e-2,
-        tolerance=1e-4,
-    )
+    slope = Table(inclination=lean, downhill=0.7)
+    start = Start(beta=0.005, gamma=-pi / 2, spin=0.0, alpha=0.3)
+    low = Scenario.rest(friction=friction, table=slope, start=start, dissipation=SETTLING)
+    motion = simulate_to_rest(low, 3.0, spacing=1e-2, tolerance=1e-4)
     assert np.max(np.abs(motion.energy_residual)) < 1e-5 * motion.energies[0].sum()
     creep = friction.smoothing * np.tan(lean) / (friction.coefficient - np.tan(lean))
     expected = creep * np.array([np.cos(0.7), np.sin(0.7), 0.0])
@@ -345,14 +338,11 @@ def test_ending_after_impacts_is_located() -> None:
     def low(state: State) -> float:
         return state.coordinates[4] - 0.2
 
-    def motion(spacing: float, *stop_when: Any) -> SpatialMotion:
-        return simulate_to_rest(
-            dropped, 0.25, spacing=spacing, local_tolerance=1e-10, stop_when=stop_when
-        )
-
-    times = [not_none(motion(spacing, low).ending).time for spacing in (2e-3, 0.25)]
+    motion = partial(simulate_to_rest, dropped, 0.25, local_tolerance=1e-10)
+    ended = (motion(spacing=spacing, stop_when=low) for spacing in (2e-3, 0.25))
+    times = [not_none(each.ending).time for each in ended]
     assert np.ptp(times) < 1e-7
-    whole = motion(1e-3)
+    whole = motion(spacing=1e-3)
     before = whole.times < times[0]
     assert np.min(whole.normal_force[before]) == 0.0 < np.max(whole.normal_force[before])
     assert np.min(whole.tilt[before]) > 0.2 > whole.tilt[~before][0]
@@ -385,34 +375,27 @@ def nearly_flat(state: State) -> float:
     return min(beta, pi - beta) - 1e-4
 
 
-either_finely = pytest.mark.parametrize(
-    ("simulated", "how"),
-    [
-        (simulate_to_rest, {"local_tolerance": 1e-9}),
-        (mbs_models.simulate_to_rest, {"step": 2e-5}),
-    ],
-)
+FINELY: dict[Source, Any] = {"in-house": {"local_tolerance": 1e-9}, "engine": {"step": 2e-5}}
 
 
-@either_finely
-def test_a_condition_that_is_met_for_less_than_a_sample_ends_the_motion(
-    simulated: Callable[..., SpatialMotion], how: dict[str, Any]
-) -> None:
+@pytest.mark.parametrize("source", FINELY)
+def test_a_condition_that_is_met_for_less_than_a_sample_ends_the_motion(source: Source) -> None:
     fine: dict[str, Any] = {"local_tolerance": 1e-11, "spacing": 2e-5}
     low = simulate_to_rest(ROLLING_LOW, 0.05, **fine)
     below = low.times[low.leaning < 1e-4]
     # Twenty steps of those below, and not one sample.
     assert 3e-4 < np.ptp(below) < 5e-4
-    motion = simulated(ROLLING_LOW, 0.05, stop_when=nearly_flat, **how)
+    how = FINELY[source] | {"source": source}
+    motion = run_to_rest(ROLLING_LOW, 0.05, stop_when=nearly_flat, **how)
     assert not_none(motion.ending).time == pytest.approx(below[0], abs=2e-5)
 
 
-@either_finely
-def test_rest_ends_a_motion_before_a_condition_that_is_met_later(
-    simulated: Callable[..., SpatialMotion], how: dict[str, Any]
-) -> None:
+@pytest.mark.parametrize("source", FINELY)
+def test_rest_ends_a_motion_before_a_condition_that_is_met_later(source: Source) -> None:
     patient = RestCriterion(energy=1.0, height=1.0, duration=0.03)
-    motion = simulated(ROLLING_LOW, 0.05, stop_when=nearly_flat, criterion=patient, **how)
+    simulated = simulate_to_rest if source == "in-house" else mbs_models.simulate_to_rest
+    how = FINELY[source] | {"criterion": patient}
+    motion = simulated(ROLLING_LOW, 0.05, stop_when=nearly_flat, **how)
     assert motion.rest_time == 0.0
     assert (not_none(motion.ending).reason, motion.times[-1]) == ("at rest", pytest.approx(0.03))
 

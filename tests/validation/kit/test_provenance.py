@@ -7,14 +7,8 @@ from validation.kit.provenance import commit
 
 
 def git(folder: Path, *arguments: str) -> str:
-    identity = ("-c", "user.name=a", "-c", "user.email=a@b.c")
-    answer = subprocess.run(
-        ["git", "-C", str(folder), *identity, *arguments],  # noqa: S607
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return answer.stdout.strip()
+    call = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b.c", *arguments]
+    return subprocess.check_output(call, text=True).strip()
 
 
 def test_commit_is_that_of_the_working_copy_and_of_none_around_it(tmp_path: Path) -> None:
