@@ -1,10 +1,13 @@
 """Scenes of the paper's models in one short call, and what their motions are in truth."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 import analysis
+import mbs_models
 from analysis import Level, Scenario, SmoothCoulomb
 from mbs_models import Formulation, Scene
 from tests.helpers import model
@@ -21,6 +24,13 @@ def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields:
 def rest_scene(**fields: Any) -> Scene:
     """Scene for the way to rest."""
     return Scene(Scenario.rest(**fields))
+
+
+def runner(formulation: Any, times: Any, **fields: Any) -> Callable[..., Any]:
+    """What runs Model 1 by a formulation, or as long "to rest"."""
+    if formulation == "to rest":
+        return partial(mbs_models.simulate_to_rest, rest_scene(**fields), times[-1])
+    return partial(mbs_models.simulate, scene_of(1, formulation, **fields), times)
 
 
 def truth(scenario: Scenario, times: Any, **how: Any) -> analysis.Trajectory:

@@ -22,10 +22,7 @@ def direct(executor: Executor | None = None) -> Pool:
 
 
 def sweep(
-    *axes: str,
-    scenario: Scenario | None = None,
-    layout: dict[str, Any] | None = None,
-    **plan: Any,
+    *axes: str, scenario: Scenario | None = None, layout: dict[str, Any] | None = None, **plan: Any
 ) -> Sweep:
     """Sweep over a grid or drawn points, short runs of the reduced system by default."""
     if scenario is None:

@@ -87,10 +87,7 @@ def test_every_public_name_has_a_task_and_every_page_a_place_in_the_contents() -
 
 @pytest.mark.parametrize("name", ALONE)
 def test_code_runs_as_it_stands(
-    name: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if "taylor" in PYTHON[name]:
         pytest.importorskip("heyoka")

@@ -1,6 +1,5 @@
 """Why a motion of the engine ends, and where: as the in-house one does."""
 
-from functools import partial
 from math import pi
 from typing import Any
 
@@ -18,7 +17,7 @@ from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import suspects
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
-from tests.scenes import scene_of
+from tests.scenes import runner, scene_of
 from validation.kit.differences import ending_error
 
 TIMES = np.linspace(0.0, 0.5, 51)
@@ -64,17 +63,12 @@ def test_a_condition_that_is_zero_at_the_start_ends_no_run_by_rounding(
         return sign * (state.rates[3] - 20.0)
 
     start = Start(gamma=0.3, spin=20.0)
-    how: dict[str, Any] = {"stop_when": turned}
-    accuracies: list[dict[str, Any]] = [{"step": 1e-5}, {"tolerance": 1e-6}]
+    simulate = runner(formulation, [0.0, 0.02], start=start)
+    for accuracy in ({"step": 1e-5}, {"tolerance": 1e-6}):
+        assert simulate(stop_when=turned, **accuracy).ending is None
     if formulation == "to rest":
-        scenario = Scenario.rest(start=start)
-        to_rest = partial(mbs_models.simulate_to_rest, scenario, 0.02)
-        runs: list[Any] = [to_rest(**how, **each) for each in accuracies]
-        runs.append(analysis.simulate_to_rest(scenario, 0.02, **how))
-    else:
-        scene = scene_of(1, formulation, start=start)
-        runs = [mbs_models.simulate(scene, TIMES[:2], **how, **each) for each in accuracies]
-    assert [run.ending for run in runs] == [None] * len(runs)
+        rest = Scenario.rest(start=start)
+        assert analysis.simulate_to_rest(rest, 0.02, stop_when=turned).ending is None
 
 
 def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later() -> None:

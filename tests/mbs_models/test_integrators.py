@@ -1,5 +1,6 @@
 """Orders, options and counts of integrators, and stability as measured on the engine itself."""
 
+from functools import partial
 from typing import Any
 
 import exudyn as exu
@@ -68,14 +69,10 @@ def test_stability_limit_of_the_classical_method_is_the_known_one() -> None:
 def test_observed_order_is_that_of_the_integrator(
     scene: Scene, integrator: Any, step: float, order: int, off: float
 ) -> None:
-    errors = [
-        deviation(
-            mbs_models.simulate(scene, TIMES, step=size, integrator=integrator),
-            truth(scene.scenario, TIMES),
-        )
-        for size in (step, step / 2)
-    ]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=off)
+    run = partial(mbs_models.simulate, scene, TIMES, integrator=integrator)
+    expected = truth(scene.scenario, TIMES)
+    coarse, fine = (deviation(run(step=size), expected) for size in (step, step / 2))
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=off)
 
 
 @pytest.mark.parametrize("name", ["TrapezoidalIndex2", "GeneralizedAlpha"])
@@ -100,14 +97,9 @@ def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:
 @pytest.mark.parametrize("name", ACCELERATED)
 @pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree"])
 def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> None:
-    coarse, fine = (
-        mbs_models.simulate(
-            scene_of(1, formulation),
-            SHORT,
-            integrator=Integrator(name=name, local_tolerance=local),
-        )
-        for local in (1e-4, 1e-8)
-    )
+    scene = scene_of(1, formulation)
+    ways = (Integrator(name=name, local_tolerance=local) for local in (1e-4, 1e-8))
+    coarse, fine = (mbs_models.simulate(scene, SHORT, integrator=way) for way in ways)
     assert fine.error_estimate is None
     assert fine.method["local_tolerance"] == 1e-8
     expected = truth(Scenario(), SHORT)
@@ -142,15 +134,10 @@ def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
 
 def test_options_of_an_integrator_change_the_run_and_go_with_it() -> None:
     loosely = Newton(relative=1e-4, absolute=1e-6)
-    usual, damped, tight, loose = (
-        mbs_models.simulate(scene_of(1, "floating-lie"), TIMES, step=5e-3, integrator=each)
-        for each in (
-            Integrator(name="GeneralizedAlpha"),
-            Integrator(name="GeneralizedAlpha", spectral_radius=0.6),
-            Integrator(name="TrapezoidalIndex2"),
-            Integrator(name="TrapezoidalIndex2", newton=loosely),
-        )
-    )
+    run = partial(mbs_models.simulate, scene_of(1, "floating-lie"), TIMES, step=5e-3)
+    usual, tight = (run(integrator=each) for each in ("GeneralizedAlpha", "TrapezoidalIndex2"))
+    damped = run(integrator=Integrator(name="GeneralizedAlpha", spectral_radius=0.6))
+    loose = run(integrator=Integrator(name="TrapezoidalIndex2", newton=loosely))
     assert deviation(usual, damped) > 1e-6
     assert [run.method["spectral_radius"] for run in (usual, damped)] == [0.9, 0.6]
     assert loose.counts["newton_iterations"] < tight.counts["newton_iterations"]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,19 +83,10 @@ def test_of_bodies_on_a_yielding_table(body: Body, rounded: bool, seed: int, loa
     contact = PenaltyContact.damped(1e5, body)
     if rounded:
         contact = PenaltyContact.rounded(body, stiffness=1e5)
-    drag = 1.2 * body.is_round_disk
-    compare(
-        Scenario(
-            disk=body,
-            contact=contact,
-            dissipation=Dissipation(
-                rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=drag
-            ),
-            table=STEEP,
-            friction=SmoothCoulomb(load=load),
-            start=random_start(seed),
-        )
-    )
+    drag, friction, start = 1.2 * body.is_round_disk, SmoothCoulomb(load=load), random_start(seed)
+    losses = Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=drag)
+    given: Any = {"contact": contact, "dissipation": losses, "friction": friction, "start": start}
+    compare(Scenario(disk=body, table=STEEP, **given))
 
 
 @pytest.mark.parametrize("load", LOADS)

@@ -241,12 +241,9 @@ def test_runs_print_nothing_and_write_nothing(
 
 
 def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_refused() -> None:
-    bounce = Scenario(
-        disk=CENTRED_DISK,
-        friction=SmoothCoulomb(coefficient=0.0),
-        contact=PenaltyContact(stiffness=1e5),
-        start=Start(beta=0.3, spin=3.0, gamma_rate=0.0),
-    )
+    still, soft = SmoothCoulomb(coefficient=0.0), PenaltyContact(stiffness=1e5)
+    start = Start(beta=0.3, spin=3.0, gamma_rate=0.0)
+    bounce = Scenario(disk=CENTRED_DISK, friction=still, contact=soft, start=start)
     scene, times = Scene(bounce, "floating-lie"), np.linspace(0.0, 0.15, 1501)
     run = mbs_models.simulate(scene, times, step=1e-5)
     np.testing.assert_allclose(run.coordinates, truth(bounce, times).coordinates, atol=0.01)

@@ -12,7 +12,7 @@ import pytest
 import mbs_models
 from analysis import SmoothCoulomb, State
 from mbs_models import FORMULATIONS, Formulation
-from tests.scenes import LOADED, TIMES, rest_scene, scene_of
+from tests.scenes import LOADED, TIMES, rest_scene, runner, scene_of
 
 
 class Beyond(BaseException):
@@ -47,12 +47,7 @@ def test_what_a_law_raises_ends_a_run_and_comes_out_as_it_is(
     formulation: Any, by_steps: bool, error: BaseException
 ) -> None:
     PENDING[:] = [(500, error)]
-    if formulation == "to rest":
-        call: Callable[..., object] = partial(
-            mbs_models.simulate_to_rest, rest_scene(friction=Failing()), 0.4
-        )
-    else:
-        call = partial(mbs_models.simulate, scene_of(1, formulation, friction=Failing()), TIMES)
+    call = runner(formulation, TIMES, friction=Failing())
     with pytest.raises(type(error)) as caught:
         call(**({"step": 1e-5} if by_steps else {"tolerance": 1e-6}))
     assert caught.value is error

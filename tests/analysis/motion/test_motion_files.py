@@ -12,14 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import (
-    Ending,
-    Scenario,
-    SpatialMotion,
-    StoredRun,
-    load_run,
-    simulate_to_rest,
-)
+from analysis import Ending, Scenario, SpatialMotion, StoredRun, load_run, simulate_to_rest
 from analysis.motion import files
 from tests.helpers import random_trajectory
 
@@ -156,10 +149,7 @@ REST: list[tuple[Stored, str]] = [
 
 @pytest.mark.parametrize(
     ("saved", "change", "cause"),
-    [
-        *((random_trajectory(), *case) for case in TRAJECTORIES),
-        *((STILL, *case) for case in REST),
-    ],
+    [*((random_trajectory(), *case) for case in TRAJECTORIES), *((STILL, *case) for case in REST)],
 )
 def test_foreign_file_is_refused_with_its_cause(
     saved: StoredRun, change: Stored, cause: str, path: Path

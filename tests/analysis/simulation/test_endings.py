@@ -1,6 +1,8 @@
-"""Why a motion ends, and where: up or down again, flat, pulled, or where the user says."""
+"""Why a motion ends, and where: up or down again, flat, pulled, at a time limit, or as asked."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
+from itertools import count
 from math import cos, pi, sin, sqrt
 from typing import Any
 
@@ -8,24 +10,32 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+import mbs_models
 from analysis import (
     CENTRED_DISK,
+    LOADS,
     MODELS,
     Formulation,
     Level,
+    Load,
     Method,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
     State,
+    TimeLimitError,
     Trajectory,
     simulate,
 )
 from analysis.motion.endings import REACHED
 from analysis.problem import limits
+from analysis.problem.choices import SOURCES, Source
 from analysis.problem.limits import LEAST_TILT
+from mbs_models import Scene, formulations
 from tests.helpers import EITHER_METHOD, angles_apart, model, mostly_slow, not_none
+from tests.scenes import scene_of
+from validation.kit.differences import ending_error
 from validation.run import run
 
 TIMES = np.linspace(0.0, 0.6, 121)
@@ -76,19 +86,9 @@ def test_a_condition_may_ask_for_any_coordinate(formulation: Formulation, method
     assert_ends(run, "turned", (1.7 - 0.3) / 40.0, 1e-9)
 
 
-def slow(state: State) -> float:
-    return state.rates[3] - 39.5
-
-
-def test_a_condition_may_say_a_number_of_numpy() -> None:
-    def low(state: State) -> Any:
-        return state.vector[9] - 39.0
-
-    endings = [
-        not_none(simulate(Scenario(), TIMES, stop_when=each).ending).time
-        for each in (low, lambda state: float(low(state)))
-    ]
-    assert endings[0] == endings[1]
+def slow(state: State) -> Any:
+    # A number of NumPy is one as well.
+    return state.vector[9] - 39.5
 
 
 def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
@@ -277,3 +277,89 @@ def test_run_that_takes_far_more_steps_than_expected_says_where_unless_it_has_a_
         said.add(str(told.value))
     assert len(said) == 1
     assert simulate(HIDDEN, [0.0, 0.05], time_limit=1e6).ending is None
+
+
+SHORT = np.linspace(0.0, 0.2, 21)
+FAST = Start(spin=150.0)
+EITHER = pytest.mark.parametrize("source", SOURCES)
+LOADED = {load: SmoothCoulomb(load=load) for load in LOADS}
+PULLS: list[tuple[Level, mbs_models.Formulation, Load]] = [
+    (level, formulation, load)
+    for level in (1, 2)
+    for load in LOADS
+    for formulation in formulations(model(level, friction=LOADED[load]))
+]
+
+
+@pytest.mark.parametrize("case", mostly_slow(PULLS, PULLS[::4]), ids=str)
+def test_both_sides_end_where_the_contact_would_pull(
+    case: tuple[Level, mbs_models.Formulation, Load],
+) -> None:
+    level, formulation, load = case
+    scenario = model(level, friction=LOADED[load], start=FAST)
+    engine = mbs_models.simulate(Scene(scenario, formulation), SHORT, tolerance=1e-5)
+    in_house = simulate(scenario, SHORT, tolerance=1e-9)
+    assert ending_error(engine, in_house) < 1e-7
+    assert not_none(in_house.ending).reason == "contact would pull"
+    np.testing.assert_allclose(engine.coordinates, in_house.coordinates, atol=1e-5)
+    for found in (engine, in_house):
+        assert np.all(found.normal_force[:-1] > 0.0)
+        assert abs(found.normal_force[-1]) < 1e-4 * found.scenario.weight
+        assert not_none(found.ending).value == found.normal_force[-1]
+
+
+@pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
+def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: Any) -> None:
+    contact = PenaltyContact(stiffness=1e6, damping=300.0, bilateral=True)
+    scene = scene_of(1, formulation, contact=contact, friction=LOADED["contact"], start=FAST)
+    held = mbs_models.simulate(scene, SHORT, step=5e-5)
+    ideal = simulate(replace(scene.scenario, contact=None), SHORT)
+    assert held.ending is not None
+    assert ending_error(held, ideal) < 2e-4
+
+
+@EITHER
+def test_a_start_that_needs_a_pulling_contact_is_refused(source: Source) -> None:
+    start = Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0)
+    with pytest.raises(ValueError, match="start needs a contact that pulls, with a normal force"):
+        run(Scenario(start=start), SHORT, source=source)
+
+
+@EITHER
+def test_a_run_ends_at_its_time_limit_or_raises_where_no_tolerance_was_met(source: Source) -> None:
+    times = np.linspace(0.0, 1000.0, 100_001)
+    how: dict[str, Any] = {"step": 1e-3} if source == "engine" else {"local_tolerance": 1e-8}
+    found = run(model(2), times, source=source, time_limit=0.2, **how)
+    assert not_none(found.ending).reason == "time limit"
+    assert not_none(found.ending).value > 0.2
+    assert found.times.size < times.size
+    np.testing.assert_array_equal(found.times[:-1], times[: found.times.size - 1])
+    with pytest.raises(TimeLimitError, match="time limit met"):
+        run(model(2), times, source=source, tolerance=1e-6, time_limit=0.1)
+
+
+@EITHER
+def test_solver_seconds_are_those_of_the_last_run_to_a_tolerance(
+    source: Source, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    readings = count()
+    monkeypatch.setattr("analysis.solve.stepping.time.thread_time", lambda: float(next(readings)))
+    assert run(model(2), SHORT, source=source, tolerance=1e-4).solver_seconds == 1.0
+    # Each run reads the clock twice.
+    assert next(readings) >= 4
+
+
+def test_two_runs_that_agree_up_to_a_time_limit_are_a_result_up_to_the_samples_of_both(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps = count()
+    monkeypatch.setattr("analysis.solve.watch.time.process_time", lambda: float(next(steps)))
+    whole = simulate(model(2), SHORT, tolerance=1e-3, time_limit=1e9)
+    taken = next(steps)
+    part = simulate(model(2), SHORT, tolerance=1e-3, time_limit=0.75 * taken)
+    last = part.times.size
+    assert not_none(part.ending).reason == "time limit"
+    assert 1 < last < SHORT.size
+    np.testing.assert_array_equal(part.times, SHORT[:last])
+    assert np.max(np.abs(part.coordinates - whole.coordinates[:last])[:, 4:]) < 1e-6
+    assert not_none(part.error_estimate) <= 1e-3

@@ -5,16 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import (
-    CENTRED_DISK,
-    LEVELS,
-    STEEL_DISK,
-    Inversion,
-    Level,
-    Scenario,
-    Start,
-    simulate,
-)
+from analysis import CENTRED_DISK, LEVELS, STEEL_DISK, Inversion, Level, Scenario, Start, simulate
 from analysis.motion.endings import REACHED
 from analysis.motion.inversion import STAYING, inversions
 from analysis.problem.checks import Array

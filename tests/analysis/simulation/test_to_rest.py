@@ -57,10 +57,7 @@ def test_inversion_tends_to_that_of_model_1_and_to_that_of_a_thin_disk() -> None
     model_1 = simulate(ideal, np.linspace(0.0, 1.0, 101), local_tolerance=1e-11)
     stiffer = [standing(stiffness, THIN) for stiffness in (2e5, 4e5, 8e5)]
     thinner = [standing(2e5, half_thickness) for half_thickness in (4e-4, 2e-4, 1e-4)]
-    for runs, limit, order, last in (
-        (stiffer, model_1, 1, 1e-5),
-        (thinner, stiffer[0], 2, 2e-5),
-    ):
+    for runs, limit, order, last in ((stiffer, model_1, 1, 1e-5), (thinner, stiffer[0], 2, 2e-5)):
         errors = [angles_apart(run, limit) for run in runs]
         assert errors[-1] < last
         for coarse, fine in pairwise(errors):

@@ -1,32 +1,32 @@
-"""The command line's eigenvalues and critical speeds."""
+"""The command line's eigenvalues, critical speeds, cycles and heteroclinic connection."""
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.problem.choices import SOURCES
-from tests.calls import printed
+from tests.calls import printed, refusal
+
+SIZES = {
+    "--system full": 8,
+    "--system reduced --mu 0.2": 3,
+    "--system numeric --model 3": 3,
+    "--constraints contact,no-slip-along": 7,
+}
 
 
-@pytest.mark.parametrize(
-    ("system", "size"),
-    [
-        ("--system full", 8),
-        ("--system reduced --mu 0.2", 3),
-        ("--system numeric --model 3", 3),
-        ("--constraints contact,no-slip-along", 7),
-    ],
-)
-def test_every_eigenvalue_is_told_and_both_sources_agree(system: str, size: int) -> None:
+@pytest.mark.parametrize("system", SIZES)
+def test_every_eigenvalue_is_told_and_both_sources_agree(system: str) -> None:
     found = []
     for source in SOURCES:
         call = f"eigenvalues {system} --source {source} --spin 30:35:2 --json"
         rows = json.loads(printed(call))
         assert [row["spin"] for row in rows] == [30.0, 35.0]
         values = [np.array(row["real"]) + 1j * np.array(row["imag"]) for row in rows]
-        assert all(len(each) == size for each in values)
+        assert all(len(each) == SIZES[system] for each in values)
         found.append(values)
     # Column by column, also where the spins lie far apart.
     np.testing.assert_allclose(found[0], found[1], rtol=1e-6, atol=1e-6)
@@ -61,3 +61,59 @@ def test_spins_are_taken_in_any_order() -> None:
     expected = printed(call, "30.2 30.5 30.8")
     for spins in ("30.5 30.8:30.2", "30.5,30.2,30.8,30.5"):
         assert printed(call, spins) == expected
+
+
+KEYS = ["motions", "events", "reason", "hopf", "growth", "connection"]
+"""Of what is told of periodic motions, whichever they are."""
+
+FAMILIES = "analysis.nonlinear.families"
+
+
+def test_cycles_are_told_at_spins_and_over_a_parameter() -> None:
+    found = json.loads(printed("cycles --spin 30.9 30.91 --json"))
+    assert [*found] == KEYS
+    motions = found["motions"]
+    assert [each["spin"] for each in motions] == pytest.approx([30.9, 30.91])
+    assert all(each["stable"] and 0.0 < each["multiplier"] < 1.0 for each in motions)
+    call = "cycles --over hole-distance=0.02,0.021 --amplitude 0.3 --json --plot over.svg"
+    first, second = json.loads(printed(call))["motions"]
+    assert (first["disk.hole_distance"], second["disk.hole_distance"]) == (0.02, 0.021)
+    # The Hopf point goes up with the eccentricity; the hole's distance changes the inertia, too.
+    assert 0.2 < second["spin"] - first["spin"] < 0.3
+    assert "<svg" in Path("over.svg").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("call", "kind", "spin"),
+    [
+        ("cycles --asymmetric --mu 0.1 --eps 0.4", "period-doubling", 29.969),
+        ("cycles --rotating", "fold", 30.082),
+    ],
+)
+def test_other_families_are_followed_from_where_they_are_born(
+    call: str, kind: str, spin: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(f"{FAMILIES}._amplitudes", lambda _: (0.5, 1.0, 1.5, 1.9))
+    monkeypatch.setattr(f"{FAMILIES}.BEYOND", np.array((0.2, 0.4, 0.6)))
+    monkeypatch.setattr(f"{FAMILIES}.TILTS", np.array((0.1, 0.12, 0.14)))
+    found = json.loads(printed(call, "--json --plot family.svg"))
+    assert [*found] == KEYS
+    assert [each["stable"] for each in found["motions"]] == [True, True, False]
+    assert (found["events"][-1]["kind"], round(found["events"][-1]["spin"], 3)) == (kind, spin)
+    assert "<svg" in Path("family.svg").read_text()
+
+
+def test_a_family_that_is_not_there_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"{FAMILIES}._amplitudes", lambda _: (0.5, 1.0))
+    said = refusal("cycles --asymmetric", code=1)
+    assert "no cycle of the family loses its symmetry" in said
+
+
+@pytest.mark.slow
+def test_the_connection_is_told_beside_its_prediction_and_followed() -> None:
+    found = json.loads(printed("heteroclinic --json"))
+    assert (found["spin"], found["prediction"]) == pytest.approx((30.120962, 30.197778), abs=1e-6)
+    ends = json.loads(printed("heteroclinic --over mu=0.1,0.3 --json"))["ends"]
+    assert [end["friction.coefficient"] for end in ends] == [0.1, 0.3]
+    assert ends[1]["connection"]["spin"] == found["spin"]

@@ -118,18 +118,18 @@ def test_help_says_what_every_option_means(command: Command) -> None:
             assert f"--no-{action.option_strings[0][2:]}" in shown
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("", "the following arguments are required: COMMAND"),
-        ("simulat", "did you mean simulate?"),
-        ("scene --spn 3", "unrecognized arguments: --spn; did you mean --spin?"),
-        ("simulate --mu=--", "argument --mu: expected a value behind =, got '--'"),
-    ],
-)
-def test_a_wrong_word_is_refused(words: str, said: str) -> None:
+WRONG = {
+    "": "the following arguments are required: COMMAND",
+    "simulat": "did you mean simulate?",
+    "scene --spn 3": "unrecognized arguments: --spn; did you mean --spin?",
+    "simulate --mu=--": "argument --mu: expected a value behind =, got '--'",
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_a_wrong_word_is_refused(words: str) -> None:
     shown = answer(words)
-    assert said in shown.err
+    assert WRONG[words] in shown.err
     assert (shown.code, shown.out, shown.err.count("\n")) == (2, "", 1)
 
 

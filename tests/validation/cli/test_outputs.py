@@ -92,6 +92,7 @@ SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
 WRONG = "simulate --model 5 --out new.npz"
 LOST = "tippedisk: standard output "
 NO_FILE = r"tippedisk \w+: error: standard output could not be written to: "
+NO_STREAM = "tippedisk show: error: argument --csv: needs standard output"
 
 STREAMS = [
     (WRONG, ">/dev/full", 2, "tippedisk simulate: error: "),
@@ -100,12 +101,7 @@ STREAMS = [
     ("simulate --help", ">/dev/full", 3, LOST),
     (f"{WAYS['new.npz']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['picture.png']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
-    (
-        f"{WAYS['run.csv']} -",
-        ">&-",
-        2,
-        "tippedisk show: error: argument --csv: needs standard output",
-    ),
+    (f"{WAYS['run.csv']} -", ">&-", 2, NO_STREAM),
     (f"{WAYS['run.csv']} -", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['page.html']} -", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['play.html']} -", ">/dev/full", 3, NO_FILE),

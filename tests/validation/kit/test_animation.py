@@ -1,12 +1,15 @@
-"""Animations: the page and the GIF show the motion that was stored."""
+"""Animations show the motion that was stored, and the page to play on one by the equations."""
 
 import html
 import io
 import json
 import re
+import shutil
+import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +22,7 @@ from analysis import (
     STEEL_DISK,
     Disk,
     Scenario,
+    SmoothCoulomb,
     SpatialMotion,
     Sphere,
     Start,
@@ -27,12 +31,12 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
+from analysis.motion import frames
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none
-from tests.node import in_node, needs_node
 from validation import play
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import LOOK, in_sight, outline, shape
@@ -51,6 +55,15 @@ def resting(spacing: float = 5e-3) -> SpatialMotion:
     """A way to rest, said to have ended after 0.75 s."""
     scenario = Scenario.rest(start=Start(spin=40.0, beta=1.0))
     return replace(simulate_to_rest(scenario, 1.0, spacing=spacing), rest_time=0.75)
+
+
+needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="needs Node")
+
+
+def in_node(harness: str, page: str, *words: str) -> Any:
+    """What the code of a page makes of some words, run in Node."""
+    call = ["node", str(Path(__file__).with_name(harness)), "/dev/stdin", *words]
+    return json.loads(subprocess.check_output(call, input=page, text=True))
 
 
 MOTIONS: dict[str, Callable[[], StoredRun]] = {"trajectory": inversion, "spatial": resting}
@@ -267,3 +280,49 @@ def test_gif_has_the_frames_asked_for_and_shows_the_heavy_half_low_and_then_high
     assert lifts[0] < -20.0
     assert lifts[-1] > 20.0
     assert fronts == {True, False}
+
+
+CHOICES = [
+    {"spin": 40.0, "beta": 1.57, "coefficient": 0.3, "smoothing": 0.1, "hole": 20},
+    {"spin": 25.0, "beta": 1.0, "coefficient": 0.8, "smoothing": 0.02, "hole": 12},
+    {"spin": 60.0, "beta": 0.3, "coefficient": 0.02, "smoothing": 0.5, "hole": 28},
+]
+
+
+def spun(chosen: dict[str, float]) -> Any:
+    return in_node("play_harness.js", play().text, json.dumps(chosen))
+
+
+@needs_node
+@pytest.mark.parametrize("chosen", CHOICES, ids=lambda chosen: f"{chosen['spin']:g}")
+def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -> None:
+    found = spun(chosen)
+    times = np.array(found["times"])
+    times = times[times <= 2.0]
+    scenario = Scenario(
+        disk=Disk.ring(hole_distance=1e-3 * chosen["hole"]),
+        friction=SmoothCoulomb(coefficient=chosen["coefficient"], smoothing=chosen["smoothing"]),
+        start=Start(spin=chosen["spin"], beta=chosen["beta"]),
+    )
+    run = simulate(scenario, times, tolerance=1e-8)
+    columns = {name: np.array(each)[: times.size] for name, each in found["columns"].items()}
+    positions, rotations = frames.poses(run.coordinates)
+    quaternions = np.column_stack([columns[name] for name in ("qw", "qx", "qy", "qz")])
+    turned = frames.rotations(quaternions) @ rotations.transpose(0, 2, 1)
+    angles = np.arccos(np.clip((np.trace(turned, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0))
+    assert angles.max() < 1e-3
+    centres = np.column_stack([columns[name] for name in "xyz"])
+    np.testing.assert_allclose(centres, positions, atol=1e-3 * scenario.disk.radius)
+    turning = run.poses.angular_velocities[:, 2]
+    np.testing.assert_allclose(columns["spin"], turning, atol=1e-3 * chosen["spin"])
+    assert times.size > 100
+
+
+@needs_node
+def test_page_ends_where_the_table_would_have_to_hold_the_disk_down() -> None:
+    chosen = {**CHOICES[0], "spin": 150.0}
+    found = spun(chosen)
+    assert found["ending"] == "the table would have to hold the disk down"
+    ending = simulate(Scenario(start=Start(spin=150.0, beta=1.57)), [0.0, 5.0]).ending
+    assert ending is not None
+    assert found["times"][-1] == pytest.approx(ending.time, abs=8e-3)

@@ -54,10 +54,7 @@ def test_row_holds_what_the_run_itself_says() -> None:
 
 @pytest.mark.parametrize(
     ("coefficient", "limit", "status", "reason"),
-    [
-        (FAILS, 60.0, "failed", "no such friction"),
-        (0.3, 1e-3, "too slow", "time limit"),
-    ],
+    [(FAILS, 60.0, "failed", "no such friction"), (0.3, 1e-3, "too slow", "time limit")],
 )
 def test_failed_case_is_a_row_with_its_reason(
     coefficient: float, limit: float, status: str, reason: str
