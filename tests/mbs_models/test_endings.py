@@ -165,20 +165,20 @@ def late(state: State) -> float:
     return 1.01 - state.coordinates[3]
 
 
-@pytest.mark.parametrize(
-    ("conditions", "reason", "time"),
-    [
-        # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
-        ([near], "near", 0.0446),
-        ([early, late], "early", 0.025),
-        ([late, early], "early", 0.025),
-    ],
-    ids=["between steps alone", "earlier first", "earlier last"],
-)
+FIRST: dict[str, tuple[StopWhen, str, float]] = {
+    # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
+    "between steps alone": ([near], "near", 0.0446),
+    "earlier first": ([early, late], "early", 0.025),
+    "earlier last": ([late, early], "early", 0.025),
+}
+
+
+@pytest.mark.parametrize("case", FIRST)
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating"])
 def test_the_first_condition_that_turns_negative_ends_the_run_wherever_within_a_step(
-    formulation: Formulation, conditions: StopWhen, reason: str, time: float
+    formulation: Formulation, case: str
 ) -> None:
+    conditions, reason, time = FIRST[case]
     scene = Scene(model(4), formulation)
     run = mbs_models.simulate(scene, TIMES[:11], step=2e-3, stop_when=conditions)
     ending = not_none(run.ending)

@@ -39,7 +39,7 @@ BODY = "object RigidBody, marker BodyMass, load MassProportional, marker BodyRig
 FRICTION = "marker BodyRigid, object ConnectorRigidBodySpringDamper"
 CARRIER = "node 1D, object RotationalMass1D, marker BodyRigid, object JointGeneric"
 ON_TREE, ON_BODY = "marker KinematicTreeRigid", "marker BodyRigid"
-NODES = {"floating": "node RigidBodyEP", "floating-lie": "node RigidBodyRotVecLG"}
+NODES: dict[Any, str] = {"floating": "node RigidBodyEP", "floating-lie": "node RigidBodyRotVecLG"}
 
 
 def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str]:
@@ -96,19 +96,12 @@ def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_
 
 
 @ROUGHNESS
-@pytest.mark.parametrize(
-    ("formulation", "items"),
-    [
-        ("euler-tree", [TREE]),
-        ("floating", [NODES["floating"], BODY, TABLE, FRICTION.split(", ")[1]]),
-        ("floating-lie", [NODES["floating-lie"], BODY, TABLE, FRICTION.split(", ")[1]]),
-    ],
-)
-def test_penalty_contact_needs_one_force_law_and_no_joint(
-    formulation: Any, items: list[str], friction: SmoothCoulomb
-) -> None:
-    contact = PenaltyContact(stiffness=1e5)
-    assert_holds(scene_of(1, formulation, contact=contact, friction=friction), *items)
+def test_penalty_contact_needs_one_force_law_and_no_joint(friction: SmoothCoulomb) -> None:
+    given: Any = {"contact": PenaltyContact(stiffness=1e5), "friction": friction}
+    assert_holds(scene_of(1, "euler-tree", **given), TREE)
+    for formulation, node in NODES.items():
+        items = (node, BODY, TABLE, FRICTION.split(", ")[1])
+        assert_holds(scene_of(1, formulation, **given), *items)
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)

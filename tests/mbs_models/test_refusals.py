@@ -1,10 +1,12 @@
-"""What the engine side refuses before it computes anything, and runs that come to nothing."""
+"""What the engine side refuses, runs that come to nothing, and what Python raises within one."""
 
 # Wrong on purpose.
 # mypy: disable-error-code="arg-type"
 
+import signal
+import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,19 +17,21 @@ import mbs_models
 from analysis import (
     STEEL_DISK,
     Dissipation,
+    Level,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
+    State,
     Table,
     ToleranceError,
 )
-from mbs_models import EngineError, Integrator, Newton, Scene
+from mbs_models import FORMULATIONS, EngineError, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import FINEST_LOCAL
 from tests.bodies import EGG, TIPPE_TOP
 from tests.calls import python
 from tests.helpers import model
-from tests.scenes import LOADED, TIMES, rest_scene, scene_of
+from tests.scenes import LOADED, TIMES, rest_scene, runner, scene_of
 
 simulate = partial(mbs_models.simulate, scene_of(2), TIMES)
 explicit = partial(mbs_models.simulate, Scene(), TIMES)
@@ -130,19 +134,18 @@ def test_bad_input_is_refused_and_a_run_that_comes_to_nothing_says_why(
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("level", "part", "column", "name"),
-    [
-        (1, "coordinates", 2, "'contact' of Model 1.*position level by 1.000e-04 m,"),
-        (1, "rates", 2, "'contact' of Model 1.*velocity level by 1.000e-04 m/s,"),
-        (2, "coordinates", 0, "'fixed-cog' of Model 2.*position level by 1.000e-04 m,"),
-        (2, "rates", 1, "'fixed-cog' of Model 2.*velocity level by 1.000e-04 m/s,"),
-        (3, "rates", 5, "velocity level by 2.488e-07 m/s,"),
-    ],
-)
-def test_start_that_breaks_a_constraint_is_refused_by_its_name(
-    level: Any, part: str, column: int, name: str
-) -> None:
+BROKEN: dict[str, tuple[Level, str, int]] = {
+    "'contact' of Model 1.*position level by 1.000e-04 m,": (1, "coordinates", 2),
+    "'contact' of Model 1.*velocity level by 1.000e-04 m/s,": (1, "rates", 2),
+    "'fixed-cog' of Model 2.*position level by 1.000e-04 m,": (2, "coordinates", 0),
+    "'fixed-cog' of Model 2.*velocity level by 1.000e-04 m/s,": (2, "rates", 1),
+    "velocity level by 2.488e-07 m/s,": (3, "rates", 5),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_start_that_breaks_a_constraint_is_refused_by_its_name(name: str) -> None:
+    level, part, column = BROKEN[name]
     start = model(level).initial_state
     values = getattr(start, part) + 1e-4 * np.eye(6)[column]
     broken = model(level, start=replace(start, **{part: tuple(values.tolist())}))
@@ -166,3 +169,85 @@ def test_a_further_constraint_needs_no_place_in_the_list_of_what_a_formulation_h
         "print(len(POSSIBLE_SETS), *formulations(further))",
     )
     assert done.stdout.split() == ["15", "euler-tree"]
+
+
+class Beyond(BaseException):
+    pass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Failing(SmoothCoulomb):
+    """A law that raises at one of its next calls, once it is told to."""
+
+    def per_speed(self, speed: float) -> float:
+        if PENDING:
+            calls, error = PENDING.pop()
+            if not calls:
+                raise error
+            PENDING.append((calls - 1, error))
+        return SmoothCoulomb.per_speed(self, speed)
+
+
+PENDING: list[tuple[int, BaseException]] = []
+"""After how many calls a law raises what."""
+
+
+@pytest.mark.parametrize(
+    "error",
+    [LookupError("no such friction"), ValueError("law"), KeyboardInterrupt(), Beyond()],
+    ids=lambda error: type(error).__name__,
+)
+@pytest.mark.parametrize("formulation", [*FORMULATIONS, "to rest"])
+@pytest.mark.parametrize("by_steps", [False, True], ids=["tolerance", "step"])
+def test_what_a_law_raises_ends_a_run_and_comes_out_as_it_is(
+    formulation: Any, by_steps: bool, error: BaseException
+) -> None:
+    PENDING[:] = [(500, error)]
+    call = runner(formulation, TIMES, friction=Failing())
+    with pytest.raises(type(error)) as caught:
+        call(**({"step": 1e-5} if by_steps else {"tolerance": 1e-6}))
+    assert caught.value is error
+    assert caught.value.__cause__ is None
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_what_a_condition_raises_comes_out_as_it_is(formulation: Formulation) -> None:
+    error = LookupError("condition")
+
+    def failing(state: State) -> float:
+        if state.rates[4] > 0.5:
+            raise error
+        return 1.0
+
+    with pytest.raises(LookupError) as caught:
+        mbs_models.simulate(scene_of(1, formulation), TIMES, tolerance=1e-5, stop_when=failing)
+    assert caught.value is error
+
+
+SMOOTH = SmoothCoulomb(coefficient=0.0)
+long_run = partial(mbs_models.simulate, times=[0.0, 60.0])
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer that interrupts")
+@pytest.mark.parametrize("call", [
+    partial(long_run, scene_of(1, "contact-tree", friction=SMOOTH), step=1e-5),
+    partial(long_run, scene_of(1, friction=LOADED), times=[0.0, 600.0]),
+    partial(long_run, scene_of(2, "floating", friction=SMOOTH), step=1e-5),
+    partial(long_run, scene_of(2, "euler-tree"), step=1e-5),
+    partial(mbs_models.simulate_to_rest, rest_scene(), 600.0),
+], ids=["no user function", "accelerations", "no friction", "friction", "to rest"])  # fmt: skip
+def test_a_signal_ends_a_run_at_once(call: Callable[[], object]) -> None:
+    def interrupt(*_unused: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.1)
+        begin = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            call()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    # Whole, it takes a minute or more.
+    assert time.monotonic() - begin < 10.0

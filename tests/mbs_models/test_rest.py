@@ -102,9 +102,7 @@ FILM = Scenario.rest(
 """A sphere that only just touches at first, and a film that lets go as a disk lifts off."""
 
 
-@pytest.mark.parametrize(
-    ("scenario", "end"), [(TOUCHING, 0.02), (FILM, 0.3)], ids=["touching", "film"]
-)
+@pytest.mark.parametrize(("scenario", "end"), [(TOUCHING, 0.02), (FILM, 0.3)])
 def test_a_contact_that_opens_and_closes_does_not_stall_either_side(
     scenario: Scenario, end: float
 ) -> None:

@@ -115,18 +115,20 @@ def test_impacts_keep_their_tolerance_where_fixed_steps_lose_their_order() -> No
     assert run.counts["steps"] < 1000
 
 
-@pytest.mark.parametrize(
-    ("scene", "proposal"),
-    [
-        (Scene(), "integrator 'DOPRI5'"),
-        (scene_of(1, "floating"), "formulation 'contact-tree'"),
-        (scene_of(3), "the in-house equations"),
-        (scene_of(1, "floating", friction=LOADED), "the in-house"),
-    ],
-)
-def test_a_tolerance_that_is_not_met_proposes_another_way(scene: Scene, proposal: str) -> None:
-    with pytest.raises(TimeLimitError, match=f"time limit met.*; try {proposal}"):
-        mbs_models.simulate(scene, np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05)
+PROPOSED = {
+    "integrator 'DOPRI5'": Scene(),
+    "formulation 'contact-tree'": scene_of(1, "floating"),
+    "the in-house equations": scene_of(3),
+    "the in-house": scene_of(1, "floating", friction=LOADED),
+}
+
+
+@pytest.mark.parametrize("way", PROPOSED)
+def test_a_tolerance_that_is_not_met_proposes_another_way(way: str) -> None:
+    with pytest.raises(TimeLimitError, match=f"time limit met.*; try {way}"):
+        mbs_models.simulate(
+            PROPOSED[way], np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05
+        )
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -152,21 +154,19 @@ def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digi
     assert errors[1] < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("errors", "least"),
-    [
-        # A first-order error, which the extrapolation in even powers does not expect.
-        ((0.1, 0.05, 0.025, 0.0125), None),
-        # Two runs that agree by chance: their error may still be a quarter of that before.
-        ((0.0, 0.1, 0.1), 0.1 / 4),
-        # Two extrapolated runs that agree by chance: no better than the next order.
-        ((0.16, 0.04, 0.01), 0.03 / 4),
-    ],
-    ids=["lost order", "chance", "chance of extrapolated"],
-)
-def test_estimates_are_no_less_than_the_runs_before_let_expect(
-    errors: tuple[float, ...], least: float | None
-) -> None:
+LADDERS: dict[str, tuple[float | None, tuple[float, ...]]] = {
+    # A first-order error, which the extrapolation in even powers does not expect.
+    "lost order": (None, (0.1, 0.05, 0.025, 0.0125)),
+    # Two runs that agree by chance: their error may still be a quarter of that before.
+    "chance": (0.1 / 4, (0.0, 0.1, 0.1)),
+    # Two extrapolated runs that agree by chance: no better than the next order.
+    "chance of extrapolated": (0.03 / 4, (0.16, 0.04, 0.01)),
+}
+
+
+@pytest.mark.parametrize("case", LADDERS)
+def test_estimates_are_no_less_than_the_runs_before_let_expect(case: str) -> None:
+    least, errors = LADDERS[case]
     ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
     for halvings, error in enumerate(errors):
         ladder.add(np.full((3, 12), 1.0 + error), np.arange(3.0), 0.01 / 2**halvings)

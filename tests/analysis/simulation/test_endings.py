@@ -50,21 +50,19 @@ def assert_ends(run: Trajectory, reason: str | None, time: float, within: float)
     assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
 
 
-@pytest.mark.parametrize(
-    ("scenario", "stop_when", "level"),
-    [
-        (Scenario(), iter(["inverted"]), REACHED),
-        (SOFT, ["inverted"], REACHED),
-        (FALLING, ["lost", "inverted"], 0.0),
-    ],
-    ids=["inverted", "inverted on a penalty contact", "lost"],
-)
-def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(
-    scenario: Scenario, stop_when: Iterable[str], level: float
-) -> None:
+UP_OR_DOWN: dict[str, tuple[Scenario, Iterable[str], float]] = {
+    "inverted": (Scenario(), iter(["inverted"]), REACHED),
+    "inverted on a penalty contact": (SOFT, ["inverted"], REACHED),
+    "lost": (FALLING, ["lost", "inverted"], 0.0),
+}
+
+
+@pytest.mark.parametrize("case", UP_OR_DOWN)
+def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(case: str) -> None:
+    scenario, stop_when, level = UP_OR_DOWN[case]
     whole = simulate(scenario, TIMES, tolerance=1e-8)
     ended = simulate(scenario, TIMES, tolerance=1e-8, stop_when=stop_when)
-    assert not_none(ended.ending).reason == ("inverted" if level else "lost")
+    assert not_none(ended.ending).reason == case.partition(" ")[0]
     assert ended.cog_direction[-1] == pytest.approx(level, abs=1e-9)
     count = ended.times.size - 1
     np.testing.assert_allclose(

@@ -260,7 +260,6 @@ def test_spin_is_told_a_second_after_the_inversion_and_with_the_place_at_the_end
 @pytest.mark.parametrize(
     ("held", "torque", "angle"),
     [(MODELS[4], "spin_torque", "alpha"), (TILTED[0], "tilt_torque", "beta")],
-    ids=["spin", "tilt"],
 )
 def test_sliding_took_what_a_held_rate_brought(
     held: ConstraintSet, torque: str, angle: str
