@@ -48,6 +48,7 @@ SIDES = (IN_HOUSE, {"formulation": "contact-tree"}, {"formulation": "euler-tree"
 def assert_ends(run: Trajectory, reason: str | None, time: float, within: float) -> None:
     assert (run.ending and run.ending.reason) == reason, run.scenario
     assert run.times[-1] == pytest.approx(time, abs=within), run.scenario
+    assert run.ending is None or run.ending.time == run.times[-1], run.scenario
 
 
 UP_OR_DOWN: dict[str, tuple[Scenario, Iterable[str], float]] = {
