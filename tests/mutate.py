@@ -127,10 +127,8 @@ class Mutation(NamedTuple):
 
 def tests_of(path: Path) -> str:
     """Folder of the tests that mirror a file, or of those around it."""
-    folder = Path("tests") / path.parent
-    while not (ROOT / folder).is_dir():
-        folder = folder.parent
-    return str(folder)
+    mirror = Path("tests") / path.parent
+    return next(str(each) for each in (mirror, *mirror.parents) if (ROOT / each).is_dir())
 
 
 def survives(mutation: Mutation, copy: Path, *, near: bool) -> bool:
