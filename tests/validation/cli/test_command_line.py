@@ -83,9 +83,7 @@ def options_of(command: Command) -> list[Action]:
 
 
 @EVERY
-def test_nonsense_is_refused_in_one_line_that_names_the_option(
-    command: Command, folder: Path
-) -> None:
+def test_nonsense_is_refused_in_one_line_that_names_the_option(command: Command) -> None:
     for action in options_of(command):
         option = action.option_strings[0]
         is_number = action.type in (float, int) or (
@@ -95,7 +93,7 @@ def test_nonsense_is_refused_in_one_line_that_names_the_option(
         for value in ("/dev/null/glue", "") if action.dest in PATHS else values:
             words = [NEEDED.get(command.name, ""), BESIDE.get(action.dest, "")]
             assert option in refusal(command.name, *words, f"{option}={value}")
-    assert [each.name for each in folder.iterdir()] == ["run.npz"]
+    assert [each.name for each in Path().iterdir()] == ["run.npz"]
 
 
 @EVERY
@@ -166,10 +164,10 @@ def test_help_and_wrong_paths_are_answered_before_numerical_imports() -> None:
 
 
 @pytest.mark.parametrize("call", mostly_slow(FINDING, QUICK))
-def test_table_picture_and_data_are_made_at_once(call: str, folder: Path) -> None:
+def test_table_picture_and_data_are_made_at_once(call: str) -> None:
     assert json.loads(printed(call, "--json --csv a.csv --plot a.png"))
-    assert (folder / "a.csv").read_text().count("\n") > 1
-    assert (folder / "a.png").stat().st_size > 1000
+    assert Path("a.csv").read_text().count("\n") > 1
+    assert Path("a.png").stat().st_size > 1000
 
 
 # --- Completion ---------------------------------------------------------------------------------

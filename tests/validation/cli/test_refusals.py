@@ -75,13 +75,11 @@ FAILED = {
 
 
 @pytest.mark.parametrize("call", [*REFUSED, *FAILED])
-def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(
-    call: str, folder: Path
-) -> None:
+def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(call: str) -> None:
     said = (REFUSED | FAILED)[call]
     Path("circle.png").symlink_to("circle.png")
     assert said in refusal(call, code=1 if call in FAILED else 2)
-    assert {entry.name for entry in folder.iterdir()} == {"run.npz", "circle.png"}
+    assert {entry.name for entry in Path().iterdir()} == {"run.npz", "circle.png"}
 
 
 def test_unreadable_run_is_told_by_its_name() -> None:
