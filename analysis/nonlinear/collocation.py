@@ -145,11 +145,6 @@ def _collocated(
     def rates(_: float, y: Array, p: Array) -> Any:
         return p[1] * flow.right_hand_side(scenario, p[0], column * y) / column
 
-    def slopes(_: float, y: Array, p: Array) -> tuple[Array, Array]:
-        right, jacobian, by_spin = flow.derivatives(scenario, p[0], column * y)
-        by_state = p[1] * jacobian.transpose(1, 2, 0) / column[:, None] * column[None, :]
-        return by_state, np.stack((p[1] * by_spin, right), axis=1) / column[:, None]
-
     def residual(first: Array, last: Array, p: Array) -> Array:
         given = first[ends.follows] - value / unit[1] if spin is None else p[0] / spin - 1.0
         return np.append(given, ends.residual(first, last))
@@ -163,7 +158,6 @@ def _collocated(
                 start.times[kept] / duration,
                 values,
                 (start.spin if spin is None else spin, duration),
-                fun_jac=slopes,
                 tol=_TOLERANCE,
                 bc_tol=_BOUNDARY,
                 max_nodes=_MOST_NODES,
@@ -198,11 +192,11 @@ def multipliers(
     ends : Ends
     """
     x, h = (states - INVERTED).T, np.diff(times)[:, None, None]
-    rates, jacobians, _ = flow.derivatives(scenario, spin, x)
+    rates, jacobians = flow.right_hand_side(scenario, spin, x), flow.jacobian(scenario, spin, x)
     before, after, unit = jacobians[:-1], jacobians[1:], np.eye(3)
     # The polynomials of the collocation are cubic.
     middles = (x[:, 1:] + x[:, :-1]) / 2.0 - h[:, 0, 0] / 8.0 * np.diff(rates)
-    middle = flow.derivatives(scenario, spin, middles)[1]
+    middle = flow.jacobian(scenario, spin, middles)
     left = unit - h / 6 * after - 2 * h / 3 * middle @ (unit / 2 - h / 8 * after)
     right = unit + h / 6 * before + 2 * h / 3 * middle @ (unit / 2 + h / 8 * before)
     frames = np.linalg.qr(rates.T[:, :, None], mode="complete")[0]

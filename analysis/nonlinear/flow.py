@@ -7,15 +7,17 @@ variational equations need no jump conditions.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from analysis.mechanics.dual import Dual, dual, per_speed_and_slope
+from analysis.mechanics.dual import Dual, per_speed_and_slope, rate, value_of
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.reduced import acceleration_from
 from analysis.problem.checks import Array, within
 from analysis.problem.elementary import cos, sin
+from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import require_spinning
 
@@ -73,31 +75,17 @@ def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
     -------
     ndarray, shape (3, n)
     """
-
-    def force(slip: Array) -> Any:
-        return slip * _friction(scenario, slip)[0]
-
+    force = partial(_friction, scenario.friction)
     return np.array(derivative(scenario, spin, x, force), dtype=float)
 
 
-def derivatives(scenario: Scenario, spin: float, x: Array) -> tuple[Array, Array, Array]:
-    """Right-hand side, shape (3, n), Jacobian, (n, 3, 3), and derivative by the spin, (3, n).
-
-    The parameters are those of `right_hand_side`.
-    """
-
-    def force(slip: Dual) -> Dual:
-        per_speed, slope = _friction(scenario, slip.value)
-        change = per_speed + np.abs(slip.value) * slope
-        return Dual(slip.value * per_speed, change * slip.change)
-
-    *state, turning = (
-        Dual(value, axis) for value, axis in zip((*x, spin), np.eye(4)[:, :, None], strict=True)
+def jacobian(scenario: Scenario, spin: float, x: Array) -> Array:
+    """Derivative of `right_hand_side` by each state, shape (n, 3, 3), from the same parameters."""
+    force = partial(_friction, scenario.friction)
+    changes = rate(
+        lambda state: derivative(scenario, spin, state, force), x, np.eye(3)[:, :, None]
     )
-    rates = [dual(rate) for rate in derivative(scenario, turning, state, force)]
-    changes = np.array([np.broadcast_to(rate.change, (4, x.shape[1])) for rate in rates])
-    right: Array = np.array([rate.value for rate in rates])
-    return right, changes[:, :3].transpose(2, 0, 1), changes[:, 3]
+    return np.array([np.broadcast_to(each, x.shape) for each in changes]).transpose(2, 0, 1)
 
 
 def derivative(
@@ -116,14 +104,19 @@ def derivative(
     force : callable
         From the slip in m/s to the force against it for each newton of load.
     """
-    tilt, turn, rate = x
+    tilt, turn, tilt_rate = x
     sin_tilt = sin(tilt)
     directions = cos(tilt), -sin_tilt, cos(turn), -sin(turn)
-    acceleration = acceleration_from(scenario, spin, directions, rate, force)
-    return rate, spin * sin_tilt, acceleration
+    acceleration = acceleration_from(scenario, spin, directions, tilt_rate, force)
+    return tilt_rate, spin * sin_tilt, acceleration
 
 
-def _friction(scenario: Scenario, slip: Array) -> tuple[Any, Any]:
-    """Force for each newton of load and each m/s of slips, and its slope by their size."""
-    law = scenario.friction
-    return per_speed_and_slope(law, np.maximum(np.abs(slip), _NO_SLIP * law.finest_speed))
+def _friction(law: FrictionLaw, slip: Any) -> Any:
+    """Force for each newton of load against slips, an array or a dual number of arrays."""
+    value = value_of(slip)
+    sizes = np.maximum(np.abs(value), _NO_SLIP * law.finest_speed)
+    per_speed, slope = per_speed_and_slope(law, sizes)
+    force = value * per_speed
+    if not isinstance(slip, Dual):
+        return force
+    return Dual(force, (per_speed + np.abs(value) * slope) * slip.change)

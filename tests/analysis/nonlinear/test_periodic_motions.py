@@ -71,8 +71,11 @@ def multipliers_of_runs(cycle: PeriodicMotion) -> list[float]:
     """Multipliers over half a period by rising size but for that along it, by integration."""
 
     def rates(_: float, values: Array) -> Array:
-        right, slopes = flow.derivatives(cycle.scenario, cycle.spin, values[:3, None])[:2]
-        return np.append(right[:, 0], (slopes[0] @ values[3:].reshape(3, 3)).ravel())
+        right, slopes = (
+            each(cycle.scenario, cycle.spin, values[:3, None])
+            for each in (flow.right_hand_side, flow.jacobian)
+        )
+        return np.append(right, (slopes[0] @ values[3:].reshape(3, 3)).ravel())
 
     begin = np.append(cycle.states[0] - INVERTED, np.eye(3))
     found = solve_ivp(
@@ -171,18 +174,12 @@ def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: F
 
 def test_derivatives_of_the_flow_are_those_of_the_reduced_system() -> None:
     x, spin = np.array(((0.3, -0.8), (1.0, 0.2), (-2.0, 0.7))), 29.0
-    right, slopes, by_spin = flow.derivatives(PAPER, spin, x)
-    np.testing.assert_allclose(right, flow.right_hand_side(PAPER, spin, x), rtol=1e-14)
-
-    def rates(place: Array) -> Array:
-        state = (place[:3] + INVERTED).tolist()
-        return np.array(reduced.solver(PAPER, float(place[3]))(*state)[:3])
-
-    for index, begin in enumerate(x.T):
-        np.testing.assert_allclose(right[:, index], rates(np.append(begin, spin)), rtol=1e-12)
-        joined = np.column_stack((slopes[index], by_spin[:, index]))
-        expected = jacobian(rates, np.append(begin, spin))
-        np.testing.assert_allclose(joined, expected, rtol=1e-8, atol=1e-8)
+    right, slopes = (each(PAPER, spin, x) for each in (flow.right_hand_side, flow.jacobian))
+    rates = reduced.right_hand_side(PAPER, spin)
+    for index, begin in enumerate(x.T + INVERTED):
+        np.testing.assert_allclose(right[:, index], rates(0.0, begin), rtol=1e-12)
+        expected = jacobian(lambda state: np.array(rates(0.0, state)), begin)
+        np.testing.assert_allclose(slopes[index], expected, rtol=1e-8, atol=1e-8)
 
 
 # --- Other kinds --------------------------------------------------------------------------------
