@@ -24,7 +24,8 @@ from analysis.solve.continuation import nearest_root
 _NODES = 200
 """Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
 
-_LARGEST_SLIP = 1e6
+_LEAST_FRICTION, _LARGEST_SLIP = 1e-30, 1e6
+"""Part of the weight that is none, and slip in m/s beyond which none is looked for."""
 
 
 class NoManifoldError(ArithmeticError):
@@ -63,10 +64,10 @@ def needed_friction(scenario: Scenario, spin: float, beta: Array, gamma: Array) 
     return result
 
 
-def _slip(scenario: Scenario, needed: float) -> float:
-    """The smallest slip in m/s at which friction has a given size, from its law alone.
+def _slips(scenario: Scenario, needed: Array) -> Array:
+    """The smallest slips in m/s at which friction has given sizes, shape (n,), from its law alone.
 
-    That keeps the disk on the slow manifold to first order.
+    They keep the disk on the slow manifold to first order.
 
     Raises
     ------
@@ -74,21 +75,20 @@ def _slip(scenario: Scenario, needed: float) -> float:
         If the friction law cannot give the force that is needed.
     """
     law = scenario.friction
-    if needed == 0.0:
-        return 0.0
-    slip: float = needed / law.gradient
+    sizes = np.maximum(np.abs(needed), _LEAST_FRICTION)
+    slips = sizes / law.gradient
     for _ in range(60):
-        per_speed, change = per_speed_and_slope(law, slip)
-        miss, slope = per_speed * slip - needed, per_speed + change * slip
-        if slope <= 0.0 or slip > _LARGEST_SLIP:
+        per_speed, change = per_speed_and_slope(law, slips)
+        slopes = per_speed + change * slips
+        if np.min(slopes) <= 0.0 or np.max(slips) > _LARGEST_SLIP:
             break
-        step = miss / slope
-        slip -= step
-        if abs(step) <= 1e-14 * slip:
-            return slip
+        steps = (per_speed * slips - sizes) / slopes
+        slips = slips - steps
+        if np.all(np.abs(steps) <= 1e-14 * slips):
+            return np.copysign(slips, needed)
     raise NoManifoldError(
-        f"the friction law cannot give {needed:.4g} of the weight, which it takes to keep the "
-        "disk near the slow manifold"
+        f"the friction law cannot give {np.max(sizes):.4g} of the weight, which it takes to keep "
+        "the disk near the slow manifold"
     )
 
 
@@ -155,9 +155,8 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     beta, gamma = np.pi - np.arcsin(height / rho), np.pi / 2 + turn
 
     def gain(spin: float) -> float:
-        needed = needed_friction(scenario, spin, beta, gamma)
-        slips = [np.copysign(_slip(scenario, abs(each)), each) for each in needed.tolist()]
-        return float(steps @ (np.array(slips) * rho / height))
+        slips = _slips(scenario, needed_friction(scenario, spin, beta, gamma))
+        return float(steps @ (slips * rho / height))
 
     spin = nearest_root(gain, critical_speed(scenario).spin)
     if spin is None:
