@@ -85,7 +85,8 @@ def _slips(scenario: Scenario, needed: Array) -> Array:
         steps = (per_speed * slips - sizes) / slopes
         slips = slips - steps
         if np.all(np.abs(steps) <= 1e-14 * slips):
-            return np.copysign(slips, needed)
+            signed: Array = np.copysign(slips, needed)
+            return signed
     raise NoManifoldError(
         f"the friction law cannot give {np.max(sizes):.4g} of the weight, which it takes to keep "
         "the disk near the slow manifold"

@@ -247,8 +247,9 @@ def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver)
     state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
     ahead, across, _, *turning = solve(*state)[6:12]
     no_slips = tuple(each for each in SLIPS if each in constraints)
-    slips = velocity_residuals(no_slips, disk, state) if no_slips else []
-    away = position_residuals(constraints, disk, state)[1:] if "fixed-cog" in constraints else []
+    slips = velocity_residuals(no_slips, disk, state)
+    # The height is that of the contact.
+    away = position_residuals(constraints, disk, state)[1:]
     return [
         *(each / (r * unit) for each in (ahead, across)),
         *(each / unit for each in turning),
@@ -310,9 +311,9 @@ def stationary_branch(
         raise ValueError(f"interval must be lowest and highest value, got {interval!r}")
     if parameter is not None:
         instance("parameter", parameter, Parameter)
-    value, unit = (
-        (start.spin, _SPIN_UNIT) if parameter is None else (parameter.value, parameter.unit)
-    )
+    spins = Parameter(change=lambda _: scenario, value=start.spin, unit=_SPIN_UNIT)
+    followed = parameter or spins
+    value, unit = followed.value, followed.unit
     if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
         allowed = "positive spins" if parameter is None else "values"
         raise ValueError(f"interval must be one of {allowed} about {value:g}, got {interval}")
@@ -320,17 +321,17 @@ def stationary_branch(
     def at(point: Array) -> tuple[Scenario, float]:
         """Scenario and spin of a point: a place and the value over its unit."""
         found = unit * float(point[4])
-        return (scenario, found) if parameter is None else (parameter.change(found), start.spin)
+        return followed.change(found), found if parameter is None else start.spin
 
     r, step = scenario.disk.radius, _PARAMETER_STEP * np.eye(5)[4]
 
     def equations(point: Array) -> tuple[Array, Array]:
         place = point[:4]
-        ahead, behind = (_residual(*at(each), place) for each in (point + step, point - step))
-        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        return _residual(*at(point), place), np.column_stack(
-            (_slopes(*at(point), place), by_value)
+        ahead, here, behind = (
+            _residual(*at(each), place) for each in (point + step, point, point - step)
         )
+        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
+        return here, np.column_stack((_slopes(*at(point), place), by_value))
 
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
 
@@ -343,11 +344,9 @@ def stationary_branch(
         begin, here = np.cos((start.beta, start.gamma)), np.cos(point[2:4])
         return bool(np.max(np.abs(here)) < _SAME or np.all(begin * here < 0.0))
 
-    low, high = (
-        np.append(np.full(4, far), end / unit)
-        for far, end in zip((-np.inf, np.inf), interval, strict=True)
-    )
-    points = Curve(equations, (low, high), _STEP, where, meets_upright).through(point)
+    bounds = np.outer((-1.0, 1.0), np.full(5, np.inf))
+    bounds[:, 4] = np.divide(interval, unit)
+    points = Curve(equations, (*bounds,), _STEP, where, meets_upright).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points
     )
