@@ -249,16 +249,9 @@ def asymmetric_family(
     wanted = born.value + BEYOND if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, born.value, np.inf, f"beyond {born.value:.6g}")
     times, states = born.whole
-    start = PeriodicMotion(
-        scenario=born.scenario,
-        kind="asymmetric",
-        spin=born.spin,
-        value=born.value + _FIRST,
-        period=born.period,
-        times=times,
-        # To the one side it then swings further than to the other.
-        states=states + _FIRST * np.eye(3)[1],
-    )
+    # To the one side it then swings further than to the other.
+    value, swings = born.value + _FIRST, states + _FIRST * np.eye(3)[1]
+    start = replace(born, kind="asymmetric", value=value, times=times, states=swings)
     first = solve(born.scenario, start.value, start)
     found = followed(continue_to, first, wanted.tolist())
     family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)

@@ -22,7 +22,7 @@ from analysis.mechanics.dual import Dual, dual
 from analysis.mechanics.paper import critical_speed, reduced_matrices
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
-from analysis.problem.checks import Array, real_array
+from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import ComplexArray
 
@@ -156,16 +156,14 @@ def fitted_growth(cycles: Sequence[PeriodicMotion], critical: float) -> Growth |
         return None
     a, away = np.transpose(small)
     # Each cycle is known to the same part of its amplitude squared.
-    terms, errors = _least_squares(np.stack((a**0, a**2, a**3, a**4), axis=1), away / a**2)
+    terms = np.stack((a**0, a**2, a**3, a**4), axis=1)
     logs = np.stack((np.log(a), a**0, a**2, a**4), axis=1)
-    powers, power_errors = _least_squares(logs, np.log(np.abs(away)))
-    return Growth(*(float(each[0]) for each in (terms, errors, powers, power_errors)))
+    return Growth(*_least_squares(terms, away / a**2), *_least_squares(logs, np.log(np.abs(away))))
 
 
-def _least_squares(matrix: Array, values: Array) -> tuple[Array, Array]:
-    """Coefficients and their standard errors."""
-    solution = np.linalg.lstsq(matrix, values, rcond=None)[0]
-    rest = values - matrix @ solution
-    variance = float(rest @ rest) / max(1, values.size - solution.size)
-    covariance = np.linalg.inv(matrix.T @ matrix) * variance
-    return real_array("solution", solution), real_array("errors", np.sqrt(np.diag(covariance)))
+def _least_squares(matrix: Array, values: Array) -> tuple[float, float]:
+    """First coefficient and its standard error."""
+    inverse = np.linalg.pinv(matrix)
+    rest, freedom = values - matrix @ (inverse @ values), max(1, np.subtract(*matrix.shape))
+    error = np.linalg.norm(rest) / np.sqrt(freedom) * np.linalg.norm(inverse[0])
+    return float(inverse[0] @ values), float(error)

@@ -254,12 +254,11 @@ def follow(matrices: Array, start: int = 0) -> ComplexArray:
 
 def _onward(first: ComplexArray, values: ComplexArray) -> list[ComplexArray]:
     """Those of equal steps one after the other, each in the order of the first."""
-    last, found = first[None], [first[None]]
+    found = [first[None], first[None]]
     for step in range(len(values)):
-        expected = 2.0 * found[-1] - last
-        last = found[-1]
-        found.append(matched(last, expected, values[step : step + 1]))
-    return [each[0] for each in found]
+        expected = 2.0 * found[-1] - found[-2]
+        found.append(matched(found[-1], expected, values[step : step + 1]))
+    return [each[0] for each in found[1:]]
 
 
 def matched(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> ComplexArray:
