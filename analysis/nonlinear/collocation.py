@@ -126,7 +126,10 @@ def solve(
         if motion.flaw is None:
             return motion
         why = motion.flaw
-    raise NoCycleError(f"no {start.kind} motion of {value:.9g} rad found: {why}")
+    raise NoCycleError(
+        f"no {start.kind} motion of {value:.9g} rad found from that of {start.value:.9g} rad at "
+        f"{start.spin:.9g} rad/s: {why}"
+    )
 
 
 def _collocated(

@@ -11,7 +11,7 @@ other side each becomes a rotating motion of its own (a gluing bifurcation).
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import chain
+from itertools import accumulate, pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ import numpy.typing as npt
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
-from analysis.nonlinear.following import Family, continue_to, events, followed
+from analysis.nonlinear.following import Family, continue_to, events, onward
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
@@ -101,7 +101,7 @@ def cycle_family(
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
-    found = followed(continue_to, hopf_cycle(scenario), wanted.tolist())
+    found = onward(hopf_cycle(scenario), wanted.tolist())
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
@@ -134,19 +134,18 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
         If the iteration fails.
     """
     flow.require_cycles(scenario, STEEPEST)
-    before = hopf_cycle(scenario)
-    low, high = 0.5 * before.spin, 1.5 * before.spin
+    born = hopf_cycle(scenario)
+    low, high = 0.5 * born.spin, 1.5 * born.spin
     why = "within half the critical speed of it, where cycles are looked for"
     within("spin", spin, low, high, is_above=True, is_below=True, why=why)
-    spins = [before.spin]
-    for cycle in followed(continue_to, before, _amplitudes(scenario)):
+    spins = [born.spin]
+    for before, cycle in pairwise(accumulate(_amplitudes(scenario), continue_to, initial=born)):
         fraction = (spin - before.spin) / (cycle.spin - before.spin)
         if 0.0 < fraction <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
             low, high = before.value**2, cycle.value**2
             return solve(scenario, float(np.sqrt(low + fraction * (high - low))), cycle, spin=spin)
         spins.append(cycle.spin)
-        before = cycle
     raise ValueError(
         f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
         f"cycles, got {spin:.9g}"
@@ -203,16 +202,18 @@ def cycles_over(
             return cycle_at(scenario, spin)
         return cycle_family(scenario, np.array([amplitude])).motions[-1]
 
-    def further(scenario: Scenario, last: PeriodicMotion) -> PeriodicMotion:
+    def further(last: PeriodicMotion, scenario: Scenario) -> PeriodicMotion:
         with suppress(NoCycleError):
             return solve(scenario, amplitude or last.value, last, spin=spin)
         try:
             return first(scenario)
-        except ValueError as error:
-            raise NoCycleError(str(error)) from error
+        except (NoCycleError, ValueError) as error:
+            raise NoCycleError(
+                f"{error}; the last good one has {last.value:.9g} rad at a spin of "
+                f"{last.spin:.9g} rad/s"
+            ) from error
 
-    begin = first(scenarios[0])
-    found = chain([begin], followed(further, begin, scenarios[1:]))
+    found = accumulate(scenarios[1:], further, initial=first(scenarios[0]))
     return Family.of(critical_speed(scenarios[0]).spin, found)
 
 
@@ -253,7 +254,7 @@ def asymmetric_family(
     value, swings = born.value + _FIRST, states + _FIRST * np.eye(3)[1]
     start = replace(born, kind="asymmetric", value=value, times=times, states=swings)
     first = solve(born.scenario, start.value, start)
-    found = followed(continue_to, first, wanted.tolist())
+    found = onward(first, wanted.tolist())
     family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
     return replace(family, born=breaking)
 
@@ -318,6 +319,6 @@ def rotating_family(
     first = solve(scenario, _TILT, slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
     down, up = wanted[:split][::-1].tolist(), wanted[split:].tolist()
-    ways = (followed(continue_to, first, way) for way in (down, up))
+    ways = (onward(first, way) for way in (down, up))
     found = Family.of(begins, *ways, progress=progress, wanted=wanted.size)
     return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))

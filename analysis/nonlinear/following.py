@@ -1,10 +1,9 @@
 """Periodic motions followed from one value to the next, and what happens on the way."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
-from typing import TypeVar
+from itertools import accumulate, islice, pairwise
 
 from scipy.optimize import brentq
 
@@ -15,8 +14,6 @@ from analysis.solve.watch import Progress
 
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,7 +66,7 @@ class Family:
         return cls(motions=tuple(found), begins=begins, reason=reason)
 
 
-def continue_to(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) -> PeriodicMotion:
+def continue_to(start: PeriodicMotion, value: float, halvings: int = _HALVINGS) -> PeriodicMotion:
     """Motion of a value, on the way over others if it is too far from `start`.
 
     Raises
@@ -82,30 +79,13 @@ def continue_to(value: float, start: PeriodicMotion, halvings: int = _HALVINGS) 
     except NoCycleError:
         if not halvings:
             raise
-    between = continue_to((start.value + value) / 2.0, start, halvings - 1)
-    return continue_to(value, between, halvings - 1)
+    between = continue_to(start, (start.value + value) / 2.0, halvings - 1)
+    return continue_to(between, value, halvings - 1)
 
 
-def followed(
-    find: Callable[[T, PeriodicMotion], PeriodicMotion], start: PeriodicMotion, values: Iterable[T]
-) -> Iterator[PeriodicMotion]:
-    """Motions, each found from the one before, such as by `continue_to`.
-
-    Raises
-    ------
-    NoCycleError
-        If one is not found; the message names the last good one.
-    """
-    last = start
-    for each in values:
-        try:
-            last = find(each, last)
-        except NoCycleError as error:
-            raise NoCycleError(
-                f"{error}; the last good one has {last.value:.9g} rad at a spin of "
-                f"{last.spin:.9g} rad/s"
-            ) from error
-        yield last
+def onward(start: PeriodicMotion, values: Iterable[float]) -> Iterator[PeriodicMotion]:
+    """Motions of values, each continued from the one before, the first one from `start`."""
+    return islice(accumulate(values, continue_to, initial=start), 1, None)
 
 
 def events(family: Family) -> tuple[Event, ...]:
@@ -132,5 +112,5 @@ def events(family: Family) -> tuple[Event, ...]:
 def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> PeriodicMotion:
     """Motion between two neighbours that has a multiplier."""
     known = {each.value: each for each in (first, last)}
-    at = cache(lambda value: known.get(value) or continue_to(value, first))
+    at = cache(lambda value: known.get(value) or continue_to(first, value))
     return at(brentq(lambda value: at(value).characteristic(multiplier), *known, xtol=1e-9))
