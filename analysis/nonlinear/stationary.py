@@ -53,9 +53,6 @@ _NEARLY_UPRIGHT = (-0.02, -0.02, 1.55, -3.0), (0.02, 0.02, 1.6, 3.0)
 """Least and largest x / r, y / r, beta and gamma of starts."""
 
 _SMALL = 1e-10
-_PARAMETER_STEP = 1e-6
-"""Of differences by a parameter, in its unit: what it changes is told by a function alone."""
-
 _SPIN_UNIT = 20.0
 _STEP = 0.03
 """Spins along a branch are in these rad/s; length of its steps."""
@@ -323,16 +320,10 @@ def stationary_branch(
         found = unit * float(point[4])
         return followed.change(found), found if parameter is None else start.spin
 
-    r, step = scenario.disk.radius, _PARAMETER_STEP * np.eye(5)[4]
+    def equations(points: Array) -> Array:
+        return np.array([_residual(*at(each), each[:4]) for each in points])
 
-    def equations(point: Array) -> tuple[Array, Array]:
-        place = point[:4]
-        ahead, here, behind = (
-            _residual(*at(each), place) for each in (point + step, point, point - step)
-        )
-        by_value = (ahead - behind) / (2.0 * _PARAMETER_STEP)
-        return here, np.column_stack((_slopes(*at(point), place), by_value))
-
+    r = scenario.disk.radius
     point = np.array((start.x / r, start.y / r, start.beta, start.gamma, value / unit))
 
     def where(point: Array) -> str:

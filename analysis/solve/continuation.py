@@ -21,6 +21,9 @@ _CONVERGED, _FURTHEST = 1e-8, 1.0
 """Last step of Newton's method, whose error is about its square; and one that leads elsewhere. As
 near to a bound, in parts of a step, a curve is there."""
 
+_DIFFERENCE = 1e-6
+"""Of unknowns, by which equations are differentiated; it steers Newton's method alone."""
+
 _GROWTH = 1.5
 _SMALLEST = 1e-6
 """Step at which a curve counts as lost."""
@@ -55,7 +58,7 @@ class Curve(NamedTuple):
     Parameters
     ----------
     equations : callable
-        From a point, shape (n,), to residuals, shape (m,), and their Jacobian, shape (m, n).
+        From points, shape (k, n), to their residuals, shape (k, m), without units as the points.
     bounds : tuple of 2 ndarrays, shape (n,)
         Lowest and highest value of each unknown, at which the curve is left.
     step : float
@@ -66,7 +69,7 @@ class Curve(NamedTuple):
         Whether the curve ends before a point.
     """
 
-    equations: Callable[[Array], tuple[Array, Array]]
+    equations: Callable[[Array], Array]
     bounds: tuple[Array, Array]
     step: float
     where: Callable[[Array], str] = str
@@ -82,7 +85,7 @@ class Curve(NamedTuple):
         ArithmeticError
             If no further point is found, however short the step, or too many are.
         """
-        tangent = np.linalg.svd(self.equations(start)[1])[2][-1]
+        tangent = np.linalg.svd(self._linearised(start)[1])[2][-1]
         tangent = np.copysign(1.0, tangent[-1]) * tangent
         before = self._way(start, -tangent)
         is_closed = bool(before) and before[-1] is start
@@ -129,6 +132,13 @@ class Curve(NamedTuple):
         found = self._corrected(point + way * tangent, tangent)
         return found is not None and float(np.max(np.abs(found[0] - start))) < _SMALLEST
 
+    def _linearised(self, point: Array) -> tuple[Array, Array]:
+        """Residuals at a point, shape (m,), and their Jacobian, shape (m, n)."""
+        steps = _DIFFERENCE * np.eye(point.size)
+        found = self.equations(np.vstack((point, point + steps, point - steps)))
+        ahead, behind = np.split(found[1:], 2)
+        return found[0], (ahead - behind).T / (2.0 * _DIFFERENCE)
+
     def _corrected(self, guess: Array, row: Array) -> tuple[Array, Array] | None:
         """Point of the curve in the plane through a guess with this normal, and its unit tangent.
 
@@ -136,7 +146,7 @@ class Curve(NamedTuple):
         """
         point = guess
         for _ in range(_NEWTON):
-            residual, jacobian = self.equations(point)
+            residual, jacobian = self._linearised(point)
             right = -np.append(residual, row @ (point - guess))
             step = np.linalg.lstsq(np.vstack((jacobian, row)), right, rcond=None)[0]
             point = point + step

@@ -33,9 +33,6 @@ _GRID = 1001
 _STEP = 0.1
 """Longest step along a curve, and how near to its points a Hopf point lies that is on it."""
 
-_DIFFERENCE = 1e-6
-"""Of places, by which pairs of eigenvalues are differentiated; it steers Newton's method alone."""
-
 _MET = 1e-9
 """Largest residual at a corner."""
 
@@ -197,19 +194,16 @@ class _Pairs:
         spin, gradient = self._unit * place[0], np.exp(place[1])
         return f"near {spin:.6g} rad/s with a friction gradient of {gradient:.6g} s/m"
 
-    def _on_axis(self, place: Array) -> tuple[Array, Array]:
-        """What is zero at a Hopf point, shape (2,), and its Jacobian, shape (2, 3).
+    def _on_axis(self, places: Array) -> Array:
+        """What is zero at Hopf points, shape (n, 2).
 
         The sum of a pair, and its product less the squared frequency. Both are smooth, also where
         the pair comes together in zero.
         """
-        moved, squared = _DIFFERENCE * np.eye(3)[:2], place[2] ** 2
-        values = np.linalg.eigvals(self.matrices(np.vstack((place, place + moved, place - moved))))
-        nearest = np.argsort(np.abs(values**2 + squared), axis=1)[:, :2]
+        squared, values = places[:, 2] ** 2, np.linalg.eigvals(self.matrices(places))
+        nearest = np.argsort(np.abs(values**2 + squared[:, None]), axis=1)[:, :2]
         pairs = np.take_along_axis(values, nearest, axis=1)
-        found = np.column_stack((pairs.sum(axis=1).real, pairs.prod(axis=1).real - squared))
-        by_spin, by_gradient = (found[1:3] - found[3:]) / (2.0 * _DIFFERENCE)
-        return found[0], np.column_stack((by_spin, by_gradient, (0.0, -2.0 * place[2])))
+        return np.column_stack((pairs.sum(axis=1).real, pairs.prod(axis=1).real - squared))
 
     def _others(self, places: Array) -> Any:
         """Product of all eigenvalues but the pair, which has a frequency."""
@@ -224,7 +218,7 @@ class _Pairs:
             begin = line[step] - others[step] / rise * (line[step + 1] - line[step])
 
             def equations(place: Array, rise: float = rise) -> Array:
-                return np.append(self._on_axis(place)[0], self._others(place[None]) / rise)
+                return np.append(self._on_axis(place[None]), self._others(place[None]) / rise)
 
             yield self._corner("zero hopf", begin, equations)
 
@@ -232,7 +226,7 @@ class _Pairs:
         """Corner near a place with a second frequency, at which both pairs lie on the axis."""
 
         def equations(place: Array) -> Array:
-            return np.append(*(self._on_axis(place[[0, 1, each]])[0] for each in (2, 3)))
+            return self._on_axis(place[[[0, 1, 2], [0, 1, 3]]]).ravel()
 
         return self._corner("double hopf", begin, equations)
 

@@ -9,17 +9,18 @@ from analysis.solve.continuation import Curve
 ANYWHERE = np.full(2, -np.inf), np.full(2, np.inf)
 
 
-def circle(point: Array) -> tuple[Array, Array]:
-    return np.array([point @ point - 1.0]), 2.0 * point[None]
+def circle(points: Array) -> Array:
+    found: Array = np.sum(points**2, axis=1, keepdims=True) - 1.0
+    return found
 
 
-def line(point: Array) -> tuple[Array, Array]:
-    return point[1:] - 0.5 * point[:1], np.array([[-0.5, 1.0]])
+def line(points: Array) -> Array:
+    return points[:, 1:] - 0.5 * points[:, :1]
 
 
-def hairpin(point: Array) -> tuple[Array, Array]:
-    x, y = point
-    return np.array([y * y - 1e-4 * (x + 1e-4)]), np.array([[-1e-4, 2.0 * y]])
+def hairpin(points: Array) -> Array:
+    x, y = points.T
+    return np.column_stack((y * y - 1e-4 * (x + 1e-4),))
 
 
 def test_a_closed_curve_begins_and_ends_where_it_was_begun() -> None:
