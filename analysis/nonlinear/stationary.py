@@ -13,7 +13,6 @@ through folds.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -21,9 +20,6 @@ from scipy.optimize import least_squares
 from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
-from analysis.mechanics.dual import derivatives, of_duals
-from analysis.mechanics.linear_algebra import Numbers
-from analysis.mechanics.penalty import Solver
 from analysis.problem.checks import (
     Array,
     finite_row,
@@ -211,7 +207,7 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     found = least_squares(
         lambda place: _residual(scenario, spin, place),
         begin,
-        jac=lambda place: _slopes(scenario, spin, place),
+        jac="3-point",
         bounds=((-far, -far, _FLAT, -far), (far, far, np.pi - _FLAT, far)),
         xtol=1e-15,
         ftol=1e-15,
@@ -222,8 +218,8 @@ def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     return np.append(found.x[:3], np.angle(np.exp(1j * found.x[3])))
 
 
-def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver) -> list[Any]:
-    """What is zero in a stationary motion, without units, for numbers of any kind.
+def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
+    """What is zero in a stationary motion, without units, shape (k,).
 
     All but the vertical acceleration, which the contact holds; what else is held, too.
 
@@ -232,39 +228,22 @@ def _equilibrium(scenario: Scenario, spin: float, place: Numbers, solve: Solver)
     scenario : Scenario
     spin : float
         In rad/s.
-    place : sequence of 4 numbers
+    place : ndarray, shape (4,)
         x / r, y / r, beta and gamma.
-    solve : callable
-        That of `recorded.solver`.
     """
-    x, y, beta, gamma = place
+    x, y, beta, gamma = place.tolist()
     disk, constraints = scenario.disk, scenario.constraints
     r, unit = disk.radius, spin**2 + spin_scale(scenario) ** 2
     coordinates = r * x, r * y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
     state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
-    ahead, across, _, *turning = solve(*state)[6:12]
+    ahead, across, _, *turning = recorded.solver(scenario)(*state)[6:12]
     no_slips = tuple(each for each in SLIPS if each in constraints)
     slips = velocity_residuals(no_slips, disk, state)
     # The height is that of the contact.
     away = position_residuals(constraints, disk, state)[1:]
-    return [
-        *(each / (r * unit) for each in (ahead, across)),
-        *(each / unit for each in turning),
-        *(each / (spin * r) for each in slips),
-        *(each / r for each in away),
-    ]
-
-
-def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
-    """What is zero in a stationary motion, shape (k,)."""
-    solve = recorded.solver(scenario)
-    return np.array(_equilibrium(scenario, spin, place.tolist(), solve))
-
-
-def _slopes(scenario: Scenario, spin: float, place: Array) -> Array:
-    """Its Jacobian by the place, shape (k, 4)."""
-    solve = recorded.solver(scenario, functions=of_duals)
-    return derivatives(lambda moving: _equilibrium(scenario, spin, moving, solve), place)
+    found = (ahead, across), turning, slips, away
+    units = r * unit, unit, spin * r, r
+    return np.concatenate([np.divide(*each) for each in zip(found, units, strict=True)])
 
 
 def stationary_branch(
