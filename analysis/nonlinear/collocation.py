@@ -120,7 +120,8 @@ def solve(
             period=repeats * duration,
             times=times,
             states=states,
-            larger=larger,
+            larger=larger.real,
+            imaginary=abs(larger.imag),
             log_strong=repeats * strong,
         )
         if motion.flaw is None:
@@ -172,7 +173,7 @@ def _collocated(
 
 def multipliers(
     scenario: Scenario, spin: float, times: Array, states: Array, ends: Ends
-) -> tuple[float, float]:
+) -> tuple[complex, float]:
     """Larger multiplier over the stretch of a motion, and logarithm of the other's size.
 
     The variational equations are solved by the collocation that has made the motion, one step of
@@ -209,6 +210,6 @@ def multipliers(
     transfers = across[1:].transpose(0, 2, 1) @ np.linalg.solve(left, right) @ across[:-1]
     average = np.trace(before + 4.0 * middle + after, axis1=1, axis2=2) / 6.0
     product = reduce(lambda done, transfer: transfer @ done, transfers, np.eye(2))
-    values = eigvals(-product if ends.mirrored else product).real
-    larger = float(values[np.argmax(np.abs(values))])
+    values = eigvals(-product if ends.mirrored else product)
+    larger = complex(values[np.argmax(np.abs(values))])
     return larger, float(h[:, 0, 0] @ average) - float(np.log(abs(larger)))

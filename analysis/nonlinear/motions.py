@@ -12,6 +12,7 @@ of the spin.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import hypot
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
@@ -114,9 +115,11 @@ class PeriodicMotion:
     states : ndarray, shape (n, 3)
         beta, gamma in rad and the rate of beta in rad/s at `times`.
     larger : float
-        The larger of the two nontrivial Floquet multipliers over `times`. Over half a period,
-        with the mirror image, both are real, since their product is negative; the third one,
-        along the motion, is 1.
+        The larger of the two nontrivial Floquet multipliers over `times`, of a complex pair its
+        real part. Over half a period, with the mirror image, both are real, since their product
+        is negative; the third one, along the motion, is 1.
+    imaginary : float
+        Imaginary part of a complex pair, else 0.
     log_strong : float
         Logarithm of the size of the other one over a period, which mostly is below rounding.
     """
@@ -129,6 +132,7 @@ class PeriodicMotion:
     times: Array
     states: Array
     larger: float = 1.0
+    imaginary: float = 0.0
     log_strong: float = -np.inf
 
     @property
@@ -138,13 +142,13 @@ class PeriodicMotion:
 
     @property
     def multiplier(self) -> float:
-        """The larger multiplier over a whole period."""
+        """The larger multiplier over a whole period, of a complex pair its real part."""
         return self.larger**2 if self.ends.mirrored else self.larger
 
     @property
     def stable(self) -> bool | None:
         """Whether both multipliers lie inside the unit circle; None if too close to tell."""
-        return is_stable(abs(self.multiplier))
+        return is_stable(hypot(self.multiplier, self.imaginary))
 
     @property
     def lowest(self) -> float:
@@ -176,8 +180,10 @@ class PeriodicMotion:
 
         Over half a period with the mirror image the product of both multipliers is negative,
         since that turns all three directions round and the flow none; over a whole period it is
-        positive.
+        positive. A complex pair passes neither 1 nor -1.
         """
+        if self.imaginary:
+            return (self.larger - multiplier) ** 2 + self.imaginary**2
         sign, halves = (-1.0, 2.0) if self.ends.mirrored else (1.0, 1.0)
         other = np.copysign(np.exp(self.log_strong / halves), sign * self.larger)
         return float((self.larger - multiplier) * (other - multiplier))
@@ -190,7 +196,7 @@ class PeriodicMotion:
             "largest_tilt": float(np.max(self.states[:, 0])) - np.pi / 2,
         }
         followed, other = self.ends.columns
-        names = ("spin", "period", "multiplier", "log_strong", "stable")
+        names = ("spin", "period", "multiplier", "imaginary", "log_strong", "stable")
         common = {name: getattr(self, name) for name in names}
         return {followed: self.value, other: second[other], **common}
 

@@ -30,6 +30,7 @@ HEADS = {
     "period": "period in s",
     "half_multiplier": "multiplier over half a period",
     "multiplier": "multiplier",
+    "imaginary": "its imaginary part",
     "complex_multiplier": "size of the complex pair",
     "log_strong": "log10 of the other multiplier",
     "stable": "stable",
@@ -74,7 +75,8 @@ def motion_table(
     first : tuple of 2 str, optional
         Name and heading of what else is told of each, in front.
     """
-    names = (*KINDS[kind].columns, "spin", "period", "multiplier", "log_strong", "stable")
+    pair = ("imaginary",) if any(row.get("imaginary") for row in rows) else ()
+    names = (*KINDS[kind].columns, "spin", "period", "multiplier", *pair, "log_strong", "stable")
     heads = dict([first] if first else [])
     return Table(
         title=_TITLES[kind],
@@ -95,7 +97,8 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
     """Where the stability of a family changes, and the range of its multiplier."""
     ends = motions[0].ends
     values = [each.larger for each in motions]
-    stretch = " over half a period, with the mirror image," if ends.mirrored else ""
+    over = " over half a period, with the mirror image," if ends.mirrored else ""
+    stretch = over or ", of a complex pair its real part,"
     meaning = ", ".join(f"at {at:g} {_CHANGES[change]}" for change, at in ends.changes.items())
     none = "" if found else "There are none: stability does not change along the family. "
     return Table(

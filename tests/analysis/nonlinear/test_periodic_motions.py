@@ -67,8 +67,8 @@ def after_a_period(motion: PeriodicMotion, begin: Array) -> Array:
 # --- Symmetric cycles ---------------------------------------------------------------------------
 
 
-def multipliers_of_runs(cycle: PeriodicMotion) -> list[float]:
-    """Multipliers over half a period by rising size but for that along it, by integration."""
+def multipliers_of_runs(cycle: PeriodicMotion) -> list[complex]:
+    """Multipliers over `times` by rising size but for that along it, by integration."""
 
     def rates(_: float, values: Array) -> Array:
         right, slopes = (
@@ -79,12 +79,13 @@ def multipliers_of_runs(cycle: PeriodicMotion) -> list[float]:
 
     begin = np.append(cycle.states[0] - INVERTED, np.eye(3))
     found = solve_ivp(
-        rates, (0.0, cycle.period / 2), begin, method="DOP853", rtol=1e-11, atol=1e-12
+        rates, (0.0, cycle.times[-1]), begin, method="DOP853", rtol=1e-11, atol=1e-12
     )
     # The mirror image turns all deviations round.
-    values = np.linalg.eigvals(-found.y[3:, -1].reshape(3, 3)).real
+    sign = -1.0 if cycle.ends.mirrored else 1.0
+    values = np.linalg.eigvals(sign * found.y[3:, -1].reshape(3, 3))
     others = np.delete(values, np.argmin(np.abs(values - 1.0)))
-    return sorted(others.tolist(), key=abs)
+    return sorted(others.tolist(), key=lambda each: (abs(each), each.imag))
 
 
 def test_both_multipliers_are_those_of_the_variational_equations_over_half_a_period() -> None:
@@ -104,6 +105,21 @@ def test_either_multiplier_may_tell_that_the_stability_changes(family: Family) -
         )
         assert inside.characteristic(at) * outside.characteristic(at) < 0.0
         assert inside.characteristic(-at) * outside.characteristic(-at) > 0.0
+
+
+@pytest.mark.slow
+def test_a_complex_pair_of_multipliers_is_told_whole_and_is_no_bifurcation() -> None:
+    weaker = model(4, friction=SmoothCoulomb(coefficient=0.03, smoothing=0.4))
+    (born,) = events(cycle_family(weaker, (0.5, 1.0, 1.5, 1.6)))
+    found = asymmetric_family(born, born.motion.value + np.array((0.02, 0.1, 0.2, 0.35, 0.4)))
+    before, after = found.motions[-2:]
+    assert before.larger > 0.0 > after.larger
+    for cycle in (before, after):
+        pair = complex(cycle.larger, cycle.imaginary)
+        assert multipliers_of_runs(cycle) == pytest.approx([pair.conjugate(), pair], abs=1e-6)
+        assert cycle.log_strong == pytest.approx(np.log(abs(pair)), abs=1e-6)
+        assert cycle.stable
+    assert [each.kind for each in events(found)] == ["symmetry-breaking"]
 
 
 @pytest.mark.parametrize("law", [SmoothCoulomb(), TanhCoulomb()], ids=["kink", "smooth"])
