@@ -27,6 +27,7 @@ from analysis import (
 )
 from analysis.mechanics.recorded import accelerations
 from analysis.problem.start import FlatError, State
+from analysis.problem.variations import changed
 from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
@@ -75,6 +76,14 @@ def test_where_constraints_are_left_accelerations_are_stepped_to_a_tolerance(lev
     assert (run.method["integrator"], run.method["tolerance"]) == ("DOP853", 1e-6)
     with_step = mbs_models.simulate(scene_of(level), SHORT, step=5e-3)
     assert with_step.method["integrator"] == "TrapezoidalIndex2"
+
+
+@pytest.mark.parametrize("level", [1, 2, 4])
+@pytest.mark.parametrize("density", [1e-6, 1e60])
+def test_a_motion_does_not_tell_how_heavy_the_disk_is(level: Level, density: float) -> None:
+    usual = model(level, friction=SmoothCoulomb(load="contact"))
+    run = mbs_models.simulate(changed(usual, {"disk.density": density}), SHORT, tolerance=1e-6)
+    assert deviation(run, truth(usual, SHORT)) <= not_none(run.error_estimate) <= 1e-6
 
 
 @pytest.mark.parametrize("smoothing", mostly_slow([1e-4, 1e-6, 1e-8], [1e-4, 1e-6]))
