@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import fields
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from traceback import extract_tb
 from typing import Any, TypeVar
@@ -46,7 +47,7 @@ def user_object(what: str, name: str, argument: str = "") -> Any:
         fault = f"must be imported first; on the command line, --{argument or what} does that"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}")
     try:
-        return getattr(import_module(module), attribute)
+        return attrgetter(attribute)(import_module(module))
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
         fault = f"cannot be loaded: {error_text(error, ImportError, AttributeError)}"
         fault += _place(error, module.rpartition(".")[2])

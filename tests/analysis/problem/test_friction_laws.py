@@ -150,6 +150,15 @@ class Pushing(Answering):
 class Silent(FrictionLaw):
     finest_speed: Any = 0.1
 
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Inner(Own):
+        """A law in a class."""
+
+
+def test_a_law_in_a_class_is_stored_and_read_again() -> None:
+    scenario = Scenario(friction=Silent.Inner())
+    assert Scenario.from_values(scenario.values()) == scenario
+
 
 SLOPE = r"friction law '.*:Answering': slope of force at no slip must"
 PUSHED = r"friction law '.*:Pushing': Pushing.force\(0\.0955, 0\.0296, 0\.1\) must"
