@@ -15,6 +15,7 @@ from analysis.problem.friction import LAWS, FrictionLaw
 from analysis.problem.names import ArgumentError, nearest
 from analysis.problem.quantities import PLATE, RING, SIX, listed
 from analysis.problem.start import Start, State
+from analysis.problem.values import read_value
 
 KINDS: dict[str, type] = {
     "disk": Body,
@@ -75,7 +76,10 @@ def told_constraints(model: Any = None, constraints: Any = None) -> Any:
     """Constraints of a model of the paper, or those that are given in place of it."""
     if model is not None and constraints is not None:
         raise ArgumentError("constraints", "do not go together with model")
-    return constraints if model is None else MODELS[model]
+    if model is None:
+        return constraints
+    level: Any = read_value("model", model)
+    return MODELS[level]
 
 
 def maker(table: str, values: Any) -> Callable[..., Any]:

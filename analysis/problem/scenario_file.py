@@ -254,12 +254,12 @@ def _stray(key: str) -> tuple[str, str]:
 
 
 def _constraints(values: Mapping[str, Any]) -> Any:
-    given, level = values.get("constraints"), values.get("model")
-    if level is None and given is None:
+    model, given = values.get("model"), values.get("constraints")
+    if model is None and given is None:
         raise ArgumentError(
             "model", "or constraints is missing; model = 1 is the disk on the table"
         )
-    return told_constraints(level if level is None else read_value("model", level), given)
+    return told_constraints(model, given)
 
 
 def _read(table: str, values: Any) -> Any:
