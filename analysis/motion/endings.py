@@ -130,8 +130,8 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
     Raises
     ------
     ValueError
-        If a name is unknown or stands for two of them, something is neither a name nor callable,
-        or says no number of the state.
+        If a name is unknown, stands for two of them or is that of an ending there is anyway,
+        something is neither a name nor callable, or says no number of the state.
     """
     is_one = isinstance(stop_when, str) or not isinstance(stop_when, Iterable)
     given: Any = (stop_when,) if is_one else stop_when
@@ -171,4 +171,8 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
     if not callable(condition):
         fault = f"must hold names or functions of a State, got {given!r}"
         raise ArgumentError("stop_when", fault)
-    return getattr(condition, "__name__", type(condition).__name__), condition
+    name = getattr(condition, "__name__", type(condition).__name__)
+    if name in (*_SAYING, TIME_LIMIT):
+        fault = f"must hold functions of other names than the endings there are, got {name}"
+        raise ArgumentError("stop_when", f"{fault}: rename it")
+    return name, condition

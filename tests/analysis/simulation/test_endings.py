@@ -102,6 +102,19 @@ def test_a_run_ends_at_the_first_of_ones_own_conditions() -> None:
     assert ending.value == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("side", SIDES[:2], ids=str)
+@pytest.mark.parametrize("name", ["flat", "inverted", "at rest", "time limit"])
+def test_no_condition_of_ones_own_takes_the_name_of_an_ending_there_is(
+    name: str, side: dict[str, Any]
+) -> None:
+    def condition(_: State) -> float:
+        return 1.0
+
+    condition.__name__ = name
+    with pytest.raises(ValueError, match=f"^stop_when must .*, got {name}: rename it$"):
+        run(FALLS["high"], TIMES, stop_when=condition, **side)
+
+
 @pytest.mark.parametrize("method", EITHER_METHOD)
 def test_a_run_may_start_on_a_condition_and_ends_where_it_comes_back(method: Method) -> None:
     # From Table 3, with a tilt rate of zero, the disk at first tilts in one direction.
