@@ -11,7 +11,8 @@ import numpy as np
 from analysis.problem import elementary
 from analysis.problem.checks import Array
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
-from analysis.problem.friction import FrictionLaw
+from analysis.problem.friction import LAWS, FrictionLaw
+from analysis.problem.names import ArgumentError
 
 
 class Dual:
@@ -62,11 +63,21 @@ class Dual:
     def __rtruediv__(self, other: Any) -> "Dual":
         return dual(other) / self
 
+    def __abs__(self) -> "Dual":
+        # Its derivative at zero, where there is none, is taken to be zero.
+        return Dual(abs(self.value), np.sign(self.value) * self.change)
+
     def __lt__(self, other: Any) -> Any:
         return self.value < value_of(other)
 
     def __gt__(self, other: Any) -> Any:
         return self.value > value_of(other)
+
+    def __le__(self, other: Any) -> Any:
+        return self.value <= value_of(other)
+
+    def __ge__(self, other: Any) -> Any:
+        return self.value >= value_of(other)
 
     def __pow__(self, exponent: float) -> "Dual":
         slope = exponent * self.value ** (exponent - 1)
@@ -166,8 +177,10 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
     """
     with suppress(TypeError, ValueError, ZeroDivisionError):
         moving: Any = Dual(speed, 1.0)
-        found = dual(law.per_speed(moving))
-        return found.value, found.change
+        found = law.per_speed(moving)
+        # NumPy makes arrays that hold dual numbers.
+        if not isinstance(found, np.ndarray):
+            return value_of(found), dual(found).change
     if isinstance(speed, np.ndarray):
         pairs = [per_speed_and_slope(law, each) for each in speed.tolist()]
         return tuple(np.transpose(pairs))
@@ -185,7 +198,21 @@ def of_floats(law: FrictionLaw) -> Functions:
 
 
 def of_duals(law: FrictionLaw) -> Functions:
-    """Functions of dual numbers; at no slip, whose size has no slope, friction has its own."""
+    """Functions of dual numbers; at no slip, whose size has no slope, friction has its own.
+
+    Raises
+    ------
+    ArgumentError
+        If the force of a law does not take dual numbers.
+    """
+    if not law.is_simple:
+        slip, load = Dual(law.finest_speed, 1.0), Dual(1.0, 0.0)
+        try:
+            _ = [float(value_of(each)) for each in law.force(slip, slip, load)]
+        except TypeError as error:
+            fault = "must do with arithmetic and the functions of analysis.problem.elementary here"
+            subject = f"friction law {LAWS.name_of(type(law))!r}"
+            raise ArgumentError("law", f"{fault}: {error}", subject) from error
 
     def per_speed(speed: Dual) -> Dual:
         value, slope = per_speed_and_slope(law, speed.value)

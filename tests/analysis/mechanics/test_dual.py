@@ -1,5 +1,6 @@
 """Dual numbers: exact derivatives of whatever is worked out with them."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from analysis import LAWS, FrictionLaw
-from analysis.mechanics.dual import derivatives, per_speed_and_slope, rate
+from analysis.mechanics.dual import derivatives, of_duals, per_speed_and_slope, rate
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from tests.helpers import assert_close, derivative, jacobian
 from tests.wayward_law import Own
@@ -19,6 +20,7 @@ FORMULAS: dict[str, Callable[[Sequence[Any]], list[Any]]] = {
     "quotients": lambda x: [x[0] / x[1], 1.0 / x[1], x[0] / 4.0],
     "functions": lambda x: [sin(x[0] * x[1]), cos(x[0]) / sqrt(x[1]), sqrt(x[0] * x[0] + 1.0)],
     "further functions": lambda x: [exp(x[0]), tanh(x[0]), log(x[1]), asinh(x[1]), hypot(*x)],
+    "sizes and choices": lambda x: [abs(x[0]), abs(-x[1]), x[0] if x[0] <= x[1] >= 1.0 else 0.0],
 }
 
 
@@ -43,6 +45,25 @@ class Elementary(Own):
         return self.strength / hypot(0.1 * self.order, speed)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chosen(Own):
+    """The same law, of which NumPy makes an array without axes."""
+
+    def per_speed(self, speed: float) -> Any:
+        return np.where(speed < 1e9, self.strength / hypot(0.1 * self.order, speed), 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OfFloats(Own):
+    """A law whose force takes floats alone."""
+
+    IS_PROPORTIONAL = False
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        factor = -math.sqrt(load)
+        return factor * along, factor * across
+
+
 SIMPLE: list[FrictionLaw] = [law for law in (kind() for kind in LAWS.values()) if law.is_simple]
 
 
@@ -64,7 +85,12 @@ def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: Frictio
 def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_not() -> None:
     speeds = np.geomspace(1e-3, 10.0, 9)
     expected = -0.3 * speeds / (0.04 + speeds**2) ** 1.5
-    for law, accuracy in ((Elementary(), 1e-14), (Own(), 1e-9)):
+    for law, accuracy in ((Elementary(), 1e-14), (Own(), 1e-9), (Chosen(), 1e-9)):
         values, slopes = per_speed_and_slope(law, speeds)
         np.testing.assert_allclose(values, [law.per_speed(each) for each in speeds], rtol=1e-15)
         np.testing.assert_allclose(slopes, expected, rtol=accuracy, atol=accuracy)
+
+
+def test_a_force_of_floats_alone_is_told_where_its_slopes_are_asked_for() -> None:
+    with pytest.raises(ValueError, match=r"^friction law '.*:OfFloats' must do with arithmetic "):
+        of_duals(OfFloats())
