@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from math import isnan
 from typing import Any
 
 from analysis.problem.checks import choice, number
@@ -113,9 +114,14 @@ class Turning:
     condition: Condition
 
     def __call__(self, state: State) -> float:
-        """What it says of a state."""
+        """What it says of a state; `ArgumentError` if that is nan, which no run would notice."""
         is_named = self.condition in CONDITIONS.values()
-        return self.condition(state) - (LEAST if is_named else ROUNDING)
+        said = self.condition(state) - (LEAST if is_named else ROUNDING)
+        # It may be a symbol.
+        if isinstance(said, float) and isnan(said):
+            fault = f"must say a number of every State, got nan for {state}"
+            raise ArgumentError("stop_when", fault, f"stop_when {_name_of(self.condition)}")
+        return said
 
 
 def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Turning]:
@@ -171,8 +177,12 @@ def _named(given: str | Condition) -> tuple[str, Condition]:
     if not callable(condition):
         fault = f"must hold names or functions of a State, got {given!r}"
         raise ArgumentError("stop_when", fault)
-    name = getattr(condition, "__name__", type(condition).__name__)
+    name = _name_of(condition)
     if name in (*_SAYING, TIME_LIMIT):
         fault = f"must hold functions of other names than the endings there are, got {name}"
         raise ArgumentError("stop_when", f"{fault}: rename it")
     return name, condition
+
+
+def _name_of(condition: Condition) -> str:
+    return getattr(condition, "__name__", type(condition).__name__)

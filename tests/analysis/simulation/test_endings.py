@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import count
-from math import cos, pi, sin, sqrt
+from math import cos, nan, pi, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -113,6 +113,15 @@ def test_no_condition_of_ones_own_takes_the_name_of_an_ending_there_is(
     condition.__name__ = name
     with pytest.raises(ValueError, match=f"^stop_when must .*, got {name}: rename it$"):
         run(FALLS["high"], TIMES, stop_when=condition, **side)
+
+
+@pytest.mark.parametrize("side", [*SIDES[:2], {"integrator": "RK44", "step": 1e-3}], ids=str)
+def test_a_condition_that_becomes_nan_on_the_way_is_told(side: dict[str, Any]) -> None:
+    def fading(state: State) -> float:
+        return nan if state.rates[3] < 39.5 else 1.0
+
+    with pytest.raises(ValueError, match=r"^stop_when fading must say a number .*, got nan"):
+        run(Scenario(), TIMES, stop_when=fading, **side)
 
 
 @pytest.mark.parametrize("method", EITHER_METHOD)
