@@ -30,7 +30,11 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 
 _PLACES = (0.0, *np.logspace(-4.0, 4.0, 33).tolist())
-"""Loads over the normal force without friction, between which solutions are told apart."""
+"""Loads over the normal force without friction, between which solutions are told apart,"""
+
+_LARGEST = 1e30
+"""and up to which one is looked for where all of these are too small: friction may be strong, or
+all forces tiny."""
 
 
 def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
@@ -62,6 +66,9 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     size = abs(force) or 1.0
     loads = [size * place for place in _PLACES]
     misses = [missing(load) for load in loads]
+    while misses[-1] < 0.0 and loads[-1] < _LARGEST * size:
+        loads.append(1e4 * loads[-1])
+        misses.append(missing(loads[-1]))
     # With no load the normal force need not be zero, but may pull.
     found = [0.0] * (misses[0] >= 0.0)
     for low, high, first, last in zip(loads, loads[1:], misses, misses[1:], strict=False):

@@ -106,9 +106,13 @@ def test_contact_force_without_or_with_several_solutions_is_told() -> None:
         any_contact_load(steep, 1.0, *per_newton, *slip)
     with pytest.raises(ArithmeticError, match=r"has 2 solutions for it: 0\.10"):
         any_contact_load(steep, 0.1, 0.0, -1.5, *slip)
-    flat = replace(steep, exponent=0.5)
-    load = any_contact_load(flat, 1.0, *per_newton, *slip)
-    assert load == pytest.approx(1.0 - 3.0 * flat.force(0.0, 9.0, load)[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("coefficient", [0.5, 1e3, 1e8])
+def test_contact_force_is_found_however_strong_friction_is(coefficient: float) -> None:
+    law = PowerLawCoulomb(coefficient=coefficient, load="contact", exponent=0.5)
+    load = any_contact_load(law, 1.0, 0.0, -3.0, 0.0, 9.0)
+    assert load == pytest.approx(1.0 - 3.0 * law.force(0.0, 9.0, load)[1], rel=1e-12)
 
 
 LEANING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
