@@ -17,6 +17,7 @@ from scipy.interpolate import griddata
 from analysis import Scenario
 from analysis.motion.files import AnyArray
 from analysis.motion.outcomes import DONE
+from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from validation.sweeps.pools import Pool
 from validation.sweeps.results import Results
@@ -106,7 +107,10 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
         side was to run it (`seen`), found the same inversion or face (`alike`), and how far off
         (`difference` in rad); `seconds` of processor time.
     """
-    outcome = became(sweep.scenario, row, to_rest=to_rest)
+    scenario = sweep.scenario
+    if to_rest and row["status"] == DONE:
+        scenario = sweep.scenario_of(row["number"])
+    outcome = became(scenario, row, to_rest=to_rest)
     if to_rest:
         alike = (row.get("face_end") or 0.0) * (row.get("other_face_end") or 0.0) > 0.0
     else:
@@ -132,7 +136,7 @@ def became(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
     if row["status"] != DONE:
         return "refused" if row["status"] == "refused" and not to_rest else "failed"
     if to_rest:
-        barrier = _least_upright_energy(scenario)
+        barrier = scenario.weight * _least_upright_height(scenario.disk)
         if float(row["energy_end"] or np.inf) >= barrier and row["ending"] != "flat":
             return "not decided"
         return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
@@ -142,11 +146,11 @@ def became(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
 
 
 @cache
-def _least_upright_energy(scenario: Scenario) -> float:
-    """Least potential energy in J with the axis level: m g (r - e) of a round disk."""
-    disk, gammas = scenario.disk, np.linspace(-np.pi, np.pi, 7201)
+def _least_upright_height(disk: Body) -> float:
+    """Least height in m of the centre of gravity with the axis level: r - e of a round disk."""
+    gammas = np.linspace(-np.pi, np.pi, 7201)
     heights = disk.clearance(np.pi / 2, gammas)[0] + disk.eccentricity * np.sin(gammas)
-    return scenario.weight * float(np.min(heights))
+    return float(np.min(heights))
 
 
 # --- Running ------------------------------------------------------------------------------------

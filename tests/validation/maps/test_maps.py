@@ -17,7 +17,7 @@ from analysis.problem.checks import Array
 from tests.bodies import ELLIPSE
 from tests.calls import answer, printed
 from tests.helpers import not_none
-from tests.sweeps import direct
+from tests.sweeps import direct, sweep
 from validation.maps import figures, problems
 from validation.maps import panel as room
 from validation.maps.panel import became, cell, refine, run_panel
@@ -96,6 +96,14 @@ def test_face_of_an_elliptic_disk_is_up_once_it_cannot_stand_on_its_flattest_sid
     for radius, expected in ((1.001, "not decided"), (0.999, "upper face")):
         energy = {"energy_end": radius * 9.81 * flat.mass * flat.other_radius}
         assert became(Scenario(disk=flat), row | energy, to_rest=True) == expected
+
+
+def test_face_is_judged_by_the_barrier_of_its_own_case() -> None:
+    wanted = sweep("gravity=1.62,9.81", scenario=Scenario.rest(), to_rest=True, spacing=1e-2)
+    row = {"status": "done", "ending": None, "face_end": 0.9, "energy_end": 0.9 * BARRIER}
+    row |= {"seconds": 0.1}
+    told = [cell(wanted, {"number": n, **row}, to_rest=True)["outcome"] for n in (0, 1)]
+    assert told == ["not decided", "upper face"]
 
 
 def test_faces_are_not_decided_by_energy_on_a_leaning_table() -> None:
