@@ -23,6 +23,8 @@ from scipy.spatial import QhullError
 
 from analysis.problem.checks import Array
 from analysis.problem.quantities import declared
+from analysis.problem.scenario import require_level
+from analysis.problem.variations import changed
 from validation.kit.figures import MARKED, legend_above, new_figure
 from validation.maps.panel import Panel, cell
 from validation.maps.problems import critical_points
@@ -179,6 +181,13 @@ def check_drawable(sweep: Sweep) -> None:
             raise ValueError(
                 f"axis {axis.field} can be drawn if its values rise, got {axis.values}"
             )
+    if sweep.plan.to_rest:
+        steepest: dict[str, Any] = {
+            axis.field: max(axis.draw(0.0), axis.draw(1.0))
+            for axis in axes
+            if axis.field == "table.inclination"
+        }
+        require_level(changed(sweep.scenario, steepest), "a picture of the face that is up")
 
 
 def draw_sweep(results: Results) -> Figure:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from analysis import MODELS, Scenario, Start, Trajectory, simulate_to_rest
+from analysis import MODELS, Scenario, Start, Table, Trajectory, simulate_to_rest
 from tests.sweeps import sweep, swept
 from validation.maps.figures import check_drawable, draw_sweep
 from validation.run import run
@@ -116,6 +116,14 @@ UNDRAWN: dict[tuple[str, ...], str] = {
 def test_sweep_without_a_picture_is_refused(axes: tuple[str, ...]) -> None:
     with pytest.raises(ValueError, match=UNDRAWN[axes]):
         check_drawable(sweep(*axes))
+
+
+@pytest.mark.parametrize(("lean", "axis"), [(0.0, "inclination=0,0.1"), (0.1, "spin=1,2")])
+def test_face_that_is_up_is_not_drawn_where_the_table_leans(lean: float, axis: str) -> None:
+    leaning = Scenario.rest(table=Table(inclination=lean))
+    check_drawable(sweep("inclination=0", scenario=leaning, to_rest=True))
+    with pytest.raises(ValueError, match="needs a horizontal table, got an inc"):
+        check_drawable(sweep(axis, scenario=leaning, to_rest=True))
 
 
 REDUCED = Scenario(constraints=MODELS[4])
