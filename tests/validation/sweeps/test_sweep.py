@@ -174,6 +174,8 @@ def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(tmp_path
         {"stop_when": f"{__name__}:one_worker"},
     )
     assert len({sweep("alpha=0,1", **each).code()["own"] for each in own}) == len(own)
+    axes = ("law=tanh", "law=tanh,tests.wayward_law:Wayward", "disk.body=disk,tests.bodies:Egg")
+    assert len({sweep(axis).code()["own"] for axis in axes}) == len(axes)
     found = []
     for text in (
         "def double(x):\n    return 2 * x\n",
