@@ -128,6 +128,7 @@ class Plan(CaseOptions):
             tolerance=tolerance if self.witness_step is None else None,
             step=self.witness_step,
             stop_when=self.stop_when,
+            allow_pulling=self.allow_pulling,
             time_limit=self.time_limit,
             end=self.end,
             spacing=self.spacing,

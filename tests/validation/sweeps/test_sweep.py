@@ -84,6 +84,10 @@ def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
         assert run_as.items() <= motion.method.items()
 
 
+def test_witness_goes_on_where_the_contact_pulls_if_the_case_does() -> None:
+    assert sweep("spin=1,2", allow_pulling=True).plan.witness.allow_pulling
+
+
 def test_witnesses_are_spread_evenly() -> None:
     none, chosen, every = (
         [number for number in range(400) if wanted.has_witness(number)]
