@@ -127,7 +127,11 @@ class Axis:
         assert last is not None
         if part == 1.0:
             return last
-        return float(first * (last / first) ** part) if self.log else first + part * (last - first)
+        if not self.log:
+            return first + part * (last - first)
+        if 1e-300 < last / first < 1e300:
+            return float(first * (last / first) ** part)
+        return float(first ** (1.0 - part) * last**part)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
