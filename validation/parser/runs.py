@@ -17,6 +17,9 @@ LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 ACCURACIES = ("tolerance", "step", "local_tolerance")
 """Of which a run has one."""
 
+END = 4.0
+"""Of each motion of a sweep in s, where none is given."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
@@ -137,7 +140,7 @@ class CaseOptions(RunOptions):
 
     source: Annotated[str, {"choices": SOURCES}] = "in-house"
     time_limit: float = 60.0
-    end: float = 4.0
+    end: float = END
     spacing: float = 5e-3
     to_rest: bool = False
     witnesses: int = 0

@@ -15,7 +15,7 @@ from analysis.problem.limits import LONGEST_MOTION, Effort, check_storage
 from analysis.problem.names import ArgumentError
 from analysis.simulation.formulations import default_formulation, pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
-from validation.parser.runs import ACCURACIES, OPTIONS, CaseOptions
+from validation.parser.runs import ACCURACIES, END, OPTIONS, CaseOptions
 from validation.run import rest_effort, run, run_effort, run_to_rest
 
 TIME = "time"
@@ -83,9 +83,8 @@ class Plan(CaseOptions):
             switch(name, getattr(self, name))
         end = within("end", positive("end", self.end), 0.0, LONGEST_MOTION)
         if not positive("spacing", self.spacing) < end:
-            raise ArgumentError(
-                "spacing", f"must be less than end = {end:g} s, got {self.spacing:g}"
-            )
+            fault = f"must have spacing < end, got {self.spacing:g} s and {end:g} s"
+            raise ArgumentError("spacing" if end == END else "end", fault)
         check_storage("spacing", end / self.spacing, 20)
         for name in (*ACCURACIES, "witness_tolerance", "witness_step", "time_limit"):
             if (value := getattr(self, name)) is not None:

@@ -27,6 +27,8 @@ REFUSED = {
     SWEEP + "spin=0:60:1000 gamma=0:1:1000 --most 999999": "--most: most allows 999999 cases",
     SWEEP + "spin=1,2 --scheduler tcp://here:1": "--scheduler: scheduler needs --executor dask",
     SWEEP + "spin=1,2 --spacing 1e-12": "--spacing: spacing asks for 4e+12 samples of 20",
+    SWEEP + "spin=1,2 --spacing 4": "--spacing: spacing must have spacing < end, got 4 s and 4 s",
+    SWEEP + "spin=1,2 --end 0.004": "--end: end must have spacing < end, got 0.005 s and",
     SWEEP + "spin=1,2 --keep spin_torque": "--keep: keep must name what Model 1 has",
     SWEEP + "spin=1,2 --executor cores": "executor must be one of",
     SWEEP + "spin=1,2 --executor os:getcwd": "must be a function that returns",
