@@ -134,7 +134,9 @@ def _asked(
     import mbs_models
 
     if (local := given.pop("local_tolerance", None)) is not None:
-        given["integrator"] = mbs_models.Integrator(name="DOPRI5", local_tolerance=local)
+        wanted: Any = options.integrator or "DOPRI5"
+        name = getattr(wanted, "name", wanted)
+        given["integrator"] = mbs_models.Integrator(name=name, local_tolerance=local)
     formulation: Any = options.formulation
     return mbs_models, mbs_models.Scene(scenario=scenario, formulation=formulation), given
 

@@ -40,7 +40,8 @@ class RunOptions:
         Engine only: fixed step in s instead.
     local_tolerance : float, optional
         Of a single run whose solver controls its steps, in place of several that agree; no error
-        is estimated; engine: DOPRI5, without constraints (Model 1).
+        is estimated; engine: DOPRI5, without constraints (Model 1), or the integrator that is
+        given.
     integrator : str or Integrator, optional
         Engine only: RK67, RK44, DOPRI5 without constraints (the most accurate).
     method : str, optional
@@ -85,14 +86,6 @@ class RunOptions:
         given = list(self.given(*ACCURACIES))
         if len(given) > 1:
             self.refuse(given[1], f"a run with its {given[0]}: give one of {', '.join(given)}")
-        if self.source == "engine" and self.local_tolerance is not None:
-            name = getattr(self.integrator, "name", self.integrator)
-            if name not in (None, "DOPRI5"):
-                raise ArgumentError(
-                    "integrator",
-                    "must be DOPRI5 with a local_tolerance, since the others keep their step, "
-                    f"got {name!r}",
-                )
 
     def refuse(self, name: str, where: str) -> None:
         """Raise if an option is given that there is no place for."""
