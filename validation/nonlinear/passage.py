@@ -104,8 +104,8 @@ class SlowPair:
         return growth, fast
 
 
-def measure(motion: Trajectory | SpatialMotion) -> Passage:
-    """Follow spin and slow deviation of a motion from its inversion on.
+def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
+    """Follow spin and slow deviation of a motion from its inversion on, by its slow pair.
 
     Returns
     -------
@@ -126,9 +126,8 @@ def measure(motion: Trajectory | SpatialMotion) -> Passage:
     Raises
     ------
     ValueError
-        If the disk is never inverted for a second, or the scenario has no slow pair.
+        If the disk is never inverted for a second.
     """
-    pair = SlowPair.of(motion.scenario)
     inversion = motion.inversion
     if inversion.time is None:
         raise ValueError(
@@ -181,18 +180,20 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     Raises
     ------
     ValueError
-        See `measure`.
+        If the scenario has no slow pair, which is told before the run; and see `measure`.
     ArithmeticError
         If the run fails.
     """
     accuracy: Any
+    pair = SlowPair.of(scenario)
     engine = source == "engine"
     if scenario.contact is None:
         times = np.linspace(0.0, end, round(end / SPACING) + 1)
         accuracy = {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
-        return measure(run(scenario, times, source=source, **accuracy))
+        return measure(run(scenario, times, source=source, **accuracy), pair)
     accuracy = {"step": 2e-4} if engine else {"local_tolerance": 1e-8}
-    return measure(run_to_rest(scenario, end, source=source, spacing=SPACING, **accuracy))
+    motion = run_to_rest(scenario, end, source=source, spacing=SPACING, **accuracy)
+    return measure(motion, pair)
 
 
 def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, float | None]:

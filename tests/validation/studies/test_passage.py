@@ -6,6 +6,7 @@ import pytest
 from analysis import Scenario, Start
 from analysis.stability import spectra
 from tests.helpers import not_none
+from validation.nonlinear import passage
 from validation.nonlinear.passage import SlowPair, delay_law, follow
 
 
@@ -69,6 +70,9 @@ def test_a_disk_that_is_exactly_upright_is_not_predicted_to_be_lost() -> None:
     assert not np.any(found["linear"])
 
 
-def test_a_set_without_a_slow_pair_is_refused() -> None:
+def test_a_set_without_a_slow_pair_is_refused_before_its_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delattr(passage, "run")
     with pytest.raises(ValueError, match="must have a Hopf point"):
-        SlowPair.of(Scenario(constraints=("contact", "no-slip-along", "no-slip-across")))
+        follow(Scenario(constraints=("contact", "no-slip-along", "no-slip-across")), 1.0, "engine")
