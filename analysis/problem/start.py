@@ -210,7 +210,8 @@ class Start(Described):
         found = demanded(constraints, disk, (beta, gamma, self.spin), free)
         for field, wanted, value in zip(FOLLOWING, given, found, strict=True):
             if wanted is not None and not abs(wanted - value) <= 1e-12 * max(1.0, abs(value)):
-                fault = f"must be {value:g} in {set_name(constraints)}, or left out"
+                told = round(value, 12) + 0.0  # less than what is told apart is 0, and not -0
+                fault = f"must be {told:g} in {set_name(constraints)}, or left out"
                 raise ArgumentError(field, f"{fault}, got {wanted:g}")
         x, y, x_rate, y_rate, beta_rate, gamma_rate = found
         lift = height if self.height is None else self.height
