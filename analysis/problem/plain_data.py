@@ -26,10 +26,10 @@ KINDS: dict[str, type] = {
 }
 """Classes of the tables of a scenario that are told by their fields."""
 
-_DISK_FORMS = (
-    f"name; or {', '.join((*SIX, *PRODUCTS))}; or {', '.join(RING)}; or "
-    f"{', '.join(PLATE)}, holes, masses; or body and what it takes"
-)
+_SHAPES = (("name",), (*SIX, *PRODUCTS), RING, (*PLATE, "holes", "masses"))
+"""Names that tell a disk together."""
+
+_DISK_FORMS = f"{'; or '.join(map(', '.join, _SHAPES))}; or body and what it takes"
 
 Names = tuple[str, ...]
 
@@ -91,7 +91,10 @@ def maker(table: str, values: Any) -> Callable[..., Any]:
         if name not in known:
             is_shape = table == "disk" and "body" not in values
             allowed = _DISK_FORMS if is_shape else listed(known, "and")
-            fault = f"is unknown here; [{table}] takes {allowed}{nearest(name, known)}"
+            besides = {each for shape in _SHAPES if is_shape and name in shape for each in shape}
+            apart = [each for each in values if besides and each not in besides]
+            why = f"does not go with {listed(apart, 'or')}" if apart else "is unknown here"
+            fault = f"{why}; [{table}] takes {allowed}{nearest(name, known)}"
             raise ArgumentError(f"{table}.{name}", fault, name)
     if missing := [name for name in needed if name not in values]:
         raise ArgumentError(table, f"lacks {listed(missing, 'and')}", f"[{table}]")
