@@ -76,6 +76,9 @@ MOST_PAIRED = 8
 _LETTERS = 22
 """Of a label in a line beside a panel of a pair."""
 
+_LEVEL = 6
+"""Letters of the longest name along an axis that is written level."""
+
 _TITLED = 11
 """Letters of a title in a line for each inch of a figure."""
 
@@ -233,6 +236,9 @@ def _mark_values(axes: Axes, way: str, axis: Axis) -> None:
     if _is_named(axis):
         ticks, names = range(len(axis.values)), list(map(str, axis.values))
         axes.set(**{f"{way}ticks": ticks, f"{way}ticklabels": names})
+        if way == "x" and max(map(len, names)) > _LEVEL:
+            for label in axes.get_xticklabels():
+                label.set(rotation=30, ha="right", rotation_mode="anchor")
 
 
 def _curves(axis: Axis, table: pd.DataFrame) -> Figure:
@@ -292,7 +298,7 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
             text = fill(up.label, _LETTERS) if row else f"share {counted}"
             each.set_ylabel(text, fontsize=8)
     figure.colorbar(image, ax=axes, label=f"share of cases: {counted}", shrink=0.6)
-    varies = "model" in (axis.field for axis in sweep.design.axes)
+    varies = {"model", "constraints"} & {axis.field for axis in sweep.design.axes}
     what = "several models" if varies else sweep.scenario.name
     title = f"Sweep of {what}: {decided.sum()} cases"
     without = f", × {(~decided).sum()} without a motion or not decided" * (not decided.all())

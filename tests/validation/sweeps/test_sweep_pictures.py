@@ -90,6 +90,21 @@ def test_pictures_of_pairs_have_no_text_over_or_outside_of_another(tmp_path: Pat
     assert box.x1 <= figure.bbox.width
 
 
+def test_sets_of_constraints_are_several_models_and_their_names_do_not_meet(
+    tmp_path: Path,
+) -> None:
+    names = ("contact+constant-spin", "contact+no-slip-along")
+    wanted = sweep(f"constraints={','.join(names)}", "spin=30,40", scenario=Scenario(), end=0.01)
+    figure, _ = drawn(wanted, tmp_path)
+    assert figure.get_suptitle().startswith("Sweep of several models")
+    figure.canvas.draw()
+    first, second = figure.axes[2].get_xticklabels()
+    assert (first.get_text(), second.get_text()) == names
+    # Slanted, each ends at its own tick.
+    assert first.get_rotation() == second.get_rotation() == 30.0
+    assert first.get_window_extent().x1 < second.get_window_extent().x1 - 10.0
+
+
 def test_what_is_not_decided_counts_in_no_share(tmp_path: Path) -> None:
     figure, results = drawn(
         sweep("spin=25,40", "mu=0.29,0.3", "alpha=0,0.1", end=1.3, tolerance=1e-3), tmp_path
