@@ -53,7 +53,7 @@ class Results(OutcomeTable):
         ValueError
             If it is no store, or damaged.
         """
-        kinds: Any = {"REAL": float, "TEXT": object}
+        kinds: Any = {"REAL": float, "TEXT": object, "BOOLEAN": bool}
         with reading(path) as (file, sweep):
             known = tables(sweep)["cases"]
             dtype = {name: kinds.get(kind, int) for name, kind in known.items()}

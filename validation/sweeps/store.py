@@ -45,6 +45,10 @@ _PAGE = 4096
 """Size of a page of a file."""
 
 
+# SQLite has no truth values of its own.
+sqlite3.register_converter("BOOLEAN", lambda cell: cell == b"1")
+
+
 class Store:
     """A store of a sweep, open for writing; use it as a context.
 
@@ -182,7 +186,7 @@ class Store:
 def tables(sweep: Sweep) -> dict[str, dict[str, str]]:
     """Columns of the tables of a store with their kinds, as SQLite calls them."""
     kinds = {name: "TEXT" if unit is None else "REAL" for name, unit in COLUMNS.items()}
-    known = {str: "TEXT", int: "INTEGER"}
+    known = {str: "TEXT", int: "INTEGER", bool: "BOOLEAN"}
     axes = {axis.field: known.get(type(axis.at(0)), "REAL") for axis in sweep.design.axes}
     number = {"number": "INTEGER PRIMARY KEY"}
     found = {"cases": number | axes | kinds}
@@ -221,7 +225,11 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
     address = f"{place.absolute().as_uri()}?mode=ro"
     with (
         plain_errors(place),
-        closing(sqlite3.connect(address, uri=True, timeout=_PATIENCE)) as file,
+        closing(
+            sqlite3.connect(
+                address, uri=True, timeout=_PATIENCE, detect_types=sqlite3.PARSE_DECLTYPES
+            )
+        ) as file,
     ):
         try:
             with foreign_names():

@@ -251,6 +251,16 @@ def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_g
     assert results.on_grid("status").tolist() == [*[[DONE, "refused"]] * 2, [None, "refused"]]
 
 
+def test_truth_values_of_an_axis_are_so_in_all_results(tmp_path: Path) -> None:
+    path, rest = tmp_path / "a.db", Scenario.rest()
+    wanted = sweep("bilateral=true,false", scenario=rest, to_rest=True, end=0.01)
+    rows = swept(wanted, path).rows()
+    assert [row["contact.bilateral"] for row in rows] == [True, False]
+    assert all(type(row["contact.bilateral"]) is bool for row in Results.load(path).rows())
+    write_csv(path, tmp_path / "a.csv")
+    assert pd.read_csv(tmp_path / "a.csv")["contact.bilateral"].dtype == bool
+
+
 def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
     def numbers() -> Iterator[int]:
         yield from range(10_000)
