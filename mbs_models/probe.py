@@ -125,8 +125,7 @@ class Probe:
         n, solver = self._size, self._solver
         solver.ComputeMassMatrix(self._system)
         if not self._equations:
-            found: Array = solver.GetSystemMassMatrix()
-            return found
+            return solver.GetSystemMassMatrix()
         # The engine adds to whatever the matrix holds.
         solver.SetSystemJacobian(self._zeros)
         solver.ComputeJacobianAE(self._system, 1.0, 1.0, 1.0, False)
@@ -161,8 +160,7 @@ class Probe:
                     "the engine's equations of motion are singular: each newton of normal force "
                     f"calls for {feedback:.3g} N of it through friction"
                 )
-            found: Array = without - min(0.0, float(without[row])) / (1.0 - feedback) * change
-            return found
+            return without - min(0.0, float(without[row])) / (1.0 - feedback) * change
         inverse = np.linalg.inv(matrix)
         parts = np.abs(inverse[row])
 
@@ -192,8 +190,7 @@ class Probe:
 
     def _forces(self) -> Array:
         self._solver.ComputeODE2RHS(self._system)
-        found: Array = self._solver.GetSystemResidual()[: self._size]
-        return found
+        return self._solver.GetSystemResidual()[: self._size]
 
     def _forces_under(self, load: float) -> Array:
         """Forces under this load in N, which the contact's multiplier keeps."""
@@ -214,15 +211,13 @@ class Probe:
         less, more = max(0.0, load - little), load + little
         change = self._forces_under(more) - self._forces_under(less)
         data.SetAECoordinates(present)
-        found: Array = change / (more - less)
-        return found
+        return change / (more - less)
 
     def _residuals(self, *, velocity: bool = True) -> Array:
         if not self._equations:
             return np.zeros(0)
         self._solver.ComputeAlgebraicEquations(self._system, velocity)
-        found: Array = self._solver.GetSystemResidual()[self._size :]
-        return found
+        return self._solver.GetSystemResidual()[self._size :]
 
     def _residual_rate(self, *, quick: bool) -> Array:
         """Rate of the velocity-level residuals along the motion at constant velocities.
@@ -239,8 +234,7 @@ class Probe:
             data.SetODE2Coordinates(self._model.moved(position, velocity, node * step))
             found.append(self._residuals())
         data.SetODE2Coordinates(position)
-        rate: Array = weights.dot(found) / step
-        return rate
+        return weights.dot(found) / step
 
 
 def _solution(matrix: Array, right: Array) -> Array:
@@ -248,8 +242,7 @@ def _solution(matrix: Array, right: Array) -> Array:
     *_, solution, fault = dgesv(matrix, right)
     if fault:
         raise SingularError("the system matrix is singular")
-    found: Array = solution
-    return found
+    return solution
 
 
 def _pace(coordinates: Floats, rates: Floats) -> float:

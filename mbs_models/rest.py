@@ -347,8 +347,7 @@ class EngineWay(WayToRest):
         about_centre = np.einsum("ni,ij,nj->n", local, disk.tensor, local)
         arm = disk.eccentricity * rotation[:, :, 0]
         coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
-        result: Array = 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
-        return result
+        return 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
 
     def readings(self, states: Array) -> dict[str, Any]:
         """Arrays of a `SpatialMotion` by their names."""

@@ -235,8 +235,7 @@ def leaning(rows: Array) -> Array:
     It is negative where beta lies outside (0, pi), by whole turns if a run has failed.
     """
     tilts = rows[..., BETA]
-    result: Array = np.minimum(tilts, pi - tilts)
-    return result
+    return np.minimum(tilts, pi - tilts)
 
 
 def state_of(row: Array) -> State:

@@ -70,8 +70,7 @@ def derivative(function: Callable[[float], Array], step: float = 4e-3) -> Array:
     total = sum(
         weight * (function(k * step) - function(-k * step)) for k, weight in enumerate(weights, 1)
     )
-    result: Array = np.asarray(total) / step
-    return result
+    return np.asarray(total) / step
 
 
 def jacobian(function: Callable[[Array], Array], place: Array, step: float = 4e-3) -> Array:
@@ -237,8 +236,7 @@ def contact_arm(disk: Body, z: Array) -> Array:
     """Inertial vector from G to the lowest point of the rim: down, within the disk's plane."""
     normal = rotation(z)[:, 2]
     down = normal[2] * normal - np.array([0.0, 0.0, 1.0])
-    arm: Array = disk.radius * down / np.linalg.norm(down)
-    return arm
+    return disk.radius * down / np.linalg.norm(down)
 
 
 def angular_velocity(path: Callable[[float], Array], time: float = 0.0) -> Array:
@@ -252,16 +250,14 @@ def spin_momentum(disk: Body, path: Callable[[float], Array], time: float) -> Ar
     """Angular momentum about S in inertial axes."""
     turn = rotation(path(time))
     in_body = turn.T @ angular_velocity(path, time)
-    momentum: Array = turn @ disk.tensor_about_cog @ in_body
-    return momentum
+    return turn @ disk.tensor_about_cog @ in_body
 
 
 def slip(disk: Body, path: Callable[[float], Array], time: float = 0.0) -> Array:
     """Velocity of the disk's material point at the contact, in R-frame axes, shape (2,)."""
     speed = derivative(lambda s: centre(path(time + s)))
     speed = speed + np.cross(angular_velocity(path, time), contact_arm(disk, path(time)))
-    in_frame: Array = (turn_z(-path(time)[3]) @ speed)[:2]
-    return in_frame
+    return (turn_z(-path(time)[3]) @ speed)[:2]
 
 
 class Lagrange(NamedTuple):

@@ -46,8 +46,7 @@ def run(
     side, subject, given = _asked(scenario, options, *_HOW, *_ENDS, "allow_pulling")
     if side is analysis:
         given["formulation"] = options.formulation
-    motion: Trajectory = side.simulate(subject, times, progress=progress, **given)
-    return motion
+    return side.simulate(subject, times, progress=progress, **given)
 
 
 def run_to_rest(
@@ -82,8 +81,7 @@ def run_to_rest(
     """
     side, subject, given = _asked(scenario, _of_rest(**how), *_HOW, *_ENDS)
     given |= {"spacing": spacing, "progress": progress}
-    motion: SpatialMotion = side.simulate_to_rest(subject, end, **given)
-    return motion
+    return side.simulate_to_rest(subject, end, **given)
 
 
 def run_effort(scenario: Scenario, times: npt.ArrayLike, **how: Any) -> Effort:
@@ -95,8 +93,7 @@ def run_effort(scenario: Scenario, times: npt.ArrayLike, **how: Any) -> Effort:
         If an argument is out of range, or belongs to the other side.
     """
     side, subject, given = _asked(scenario, RunOptions(**how), *_HOW)
-    effort: Effort = _efforts(side).simulation_effort(subject, increasing_times(times), **given)
-    return effort
+    return _efforts(side).simulation_effort(subject, increasing_times(times), **given)
 
 
 def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
@@ -108,8 +105,7 @@ def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
         If an argument is out of range, or belongs to the other side.
     """
     side, subject, given = _asked(scenario, _of_rest(**how), "step")
-    effort: Effort = _efforts(side).rest_effort(subject, end, **given)
-    return effort
+    return _efforts(side).rest_effort(subject, end, **given)
 
 
 def _of_rest(**how: Any) -> RunOptions:

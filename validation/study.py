@@ -341,8 +341,7 @@ def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
 
 def about(study: Study, folder: Path = RESULTS) -> Row:
     """Provenance, columns and identity of a stored table."""
-    found: Row = json.loads((folder / f"{study.name}.json").read_text("utf-8"))
-    return found
+    return json.loads((folder / f"{study.name}.json").read_text("utf-8"))
 
 
 # --- Confirming --------------------------------------------------------------------------------

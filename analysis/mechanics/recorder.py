@@ -108,8 +108,7 @@ class Recorder:
         """
         names: dict[str, Any] = dict(_USUAL)
         exec(self.source(results), names)  # noqa: S102 - formulas of ours, and nothing else
-        bind: Callable[..., Callable[..., Any]] = names["bind"]
-        return bind
+        return names["bind"]
 
 
 class Symbol:

@@ -162,8 +162,7 @@ def quaternions(rotations: Array) -> Array:
 
 def rotations(quaternions: Array) -> Array:
     """Rotation matrices, shape (n, 3, 3), of quaternions, scalar part first, shape (n, 4)."""
-    result: Array = Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
-    return result
+    return Rotation.from_quat(quaternions, scalar_first=True).as_matrix()
 
 
 def quaternion_rates(quaternions: Array, angular: Array) -> Array:
@@ -183,5 +182,4 @@ def angular_velocities(quaternions: Array, rates: Array) -> Array:
 def tilts(rotations: Array) -> Array:
     """Inclination beta in rad from 0 to pi, both flat, of rotation matrices, shape (...)."""
     x, y, z = np.moveaxis(rotations[..., 2], -1, 0)
-    result: Array = np.arctan2(np.hypot(x, y), z)
-    return result
+    return np.arctan2(np.hypot(x, y), z)

@@ -158,8 +158,7 @@ def running_mean(times: Array, values: Array, window: float | Array) -> Array:
     left = np.maximum(times - 0.5 * window, times[0])
     right = np.minimum(times + 0.5 * window, times[-1])
     sums = np.interp(right, times, total) - np.interp(left, times, total)
-    result: Array = sums / (right - left)
-    return result
+    return sums / (right - left)
 
 
 def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:

@@ -140,8 +140,7 @@ class Quantities(ABC):
         seen = self._lowest(up + _TINY * 1j * np.cross(up, turning))
         moved = np.cross(turning, seen.real) + seen.imag / _TINY
         along = velocities + np.einsum("...ij,...j->...i", rotations, moved)
-        result: Array = np.hypot(along[..., 0], along[..., 1])
-        return result
+        return np.hypot(along[..., 0], along[..., 1])
 
 
 class InCoordinates(Quantities):
@@ -161,8 +160,7 @@ class InCoordinates(Quantities):
     @property
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
-        result: Array = np.sin(self.coordinates[..., 4]) * np.sin(self.coordinates[..., 5])
-        return result
+        return np.sin(self.coordinates[..., 4]) * np.sin(self.coordinates[..., 5])
 
     @property
     def cog_direction_rate(self) -> Array:
@@ -175,28 +173,24 @@ class InCoordinates(Quantities):
     @property
     def face(self) -> Array:
         """Vertical part of the unit vector normal to the disk, shape (n,)."""
-        result: Array = np.cos(self.coordinates[..., 4])
-        return result
+        return np.cos(self.coordinates[..., 4])
 
     @property
     def spin(self) -> Array:
         """Rate of alpha in rad/s, shape (n,)."""
-        result: Array = self.rates[..., 3]
-        return result
+        return self.rates[..., 3]
 
     @property
     def normal_force(self) -> Array:
         """Normal contact force lambda_N in N, shape (n,)."""
-        result: Array = self.multipliers[..., 0]
-        return result
+        return self.multipliers[..., 0]
 
     @property
     def contact_points(self) -> Array:
         """Lowest point of the disk, inertial, in m, shape (n, 3)."""
         positions, rotations, *_ = self.poses
         seen = self._lowest(rotations[..., 2, :])
-        result: Array = positions + np.einsum("...ij,...j->...i", rotations, seen)
-        return result
+        return positions + np.einsum("...ij,...j->...i", rotations, seen)
 
 
 @cache

@@ -169,8 +169,7 @@ class SampledMotion(Quantities):
         arrays["ending"] = self.ending if wanted[-1] == self.times[-1] else None
         estimate = None if self.error_estimate is None else self.error_estimate + error
         same: Any = self
-        found: Self = replace(same, times=wanted, **arrays, error_estimate=estimate)
-        return found
+        return replace(same, times=wanted, **arrays, error_estimate=estimate)
 
     def columns(self) -> dict[str, tuple[Array, str]]:
         """Every sampled quantity by name: its values, shape (n,), and its unit."""

@@ -180,8 +180,7 @@ class SpatialMotion(SampledMotion):
     def energy_residual(self) -> Array:
         """Energy now and all that was taken, less the energy at the start, in J, shape (n,)."""
         total = self.energies.sum(axis=1) + self.dissipated.sum(axis=1)
-        result: Array = total - total[0]
-        return result
+        return total - total[0]
 
     @property
     def starting_energy(self) -> float:

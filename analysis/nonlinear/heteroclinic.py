@@ -169,8 +169,7 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     def distances(turns: float) -> Array:
         """From spinning upright with this gamma, over pi."""
         away = (run.y.T - np.array((np.pi / 2, turns * np.pi, 0.0))) / (1.0, 1.0, growth)
-        found: Array = np.linalg.norm(away, axis=1)
-        return found
+        return np.linalg.norm(away, axis=1)
 
     has_turned, has_passed, is_flat = (times.size > 0 for times in run.t_events)
     has_settled = run.success and distances(0.5)[-1] < _SETTLED

@@ -60,8 +60,7 @@ def needed_friction(scenario: Scenario, spin: float, beta: Array, gamma: Array) 
         acceleration_from(scenario, spin, (sb, cb, sg, cg), rate, lambda _, f=force: f)
         for force in (0.0, 1.0)
     )
-    result: Array = (none - bend) / (none - unit)
-    return result
+    return (none - bend) / (none - unit)
 
 
 def _slips(scenario: Scenario, needed: Array) -> Array:
@@ -85,8 +84,7 @@ def _slips(scenario: Scenario, needed: Array) -> Array:
         steps = (per_speed * slips - sizes) / slopes
         slips = slips - steps
         if np.all(np.abs(steps) <= 1e-14 * slips):
-            signed: Array = np.copysign(slips, needed)
-            return signed
+            return np.copysign(slips, needed)
     raise NoManifoldError(
         f"the friction law cannot give {np.max(sizes):.4g} of the weight, which it takes to keep "
         "the disk near the slow manifold"

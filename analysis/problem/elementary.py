@@ -113,8 +113,7 @@ asinh = _elementary("asinh")
 def hypot(x: T, y: T) -> T:
     """Hypotenuse."""
     library = _library(y) if type(x) is float else _library(x)
-    result: T = library.hypot(x, y)
-    return result
+    return library.hypot(x, y)
 
 
 def _library(x: Any) -> Any:

@@ -189,5 +189,4 @@ def energy_residual(trajectory: Trajectory) -> Array:
     kinetic, potential = energies(trajectory.scenario, trajectory.coordinates, trajectory.rates)
     total = kinetic + potential
     work = cumulative_simpson(power(trajectory), x=trajectory.times, initial=0.0)
-    residual: Array = total - total[0] - work
-    return residual
+    return total - total[0] - work

@@ -101,8 +101,7 @@ class Runs:
 
     def ended(self, reason: str | None) -> AnyArray:
         """Whether each run ended for this reason, or none, shape (m,)."""
-        found: AnyArray = self.reasons == reason
-        return found
+        return self.reasons == reason
 
     def subset(self, rows: AnyArray) -> "Runs":
         """Those of some members."""
@@ -277,8 +276,7 @@ def error_at_ending(
         In rad.
     """
     moved = np.maximum(np.abs(rates), LEAST_RATE) * np.abs(time_apart)[..., None]
-    found: Array = np.max(np.abs(apart) + moved, axis=-1)
-    return found
+    return np.max(np.abs(apart) + moved, axis=-1)
 
 
 def needed(tolerance: npt.ArrayLike, flat: npt.ArrayLike) -> Array:

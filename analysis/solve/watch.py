@@ -126,8 +126,7 @@ class Step:
     @cached_property
     def path(self) -> Callable[[Any], Array]:
         """From a time to the state, or from n times to states of shape (m, n)."""
-        found: Callable[[Any], Array] = self._solver.dense_output()
-        return found
+        return self._solver.dense_output()
 
     def cut(self, end: float) -> None:
         """Leave out what comes after a time."""
@@ -147,8 +146,7 @@ class Step:
             return self.path(0.5 * (self.begin + self.end))
         # The path takes three more evaluations; a cubic through both ends takes none.
         bend = (0.125 * (self.end - self.begin)) * (solver.K[0] - solver.f)
-        halfway: Array = 0.5 * (solver.y_old + self.last) + bend
-        return halfway
+        return 0.5 * (solver.y_old + self.last) + bend
 
 
 class Lookout:

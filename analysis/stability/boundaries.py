@@ -165,8 +165,7 @@ class _Pairs:
     def matrices(self, places: Array) -> Array:
         """State matrices over `spin_scale`, shape (n, k, k), at n places."""
         spins, gradients = self._unit * places[:, 0], np.exp(places[:, 1])
-        found: Array = self._matrices(spins, gradient=gradients) / self._unit
-        return found
+        return self._matrices(spins, gradient=gradients) / self._unit
 
     def lines(self, gradients: npt.ArrayLike, spins: tuple[float, float]) -> list[Array]:
         """Hopf curves, each shape (n, 3), of the arguments of `hopf_curves`."""
@@ -258,8 +257,7 @@ def _crossings(lines: Sequence[Array]) -> Iterator[Array]:
     sides = np.vstack([np.diff(line, axis=0) for line in lines])
 
     def turn(first: Array, second: Array) -> Array:
-        found: Array = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-        return found
+        return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
     one, other, apart = sides[:, None], sides[None], begins[None] - begins[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -118,5 +118,4 @@ def static_gradient(
     right = ((A - B_bar) * Omega2 - mg * e) * ((C - A - m * e**2) * Omega2 + mg * (r + e))
     exists = left * right > 0.0
     ratio = np.divide(right, left, out=np.full_like(left, np.nan), where=exists)
-    result: Array = np.sqrt(Omega2 * ratio) / scenario.table.gravity
-    return result
+    return np.sqrt(Omega2 * ratio) / scenario.table.gravity

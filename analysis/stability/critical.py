@@ -232,8 +232,7 @@ class Spectra:
     def _signs(self, values: ComplexArray) -> Array:
         """Signs of the real parts, 0 where rounding hides them."""
         clear = np.abs(values.real) > ROUND_OFF * self._largest
-        result: Array = np.sign(values.real) * clear
-        return result
+        return np.sign(values.real) * clear
 
     def _dips(self) -> list[float]:
         """Spins between those of the grid at which a real part has another sign than beside."""

@@ -183,8 +183,7 @@ class Linearisation:
         """Derivatives of `equations` by the state without units, shape (12 + m, 12)."""
         disk, solve = self._scenario.disk, self._solve
         found = derivatives(lambda moving: self.equations(disk, solve, moving), self.state(spin))
-        result: Array = found * self._units / self._row_units(len(found))[:, None]
-        return result
+        return found * self._units / self._row_units(len(found))[:, None]
 
     def _row_units(self, count: int) -> Array:
         """Units of as many numbers of `equations`, shape (count,)."""
@@ -218,8 +217,7 @@ class Linearisation:
                 f"a change of the spin or of the place of {self._scenario.name} is not neutral: "
                 f"relative coupling {worst:.1e}"
             )
-        result: Array = self.frequency * found
-        return result
+        return self.frequency * found
 
     def spread(
         self, spin: float, left: ComplexArray, right: ComplexArray

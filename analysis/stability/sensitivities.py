@@ -124,5 +124,4 @@ def _changes(
     ]
     found = system.equations(moving_disk, solve, moving)
     slopes = [dual(dual(each).change).change * np.ones(len(_PARAMETERS)) for each in found]
-    result: ComplexArray = weights @ np.array(slopes)
-    return result
+    return weights @ np.array(slopes)

@@ -218,8 +218,7 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> "Figu
         axes[2].set(ylabel="$\\dotα$ in rad/s")
     axes[3].set(ylabel="normal force in N", xlabel="time in s")
     legend_above(axes[0], columns=1 + (len(runs) > 1))
-    figure: Figure = axes[0].figure
-    return figure
+    return axes[0].figure
 
 
 def _compared(run: StoredRun, *, spatial: bool) -> tuple[Array, Array, Array, Array]:

@@ -35,10 +35,7 @@ class Processes(Executor):
 
         A call that takes longer than a limit in s ends in a `TimeoutError`.
         """
-        future: Future[Any] = self._pool.schedule(
-            function, args=arguments, kwargs=named, timeout=limit
-        )
-        return future
+        return self._pool.schedule(function, args=arguments, kwargs=named, timeout=limit)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:  # noqa: ARG002
         """End the processes at once, with whatever they are at."""

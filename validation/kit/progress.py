@@ -104,5 +104,4 @@ def progress_bar(reached: str = "t = {n:.4g} of {total:.4g} s") -> Iterator[Prog
 
 def counted(items: Iterable[T], what: str) -> Iterable[T]:
     """The items, with a bar that counts them."""
-    counting: Iterable[T] = bar(what, iterable=items)
-    return counting
+    return bar(what, iterable=items)

@@ -67,8 +67,7 @@ class Panel:
         codes, names = pd.factorize(self.cells["outcome"])
         whole = tuple(np.indices(self.shape))
         nearest = griddata(self.places(self.cells), codes, whole, "nearest")
-        found: AnyArray = np.asarray(names, dtype=object)[nearest.astype(int)]
-        return found
+        return np.asarray(names, dtype=object)[nearest.astype(int)]
 
     @property
     def seen(self) -> pd.DataFrame:

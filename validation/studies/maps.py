@@ -263,8 +263,7 @@ def above_critical(panel: Panel, least: float) -> Array:
     inverted = panel.outcomes[values >= least] == "inverted"
     critical = np.interp(values[values >= least], second.index, second)
     apart = spins[np.argmax(inverted, axis=1)] - critical
-    found: Array = apart[inverted.any(axis=1)]
-    return found
+    return apart[inverted.any(axis=1)]
 
 
 def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Row]:

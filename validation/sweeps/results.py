@@ -78,8 +78,7 @@ class Results(OutcomeTable):
         """
         if (layout := self.sweep.design.layout) != "grid":
             raise ValueError(f"layout must be grid, got {layout}: these cases lie on none")
-        found: Column = self._gridded(self.columns[name])
-        return found
+        return self._gridded(self.columns[name])
 
     def _gridded(self, rows: Any) -> Any:
         """Values of the rows, shape (n, ...), in the shape of the grid."""

@@ -168,8 +168,7 @@ def test_a_flat_disk_is_called_singular() -> None:
 def lowest(body: Body, z: Array) -> Array:
     """Inertial lowest point."""
     turn = rotation(z)
-    point: Array = centre(z) + turn @ np.array(body.lowest_point(turn[2]))
-    return point
+    return centre(z) + turn @ np.array(body.lowest_point(turn[2]))
 
 
 def enlarged(body: Body) -> Body:

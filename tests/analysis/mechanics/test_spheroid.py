@@ -75,7 +75,6 @@ def test_energy_falls_by_what_is_taken(body: Body, half: float, cause: str) -> N
     np.testing.assert_array_equal(powers > 0.0, [each in (*CAUSES[:2], cause) for each in CAUSES])
 
     def energy(time: float) -> Array:
-        total: Array = table.readings((state + time * change)[None])["energies"].sum(axis=1)
-        return total
+        return table.readings((state + time * change)[None])["energies"].sum(axis=1)
 
     assert derivative(energy, 1e-4) == pytest.approx(-powers.sum(), rel=1e-9)

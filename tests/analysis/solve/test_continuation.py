@@ -10,8 +10,7 @@ ANYWHERE = np.full(2, -np.inf), np.full(2, np.inf)
 
 
 def circle(points: Array) -> Array:
-    found: Array = np.sum(points**2, axis=1, keepdims=True) - 1.0
-    return found
+    return np.sum(points**2, axis=1, keepdims=True) - 1.0
 
 
 def line(points: Array) -> Array:

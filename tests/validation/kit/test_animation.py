@@ -71,8 +71,7 @@ MOTIONS: dict[str, Callable[[], StoredRun]] = {"trajectory": inversion, "spatial
 
 def embedded(page: str) -> dict[str, Any]:
     found = re.search(r'<script type="application/json">(.*?)</script>', page, re.DOTALL)
-    data: dict[str, Any] = json.loads(not_none(found)[1])
-    return data
+    return json.loads(not_none(found)[1])
 
 
 @pytest.mark.parametrize("kind", MOTIONS)

@@ -134,5 +134,4 @@ def in_sight(line: Array, middle: Array, eye: Array) -> Array:
     eye : ndarray, shape (3,)
         Direction to the eye.
     """
-    result: Array = np.where(((line - middle) @ eye >= 0.0)[:, None], line, np.nan)
-    return result
+    return np.where(((line - middle) @ eye >= 0.0)[:, None], line, np.nan)

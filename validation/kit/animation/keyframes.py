@@ -137,5 +137,4 @@ def _dense(motion: StoredRun, times: Array) -> Array:
         )
     parts = max(1, int(np.ceil(turn / _TURN_BETWEEN)))
     rows = np.arange(parts * (times.size - 1) + 1)
-    dense: Array = np.interp(rows / parts, np.arange(times.size), times)
-    return dense
+    return np.interp(rows / parts, np.arange(times.size), times)

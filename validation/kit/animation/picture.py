@@ -54,8 +54,7 @@ class Camera(NamedTuple):
 
     def project(self, points: Array) -> Array:
         """Orthographic picture coordinates, shape (n, 2), of points in m, shape (n, 3)."""
-        result: Array = (points - self.target) / self.radius @ self.axes[:2].T
-        return result
+        return (points - self.target) / self.radius @ self.axes[:2].T
 
 
 def draw(axes: Axes, pose: Keyframes, camera: Camera, trail: Array | None = None) -> None:
@@ -82,8 +81,7 @@ def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[A
     turned, project, eye = pose.rotations[0].T, camera.project, camera.axes[2]
 
     def placed(outline: Array) -> Array:
-        points: Array = place + outline @ turned[: outline.shape[1]]
-        return points
+        return place + outline @ turned[: outline.shape[1]]
 
     def covered(points: Array) -> Array:
         seen = project(points)
@@ -240,8 +238,7 @@ def _pixels(axes: Axes, poses: Keyframes, now: float, middle: Array | None) -> n
     draw(axes, pose, Camera(target, LOOK["azimuth"], 1.5 * radius, scale), trail)
     axes.text(-1.25, 1.7, _readout(pose), va="top", fontsize=9.0 * scale)
     canvas.draw()
-    pixels: np.ndarray = np.asarray(canvas.buffer_rgba())[:, :, :3]
-    return pixels
+    return np.asarray(canvas.buffer_rgba())[:, :, :3]
 
 
 def _readout(pose: Keyframes) -> str:

@@ -112,8 +112,7 @@ def exponents() -> Array:
         third, lower, upper = np.sort_complex(found)
         a, b, c = third.real, -(lower + upper).real, (lower * upper).real
         sizes.append(np.abs((a, b, c, a - paper.closed_form(scenario, [SPIN]).a)))
-    fitted: Array = np.polyfit(np.log(SMOOTHINGS), np.log(sizes), 1)[0]
-    return fitted
+    return np.polyfit(np.log(SMOOTHINGS), np.log(sizes), 1)[0]
 
 
 def judge_orders(fitted: Array) -> Judged:

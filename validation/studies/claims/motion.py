@@ -108,8 +108,7 @@ def change(runs: inversion.Runs) -> Array:
     """Largest changes of beta and gamma in rad by the load of the friction law."""
     contact, weight = (runs[case, "engine"] for case in (inversion.CONTACT, "Model 1"))
     apart = weight.coordinates[: contact.times.size] - contact.coordinates
-    found: Array = np.max(np.abs(apart), axis=0)[4:]
-    return found
+    return np.max(np.abs(apart), axis=0)[4:]
 
 
 def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, Judged]:

@@ -101,8 +101,7 @@ def present(rows: Rows) -> Content:
 def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     """Rows of a case, fits and folds left out."""
     found = rows[(rows.case == case) & (rows.kind == "motion")]
-    records: list[Row] = found.to_dict("records")
-    return records
+    return found.to_dict("records")
 
 
 def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:

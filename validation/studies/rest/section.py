@@ -69,8 +69,7 @@ def shift(one: Row, other: Row) -> float:
 def apart(one: Row, other: Row) -> Array:
     """Differences of the tilt in rad over the samples that both have, shape (n,)."""
     count = min(len(one["tilt"]), len(other["tilt"]))
-    result: Array = np.abs(np.subtract(one["tilt"][:count], other["tilt"][:count]))
-    return result
+    return np.abs(np.subtract(one["tilt"][:count], other["tilt"][:count]))
 
 
 def taken_apart(one: Row, other: Row) -> float:

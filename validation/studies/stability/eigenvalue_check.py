@@ -56,5 +56,4 @@ def distance(found: ComplexArray, expected: ComplexArray) -> float:
 
 def gaps(found: ComplexArray, expected: ComplexArray) -> Array:
     """Differences of each of n from each of k eigenvalues, relative as in `distance`, (n, k)."""
-    apart: Array = np.abs(found[:, None] - expected) / np.maximum(np.abs(expected), 1.0)
-    return apart
+    return np.abs(found[:, None] - expected) / np.maximum(np.abs(expected), 1.0)
