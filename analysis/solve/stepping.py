@@ -28,9 +28,6 @@ STALLED = 300
 """Equal steps, shorter than the longest there are, after which LSODA is begun anew: where the
 right-hand side has jumped, it may take it for stiff ever after, and go on by picoseconds."""
 
-SHORTEST = 1e-9
-"""Part of the longest step down to which a step is shortened if its equations have no solution."""
-
 _IMPLICIT = ("Radau", "BDF")
 """Methods that are given a Jacobian. LSODA makes its own, which for most is faster."""
 
@@ -281,25 +278,10 @@ def _turn(slip: Callable[[Array], float], before: float, step: Step, after: floa
 def _step(solver: Any) -> Step:
     # Without a finite derivative, SciPy would look for a first step for ever.
     lost = isnan(getattr(solver, "h_abs", 0.0))
-    message = None if lost else _stepped(solver)
+    message = None if lost else solver.step()
     if lost or solver.status == "failed" or not isfinite(solver.y.sum()):
         raise _stopped(solver, message or "the state is no longer finite")
     return Step(solver)
-
-
-def _stepped(solver: Any) -> str | None:
-    """Take a step, and a shorter one where a trial has come to where there is no solution."""
-    while True:
-        try:
-            message: str | None = solver.step()
-        except ArithmeticError:
-            # The others have changed themselves by then.
-            is_same = isinstance(solver, (solvers.DOP853, solvers.RK45, solvers.RK23))
-            if not is_same or solver.h_abs < SHORTEST * solver.max_step:
-                raise
-            solver.h_abs *= 0.2
-        else:
-            return message
 
 
 def _stopped(solver: Any, why: str) -> SolverError:

@@ -58,22 +58,6 @@ def test_a_run_that_gives_up_says_where() -> None:
         run_of(lambda _, state: 2.0 * state**2)
 
 
-@pytest.mark.parametrize("method", ["DOP853", "RK45", "RK23"])
-def test_only_a_motion_that_comes_to_where_there_is_no_solution_ends_there(method: Method) -> None:
-    def falling(lowest: float) -> Callable[[float, Array], Array]:
-        def right_hand_side(_: float, state: Array) -> Array:
-            if state[0] < lowest:
-                raise ArithmeticError("no solution")
-            return np.array([0.1 - 100.0 * state[0], 0.0])
-
-        return right_hand_side
-
-    # It falls to 0.001, and trials below zero.
-    assert run_of(falling(0.0), method).states[-1, 0] == pytest.approx(1e-3, abs=5e-4)
-    with pytest.raises(ArithmeticError, match="no solution"):
-        run_of(falling(0.5), method)
-
-
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("half", [0.03, 0.01])
 def test_short_dip_ends_a_motion_wherever_in_a_step_it_lies_and_so_does_the_end_of_a_rise(
