@@ -20,9 +20,6 @@ STUDIES = (CASES, CHOSEN, *(each.STUDY for each in _BESIDE))
 VERY_STIFF = 1e-4
 """Finest speed of friction in m/s from which on most runs take too many steps."""
 
-LEFT = 2
-"""Most of the cases as chosen that may be left without an accurate result."""
-
 
 def present(rows: Rows) -> Content:
     """What there is to show, from the tables of `STUDIES`."""
@@ -40,7 +37,7 @@ def present(rows: Rows) -> Content:
         checks=[
             *_checks("cases", CASES, table),
             *_checks("cases as chosen", CHOSEN, chosen),
-            at_most("cases as chosen: without an accurate result", left, LEFT, "stored"),
+            at_most("cases as chosen: without an accurate result", left, 0, "stored"),
         ],
         verdicts=[_verdict(numbers)],
     )
