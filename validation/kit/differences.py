@@ -49,7 +49,7 @@ def deviation(run: StoredRun, other: StoredRun) -> float:
 
 
 def ending_error(run: Trajectory, other: Trajectory) -> float:
-    """Difference in s of the times at which two runs end; infinite if one alone ends early."""
+    """Difference in s of the times at which two runs end; infinite if not both for one reason."""
     if run.ending is None and other.ending is None:
         return 0.0
     if run.ending is None or other.ending is None or run.ending.reason != other.ending.reason:

@@ -57,11 +57,12 @@ def test_convergence_holds_from_half_a_second_on_or_is_no_convergence(
         assert judged["converges"]["verdict"] == told
 
 
-def test_speed_of_the_centre_of_gravity_is_the_rate_of_its_place(
+def test_velocity_of_the_centre_of_gravity_is_the_rate_of_its_place(
     inversions: pd.DataFrame,
 ) -> None:
     run = inversion.motions(inversions)["Model 1", "engine"]
     rate = np.gradient(run.cog_positions[:, :2], run.times, axis=0, edge_order=2)
+    np.testing.assert_allclose(run.cog_velocities[1:-1, :2], rate[1:-1], atol=2e-3)
     rising = run.times <= not_none(run.inversion_time)
     speed = np.sqrt(np.mean(np.sum(rate[rising] ** 2, axis=1)))
     assert motion.measures(run)["cog_speed"] == pytest.approx(speed, rel=1e-2)
