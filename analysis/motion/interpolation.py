@@ -14,7 +14,7 @@ Numbers = npt.NDArray[Any]
 """Of rows or of columns."""
 
 Polynomials = Callable[[Array], tuple[Array, Array]]
-"""From a time in each row to values and slopes there, shape (m, k)."""
+"""From times, shape (..., m), to values and slopes there, shape (..., m, k)."""
 
 NODES = 6
 """Samples that an interpolating polynomial goes through, with their rates: it has degree 11."""
@@ -175,8 +175,8 @@ def _apart(times: Array) -> tuple[Numbers, Numbers, Numbers]:
 
 def _differences(through: Sequence[Polynomials], low: Array, high: Array) -> list[Array]:
     """Largest differences of polynomials from the next ones between two times, shape (m, k)."""
-    probes = [(1.0 - part) * low + part * high for part in _PROBES]
-    found = [np.array([each(probe)[0] for probe in probes]) for each in through]
+    probes = low + np.multiply.outer(_PROBES, high - low)
+    found = [each(probes)[0] for each in through]
     return [np.max(np.abs(one - other), axis=0) for one, other in pairwise(found)]
 
 
@@ -193,7 +193,7 @@ def _solve(polynomial: Polynomials, level: float, low: Array, high: Array) -> tu
 
     A step that leaves what is known to hold the place halves it instead.
     """
-    starts, ends = (polynomial(each)[0][:, 0] - level for each in (low, high))
+    starts, ends = polynomial(np.array((low, high)))[0][..., 0] - level
     with np.errstate(divide="ignore", invalid="ignore"):
         place = low + (high - low) * np.clip(np.nan_to_num(starts / (starts - ends)), 0.0, 1.0)
     for _ in range(_STEPS):
@@ -213,14 +213,14 @@ def _solve(polynomial: Polynomials, level: float, low: Array, high: Array) -> tu
 def _polynomials(nodes: Array, values: Array, rates: Array) -> Polynomials:
     """Newton's form with every node taken twice; value and slope by Horner's rule.
 
-    Shapes are (m, p) of the nodes, (m, p, k) of values and rates, (m,) of the times wanted.
+    Shapes are (m, p) of the nodes, (m, p, k) of values and rates.
     """
     doubled = np.repeat(nodes, 2, axis=1)
     table = np.repeat(values, 2, axis=1)
     coefficients = [table[:, 0]]
     for order in range(1, doubled.shape[1]):
         gaps = (doubled[:, order:] - doubled[:, :-order])[..., None]
-        rises = np.diff(table, axis=1)
+        rises = table[:, 1:] - table[:, :-1]
         if order == 1:
             table = np.empty_like(rises)
             table[:, 0::2] = rates
@@ -232,7 +232,7 @@ def _polynomials(nodes: Array, values: Array, rates: Array) -> Polynomials:
     def at(wanted: Array) -> tuple[Array, Array]:
         value, slope = coefficients[-1], np.zeros_like(coefficients[-1])
         for row in range(len(coefficients) - 2, -1, -1):
-            step = (wanted - doubled[:, row])[:, None]
+            step = (wanted - doubled[:, row])[..., None]
             slope = slope * step + value
             value = value * step + coefficients[row]
         return value, slope
