@@ -21,6 +21,7 @@ def test_missed_limit_is_the_exit_code(tmp_path: Path, monkeypatch: pytest.Monke
         yield measured("bound", value, "ms", limit)
 
     monkeypatch.setattr(benchmark, "PARTS", (part,))
+    monkeypatch.setattr(benchmark, "slowness", lambda: 1.0)
     cases = [(1.0, 1.0, 0), (nan, inf, 0), (1.1, 1.0, 1), (nan, 1.0, 1), (inf, 1.0, 1)]
     for value, limit, code in cases:
         shown, data = answer("benchmark"), answer(f"benchmark --json --plot {tmp_path}/a.png")
@@ -28,6 +29,12 @@ def test_missed_limit_is_the_exit_code(tmp_path: Path, monkeypatch: pytest.Monke
         assert ("NO" in shown.out) == (code == 1)
         told = [each["at most"] for each in json.loads(data.out)]
         assert told == [None, None if limit == inf else limit]
+
+
+def test_limits_of_times_alone_grow_on_a_slow_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(benchmark, "slowness", lambda: 4.0)
+    held = [measured("run", 30.0, unit, 10.0).holds for unit in ("ms", "s", "rad")]
+    assert held == [True, True, False]
 
 
 def test_sweep_is_timed_against_its_runs(monkeypatch: pytest.MonkeyPatch) -> None:
