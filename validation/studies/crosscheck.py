@@ -4,6 +4,7 @@ from collections import Counter
 from math import inf, pi
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from analysis import (
@@ -16,9 +17,11 @@ from analysis import (
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
+    SpatialMotion,
     Sphere,
     Start,
 )
+from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import Scene, formulations
 from validation.kit.limits import largest
@@ -88,7 +91,10 @@ SPUN = Scenario(
 """The tippe top, spun about its axis with the centre of gravity low, a little aslant."""
 
 TURNED = 1e-7
-"""By how much in s the times may differ at which the tippe top has turned over."""
+"""By how much in s the times may differ at which the tippe top has turned over,"""
+
+KEPT = 1e-9
+"""and Jellett's constant from its first value, relative."""
 
 
 Case = tuple[str, Scenario]
@@ -132,10 +138,24 @@ STUDY = Study(name="crosscheck", cases=cases, measure=measure)
 
 
 def turn_over(source: Source) -> list[Row]:
-    """When `SPUN` has turned over."""
+    """When `SPUN` has turned over, and how far Jellett's constant has moved meanwhile."""
     step: dict[str, Any] = {"step": 1e-4} if source == "engine" else {}
-    ending = run_to_rest(SPUN, 2.4, source=source, stop_when="inverted", **step).ending
-    return [{"turned": None if ending is None else ending.time}]
+    motion = run_to_rest(SPUN, 2.4, source=source, stop_when="inverted", **step)
+    turned, constant = motion.ending and motion.ending.time, jellett(motion)
+    return [{"turned": turned, "jellett": np.max(np.abs(constant / constant[0] - 1.0))}]
+
+
+def jellett(motion: SpatialMotion) -> Array:
+    """Jellett's constant of a sphere that is symmetric about x, in kg m²/s, shape (n,).
+
+    That is the product of the angular momentum L about S and the line from the contact point to S,
+    over the radius. Forces at the contact have no moment about the line, and what the turning w of
+    the body changes of it counts for nothing, since L (w x e_x) = 0.
+    """
+    body, rotations = motion.scenario.disk, motion.rotations
+    turning = np.einsum("nij,ni->nj", rotations, motion.angular_velocities)
+    line = rotations[:, 2] + np.array((body.eccentricity / body.radius, 0.0, 0.0))
+    return np.sum(turning * body.inertia_about_cog * line, axis=1)
 
 
 TIPPE_TOP = Study(
@@ -146,7 +166,8 @@ STUDIES = (STUDY, TIPPE_TOP)
 
 def present(rows: Rows) -> Content:
     """Every comparison with its limit, the paper's models and the sets of constraints apart."""
-    found, turned = rows["crosscheck"], rows["tippe-top"]["turned"]
+    found, top = rows["crosscheck"], rows["tippe-top"]
+    turned, moved = top["turned"], largest(top["jellett"])
     worst = found.groupby(["kind", "quantity"], sort=False).agg(
         scenes=("case", "size"),
         states=("counted", "min"),
@@ -157,6 +178,7 @@ def present(rows: Rows) -> Content:
     apart = float(turned.max() - turned.min()) if turned.notna().all() else inf
     checks = _checks(worst.reset_index())
     checks.append(at_most("tippe top: turned over, in s", apart, TURNED))
+    checks.append(at_most("tippe top: Jellett's constant", moved, KEPT))
     models = worst.loc[MODELS_OF_PAPER]
     parts = {"accelerations": "accelerations|forces", "motions": "motion in", "eigenvalues": "eig"}
     most = {
@@ -171,6 +193,7 @@ def present(rows: Rows) -> Content:
             "spins": SPINS,
             "turned": turned,
             "turned_apart": apart,
+            "jellett_moved": moved,
         },
         tables={
             "agreement": worst.reset_index().rename(columns=HEADS),

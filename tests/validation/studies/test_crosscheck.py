@@ -17,6 +17,7 @@ from analysis import (
     MOTIONS,
     POSSIBLE_SETS,
     STEEL_DISK,
+    Dissipation,
     FlatError,
     PenaltyContact,
     Scenario,
@@ -244,8 +245,8 @@ def compared() -> pd.DataFrame:
     return table.assign(counted=table["kind"].map(crosscheck.STATES), lasting=comparisons.END)
 
 
-def present(rows: pd.DataFrame, apart: float | None = 1e-8) -> Content:
-    turned = pd.DataFrame({"turned": [1.0, apart and 1.0 + apart]})
+def present(rows: pd.DataFrame, apart: float | None = 1e-8, moved: float = 1e-10) -> Content:
+    turned = pd.DataFrame({"turned": [1.0, apart and 1.0 + apart], "jellett": [0.0, moved]})
     return crosscheck.present({"crosscheck": rows, "tippe-top": turned})
 
 
@@ -258,10 +259,27 @@ def test_study_compares_every_model_load_formulation_and_set() -> None:
     assert content.verdicts[0].answer == "yes"
 
 
+def test_jelletts_constant_is_kept_by_sliding_friction_and_lost_to_pivoting() -> None:
+    pivoting = Dissipation(pivoting=1e-4)
+    for scenario, is_kept in (
+        (crosscheck.SPUN, True),
+        (replace(crosscheck.SPUN, dissipation=pivoting), False),
+    ):
+        motion = analysis.simulate_to_rest(scenario, 0.05, tolerance=1e-6)
+        constant = crosscheck.jellett(motion)
+        assert constant.shape == motion.times.shape
+        moved = np.max(np.abs(constant / constant[0] - 1.0))
+        assert bool(moved < 1e-9) == is_kept
+        assert motion.energy_taken("sliding")[-1] > 0.0
+
+
 def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> None:
     rows = compared()
     for apart in (2e-7, nan, None):
         assert failing(present(rows, apart).checks) == {"tippe top: turned over, in s"}
+    for moved in (2e-9, nan):
+        checks = present(rows, moved=moved).checks
+        assert failing(checks) == {"tippe top: Jellett's constant"}
     for row, wrong in ((0, 1e-4), (30, nan), (len(rows) - 1, None)):
         content = present(
             rows.assign(difference=rows["difference"].where(rows.index != row, wrong))
