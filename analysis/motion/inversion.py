@@ -143,9 +143,9 @@ class _Risen:
             found = np.full((4, rows.size), np.nan)
             found[0], found[2] = self._passed(rows, first, REACHED)
             fall = self._next_fall[rows, first]
-            lost = np.flatnonzero(np.isfinite(fall))
-            columns = np.argmax(self._times[rows[lost]] >= fall[lost, None], axis=1)
-            found[1, lost], found[3, lost] = self._passed(rows[lost], columns, 0.0)
+            if (lost := np.flatnonzero(np.isfinite(fall))).size:
+                columns = np.argmax(self._times[rows[lost]] >= fall[lost, None], axis=1)
+                found[1, lost], found[3, lost] = self._passed(rows[lost], columns, 0.0)
             stays = np.fmin(found[1], self._ends[rows]) - found[0] >= STAYING
             settled[:, rows[stays]] = found[:, stays]
             rows, fall = rows[~stays], fall[~stays]
