@@ -77,8 +77,16 @@ def check_names(what: str, given: Iterable[str], known: Collection[str]) -> None
     """Raise `TypeError` that says what an unknown keyword of a call may stand for."""
     for name in given:
         if name not in known:
-            hint = nearest(name, known)
+            hint = nearest(name, known) or _elsewhere(name)
             raise TypeError(f"{what} takes {', '.join(known)}, and no {name}{hint}")
+
+
+def _elsewhere(name: str) -> str:
+    """What to add to a message that refuses a name which other parts of a scenario know."""
+    if name == "model":
+        return "; write constraints=MODELS[...]"
+    table, _, key = (OTHERWISE.get(name) or KEYS.get(name, "")).rpartition(".")
+    return f"; {key} belongs to the {table}" if table else ""
 
 
 def full_name(name: str, argument: str = "axis") -> str:

@@ -45,6 +45,8 @@ NEARLY: dict[str, Callable[[], object]] = {
     r"^scenario .* got the class: write Scenario\(\)$": lambda: simulate(Scenario, TIMES),
     r"^.MODELS holds 1, 2, 3, 4, and no 5.$": lambda: MODELS[5],
     r"^Start takes beta, .*, and no spn; did you mean spin\?$": lambda: Start(spn=3.0),
+    r"^Scenario .*, and no model; write constraints=MODELS\[\.\.\.\]$": lambda: Scenario(model=2),
+    r"and no mu; coefficient belongs to the friction$": lambda: Scenario(mu=0.2),
     r"did you mean DOP853\?$": lambda: simulate(Scenario(), TIMES, method="DOP835"),
     r"write np.radians\(-22.5\)$": lambda: Start(gamma=" -22.5 deg"),
     r"did you mean smooth-coulomb\?$": lambda: LAWS.find("smooth-columb"),
