@@ -153,7 +153,10 @@ def _held(path: str | os.PathLike[str]) -> os.stat_result | None:
 @contextmanager
 def _draft(target: Path, held: os.stat_result | None) -> Iterator[BinaryIO]:
     """A temporary neighbour of a regular file, or of none, that takes its place on success."""
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from None
     draft = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -13,6 +13,7 @@ from typing import Any
 from pebble import ProcessExpired
 
 from analysis.motion.outcomes import DONE, failed
+from analysis.problem.checks import instance
 from analysis.problem.start import COORDINATES
 from validation.kit.processes import Processes
 from validation.kit.progress import bar
@@ -109,7 +110,7 @@ def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None
     OSError, ValueError
         If the store cannot be written, or is another's; or as `look_ahead` says.
     """
-    look_ahead(sweep)
+    look_ahead(instance("sweep", sweep, Sweep))
     # A worker of a script without a guard ends there, and does not come to the store.
     with open_pool("processes", workers=workers) as pool, Store(path, sweep) as store:
         run_cases(store, pool)

@@ -4,6 +4,7 @@ import shutil
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -52,6 +53,8 @@ def test_what_cannot_run_here_is_refused_before_anything_is_kept(
     assert "method 'taylor' needs heyoka, which is not installed: pip install" in said
     with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
         run_sweep(sweep("spin=30,31", method="taylor"), folder / "a.db")
+    with pytest.raises(ValueError, match=r"^sweep must be a Sweep, got None$"):
+        run_sweep(cast("Any", None), folder / "a.db")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
     assert "5 cases may take" in refusal(CALL)
     assert not Path("a.db").exists()
