@@ -36,9 +36,9 @@ _EVALUATION_SECONDS = {"contact-tree": 2.5e-5, "floating-lie": 6e-5}
 _USUAL_EVALUATION = 4.5e-5
 """and in any other."""
 
-STIFF = 6.0
-"""Times the cost of implicit steps that explicit ones may be estimated to cost: they pass the
-finest speed of friction only now and then."""
+STIFF = 0.6
+"""Times the cost of implicit steps in-house that explicit ones may be estimated to cost there: an
+evaluation takes longer here, and they pass the finest speed of friction only now and then."""
 
 FAST_CONTACT = 1e5
 """Parts of a tolerance that the steps of a stiff contact meet besides: it alone asks for them, and
@@ -171,8 +171,9 @@ def _stepping_effort(
     found = shared.simulation_effort(scene.scenario, times, method=integrator.method, **wanted)
     steps = max(found.steps, float(times[-1] - times[0]) / longest)
     cost = _EVALUATION_SECONDS.get(scene.built_as, _USUAL_EVALUATION)
-    evaluations = shared.METHODS[integrator.method].evaluations * steps + times.size
-    return replace(found, steps=steps, seconds=evaluations * cost)
+    used = shared.METHODS[integrator.method]
+    evaluations = used.evaluations * steps + times.size
+    return replace(found, steps=steps, seconds=evaluations * (cost + used.linear))
 
 
 def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:

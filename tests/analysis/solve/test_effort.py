@@ -35,6 +35,7 @@ def assert_near(predicted: float, taken: float) -> None:
         ({"start": Start(beta=2.0)}, {"method": "RK45", "tolerance": 1e-6}),
         ({"start": Start(beta=0.01)}, {"tolerance": 1e-8}),
         ({}, {"method": "Radau", "tolerance": 1e-6}),
+        ({"friction": SmoothCoulomb(smoothing=1e-8)}, {"method": "Radau", "tolerance": 1e-4}),
         ({}, {"method": "BDF", "tolerance": 1e-5}),
         ({}, {"method": "LSODA", "tolerance": 1e-6}),
     ],
