@@ -28,6 +28,9 @@ STALLED = 300
 """Equal steps, shorter than the longest there are, after which LSODA is begun anew: where the
 right-hand side has jumped, it may take it for stiff ever after, and go on by picoseconds."""
 
+FIRST = 1e-6
+"""Part of the longest step that the first one is where it cannot be guessed."""
+
 _IMPLICIT = ("Radau", "BDF")
 """Methods that are given a Jacobian. LSODA makes its own, which for most is faster."""
 
@@ -172,7 +175,12 @@ def integrate(
     make = _made_by(problem, method, local_tolerance)
 
     def solver(*span: Any, **first: Any) -> Any:
-        started.append(make(*span, **first))
+        try:
+            started.append(make(*span, **first))
+        except ArithmeticError:
+            # To guess a first step, SciPy takes one that may lead to where there is no solution.
+            little = min(FIRST * problem.longest_step, span[2] - span[0])
+            started.append(make(*span, first_step=little))
         return started[-1]
 
     ended: str | None = None

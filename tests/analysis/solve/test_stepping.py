@@ -58,6 +58,16 @@ def test_a_run_that_gives_up_says_where() -> None:
         run_of(lambda _, state: 2.0 * state**2)
 
 
+@pytest.mark.parametrize("method", ["Radau", "BDF"])
+def test_a_first_step_is_short_where_a_longer_one_leads_to_no_solution(method: Method) -> None:
+    def right_hand_side(_: float, state: Array) -> Array:
+        if state[1] > 2e-3:
+            raise ArithmeticError("no solution")
+        return np.array([0.0, 10.0 * (5e-4 - state[1])])
+
+    assert run_of(right_hand_side, method).states[-1, 1] == pytest.approx(5e-4, rel=1e-3)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("half", [0.03, 0.01])
 def test_short_dip_ends_a_motion_wherever_in_a_step_it_lies_and_so_does_the_end_of_a_rise(
