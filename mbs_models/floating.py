@@ -133,8 +133,9 @@ class Floating(Model):
                 c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
             slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
             slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
-            fx, fy = friction(slip_2 * n1 - slip_1 * n2, slip_1 * n1 + slip_2 * n2, load())
-            f1, f2 = fx * n2 - fy * n1, -fx * n1 - fy * n2
+            # The normal's level direction (n1, n2) points against e_y.
+            fx, fy = friction(slip_2 * n1 - slip_1 * n2, -slip_1 * n1 - slip_2 * n2, load())
+            f1, f2 = fx * n2 + fy * n1, fy * n2 - fx * n1
             return [0.0, f1, f2, c1 * f2 - c2 * f1, -c0 * f2, c0 * f1]
 
         return force

@@ -115,9 +115,21 @@ def test_contact_force_is_found_however_strong_friction_is(coefficient: float) -
     assert load == pytest.approx(1.0 - 3.0 * law.force(0.0, 9.0, load)[1], rel=1e-12)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slanted(SmoothCoulomb):
+    """Law whose axes are not those of the edge: there is a left and a right."""
+
+    IS_ISOTROPIC = False
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        x, y = SmoothCoulomb.force(self, along, across, load)
+        return x + 0.5 * y, y + 0.5 * x
+
+
 LEANING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
 RUBBED = [
     *(model(level, friction=law, start=LEANING) for level in (1, 3) for law in ON_CONTACT),
+    model(1, friction=Slanted(), start=LEANING),
     *(
         Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
         for law in ON_CONTACT
