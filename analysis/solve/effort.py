@@ -146,6 +146,9 @@ def simulation_effort(
         stiffness = scenario.contact.stiffness
         swinging = sqrt(stiffness * scenario.disk.contact_mobility) / min(used.stable, 3.0)
         rates.append((swinging, "stiffness", f"{stiffness:g} N/m "))
+        damping = scenario.contact.damping
+        decay = damping / scenario.disk.mass
+        rates.append((decay / used.stable, "damping", f"{damping:g} N s/m "))
     fastest, argument, value = max(rates)
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
     return Effort(

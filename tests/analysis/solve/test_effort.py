@@ -32,6 +32,10 @@ def assert_near(predicted: float, taken: float) -> None:
         ({}, {"local_tolerance": 1e-8}),
         ({"start": Start(spin=100.0)}, {"tolerance": 1e-8}),
         ({"friction": SmoothCoulomb(smoothing=1e-4)}, {"tolerance": 1e-6}),
+        (
+            {"contact": PenaltyContact.damped(1e4, STEEL_DISK, ratio=50.0)},
+            {"method": "DOP853", "tolerance": 1e-6},
+        ),
         ({"start": Start(beta=2.0)}, {"method": "RK45", "tolerance": 1e-6}),
         ({"start": Start(beta=0.01)}, {"tolerance": 1e-8}),
         ({}, {"method": "Radau", "tolerance": 1e-6}),
