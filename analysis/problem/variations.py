@@ -138,7 +138,9 @@ def _body(disk: Body, given: Numbers) -> Numbers:
             f"scenario's disk is another: give all of {', '.join(RING)}, or all of "
             f"{', '.join(SIX)}",
         )
-    return ring | told
+    # What does not go together is named by what is given, without the rest of the ring.
+    is_mixed = told.keys() - {*RING} and told.keys() - {*SIX}
+    return told if is_mixed else ring | told
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

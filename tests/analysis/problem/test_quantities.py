@@ -208,6 +208,7 @@ test_fields_that_do_not_vary_in_a_scenario_are_refused = refusals(
         "needs a penalty contact": varied(PAPER, "contact.stiffness"),
         "static is unknown here; .* takes law, .*coefficient": varied(PAPER, "friction.static"),
         "mass does not go with hole_ra.*; or radius, m": varied(PAPER, "disk.radius", "disk.mass"),
+        "mass does not go with density; .disk": varied(PAPER, "disk.density", "disk.mass"),
         "radius varies a ring alone": varied(ROUNDED, "disk.radius"),
         "the start is told by its coordinates and": varied(TOLD, "start.spin"),
     }
