@@ -11,7 +11,7 @@ import numpy as np
 from analysis.problem import elementary
 from analysis.problem.checks import Array
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
-from analysis.problem.friction import LAWS, FrictionLaw
+from analysis.problem.friction import LAWS, SPEEDS, FrictionLaw
 from analysis.problem.names import ArgumentError
 
 
@@ -206,9 +206,10 @@ def of_duals(law: FrictionLaw) -> Functions:
         If the force of a law does not take dual numbers.
     """
     if not law.is_simple:
-        slip, load = Dual(law.finest_speed, 1.0), Dual(1.0, 0.0)
+        # It may say something else at other speeds.
+        slips, load = (Dual(each, 1.0) for each in (law.finest_speed, *SPEEDS)), Dual(1.0, 0.0)
         try:
-            _ = [float(value_of(each)) for each in law.force(slip, slip, load)]
+            _ = [float(value_of(each)) for slip in slips for each in law.force(slip, slip, load)]
         except TypeError as error:
             fault = "must do with arithmetic and the functions of analysis.problem.elementary here"
             subject = f"friction law {LAWS.name_of(type(law))!r}"

@@ -406,7 +406,7 @@ LAWS = Kinds[FrictionLaw](
 _LOADS = (0.1, 10.0)
 """Loads in N at which a law of one's own is tried."""
 
-_SPEEDS = tuple(10.0**power for power in range(-6, 2))
+SPEEDS = tuple(10.0**power for power in range(-6, 2))
 """Slip speeds in m/s at which one is tried before a run."""
 
 
@@ -428,7 +428,7 @@ def check_slipping(law: FrictionLaw) -> None:
     A scenario is made without that: a law of one's own may take long, and a run has a limit.
     """
     if type(law) not in LAWS.values():
-        for speed in _SPEEDS:
+        for speed in SPEEDS:
             for load in _LOADS:
                 _check_force(law, speed, load)
 

@@ -55,12 +55,14 @@ class Chosen(Own):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OfFloats(Own):
-    """A law whose force takes floats alone."""
+    """A law whose force takes floats alone, from a slip on."""
 
     IS_PROPORTIONAL = False
 
+    slip: float = 0.0
+
     def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
-        factor = -math.sqrt(load)
+        factor = -math.sqrt(load) if along > self.slip else -load
         return factor * along, factor * across
 
 
@@ -91,6 +93,7 @@ def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_no
         np.testing.assert_allclose(slopes, expected, rtol=accuracy, atol=accuracy)
 
 
-def test_a_force_of_floats_alone_is_told_where_its_slopes_are_asked_for() -> None:
+@pytest.mark.parametrize("slip", [0.0, 1.0])
+def test_a_force_of_floats_alone_is_told_where_its_slopes_are_asked_for(slip: float) -> None:
     with pytest.raises(ValueError, match=r"^friction law '.*:OfFloats' must do with arithmetic "):
-        of_duals(OfFloats())
+        of_duals(OfFloats(slip=slip))
