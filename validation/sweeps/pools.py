@@ -20,6 +20,9 @@ KINDS = ("processes", "dask", "mpi")
 _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""
 
+_WORKERS_PATIENCE = 60.0
+"""Time in s for which it may have no workers at first."""
+
 
 @dataclass
 class Pool:
@@ -74,7 +77,7 @@ def open_pool(
     Raises
     ------
     OSError
-        If the scheduler does not answer.
+        If the scheduler does not answer, or has no workers.
     ValueError
         If there is no such executor, or what it needs is not installed or not started.
     """
@@ -147,6 +150,9 @@ def _dask(workers: int, scheduler: str | None, stack: ExitStack) -> Pool:
         client = stack.enter_context(Client(scheduler, timeout=_PATIENCE))
     except (OSError, ValueError) as error:
         raise OSError(f"the Dask scheduler {scheduler} does not answer: {error}") from None
-    client.wait_for_workers(1, timeout=60)
+    try:
+        client.wait_for_workers(1, timeout=_WORKERS_PATIENCE)
+    except TimeoutError as error:
+        raise OSError(f"the Dask scheduler {scheduler} has no workers: {error}") from None
     executor, count = client.get_executor(pure=False), sum(client.ncores().values())
     return Pool(executor, count, lambda: client.status != "running")

@@ -77,6 +77,17 @@ def test_lost_dask_scheduler_is_told_and_the_rows_stay(tmp_path: Path) -> None:
     assert 0 < Results.load(path).columns["number"].size < 60
 
 
+def test_dask_scheduler_without_workers_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("validation.sweeps.pools._WORKERS_PATIENCE", 0.1)
+    with (
+        distributed.LocalCluster(n_workers=0, dashboard_address=None) as cluster,
+        pytest.raises(OSError, match=f"scheduler {cluster.scheduler_address} has no workers"),
+        open_pool("dask", scheduler=cluster.scheduler_address),
+    ):
+        pass
+
+
 def test_mpi_ranks_finish_a_sweep(tmp_path: Path) -> None:
     pytest.importorskip("mpi4py")
     places = os.pathsep.join((os.environ["PATH"], str(Path(sys.executable).parent)))
