@@ -117,7 +117,7 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
           loss, mean spin in rad/s in the sense of that at the inversion, and slow deviation of
           gamma in rad, freed of the fast oscillation; `linear`, shape (n,): deviation in rad by
           the growth rate alone, fitted soon after the inversion;
-        - `crossing`, from when on the mean spin is below that of the Hopf point, `lost`, when the
+        - `crossing`, when the mean spin comes below that of the Hopf point, `lost`, when the
           centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
           come to pi/2: in s, None where it does not happen;
         - `lowest_spin`, the lowest mean spin in rad/s, since in falling the disk spins up again,
@@ -153,7 +153,9 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
     linear, predicted = _predicted(times, growth[kept], amplitude)
-    crossing = float(times[below[0]]) if below.size else None
+    # One that begins below the Hopf point, but for rounding, does not come through it.
+    begins_above = np.abs(path.rate("alpha")[kept][0]) > pair.spin - 1e-9
+    crossing = float(times[below[0]]) if below.size and begins_above else None
     slowest = int(np.argmin(spins))
     rate = None
     if crossing is not None and times[slowest] > crossing:

@@ -64,9 +64,9 @@ def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
     assert found["rate"] > 0.0
 
 
-def test_a_disk_that_is_exactly_upright_is_not_predicted_to_be_lost() -> None:
+def test_a_disk_that_is_exactly_upright_and_slow_passes_nothing_and_is_not_lost() -> None:
     found = follow(Scenario(start=Start.stationary(29.0)), 2.0, "in-house")
-    assert found["predicted"] is None
+    assert {found[name] for name in ("crossing", "rate", "predicted")} == {None}
     assert not np.any(found["linear"])
 
 
