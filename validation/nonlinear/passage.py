@@ -17,10 +17,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import cumulative_trapezoid
 
-from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory
+from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory, multiplier_names
 from analysis.motion.interpolation import running_mean
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
+from analysis.problem.limits import check_storage
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import matrices_over_spin
 from validation.kit.tables import Table
@@ -182,7 +183,8 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     Raises
     ------
     ValueError
-        If the scenario has no slow pair, which is told before the run; and see `measure`.
+        If the scenario has no slow pair, or the samples are too many, which is told before the
+        run; and see `measure`.
     ArithmeticError
         If the run fails.
     """
@@ -190,7 +192,9 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     pair = SlowPair.of(scenario)
     engine = source == "engine"
     if scenario.contact is None:
-        times = np.linspace(0.0, end, round(end / SPACING) + 1)
+        samples = round(end / SPACING) + 1
+        check_storage("end", samples, 13 + len(multiplier_names(scenario.constraints)))
+        times = np.linspace(0.0, end, samples)
         accuracy = {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
         return measure(run(scenario, times, source=source, **accuracy), pair)
     accuracy = {"step": 2e-4} if engine else {"local_tolerance": 1e-8}

@@ -49,6 +49,7 @@ REFUSED = {
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
     "cycles --over start.spin=1,2 --amplitude 1": "a number of disk, friction or table",
     "passage --end 0.2": "inverts the disk",
+    "passage --end 1e7": "--end: end asks for 5e+09 samples",
     # Paths.
     "simulate --out run.txt": "--out: must end in .npz, got",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
