@@ -138,6 +138,7 @@ def connection_table(found: Connection, slow: SlowOrbit | None) -> Table:
         ("spin less lower side of the bracket in rad/s", found.spin - found.below),
         ("upper side of the bracket less spin in rad/s", found.above - found.spin),
         *((head, getattr(found, name)) for name, head in SADDLE.items()),
+        ("imaginary part of the decaying ones in 1/s", found.winding),
     ]
     if slow is not None:
         rows += [

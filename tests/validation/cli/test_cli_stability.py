@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.nonlinear.heteroclinic import Connection
 from analysis.problem.choices import SOURCES
 from tests.calls import printed, refusal
+from validation.nonlinear.tables import connection_table
 
 SIZES = {
     "--system full": 8,
@@ -109,6 +111,14 @@ def test_a_family_that_is_not_there_is_a_failure(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(f"{FAMILIES}._amplitudes", lambda _: (0.5, 1.0))
     said = refusal("cycles --asymmetric", code=1)
     assert "no cycle of the family loses its symmetry" in said
+
+
+def test_a_decaying_pair_is_not_told_as_two_real_eigenvalues() -> None:
+    focus = Connection(
+        spin=35.8, below=35.8, above=35.8, growing=19.0, slow=-28.0, strong=-28.0, winding=22.0
+    )
+    rows = connection_table(focus, None).rows
+    assert ("imaginary part of the decaying ones in 1/s", 22.0) in rows
 
 
 @pytest.mark.slow
