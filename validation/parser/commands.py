@@ -8,6 +8,7 @@ import argparse
 import ast
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from inspect import Parameter, cleandoc, signature
 from itertools import takewhile
 from pathlib import Path
@@ -258,9 +259,10 @@ def _how(quantity: Quantity) -> dict[str, Any]:
 # --- Commands ------------------------------------------------------------------------------------
 
 
-def commands() -> list[Command]:
+@cache
+def commands() -> tuple[Command, ...]:
     """All of them, in the order of the help."""
-    return [each for module in _MODULES for each in _declared(module)]
+    return tuple(each for module in _MODULES for each in _declared(module))
 
 
 def _text(module: str) -> str:
