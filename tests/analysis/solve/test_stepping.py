@@ -38,9 +38,11 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
 @pytest.mark.parametrize("fraction", [1.0, 0.5, 0.1])
 def test_steps_are_as_long_as_they_may_be_where_nothing_changes(fraction: float) -> None:
     at_rest = InitialValueProblem(lambda _, state: 0.0 * state, np.ones(2), 0.01)
-    limited = at_rest.with_steps_up_to(fraction)
+    limited, watch = at_rest.with_steps_up_to(fraction), Watch()
+    # Of a run before.
+    watch.steps = 1000
     run = integrate(
-        limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=Watch()
+        limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=watch
     )
     # The first ones have to grow.
     assert 100 / fraction <= run.steps < 100 / fraction + 10
