@@ -23,11 +23,9 @@ from analysis import (
 )
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation
-from tests.helpers import angles_apart
 from tests.scenes import scene_of
 
 CONTACT = PenaltyContact(stiffness=1e5, damping=10.0)
-TIMES = np.linspace(0.0, 0.1, 21)
 UPRIGHT = Start(spin=0.0, gamma=np.pi / 2)
 
 every_formulation = pytest.mark.parametrize(
@@ -109,13 +107,3 @@ def test_damping_ratio_is_that_of_the_upright_disk_on_its_spring() -> None:
     shape = np.cos(ringing * times) + decay / ringing * np.sin(ringing * times)
     expected = offset * np.exp(-decay * times) * shape
     np.testing.assert_allclose(run.coordinate("z") - z, expected, atol=1e-11)
-
-
-@every_formulation
-def test_stiff_contact_is_taken_by_the_implicit_integrator_in_large_steps(
-    formulation: Formulation,
-) -> None:
-    truth = analysis.simulate(Scenario(), TIMES, tolerance=1e-9)
-    scene = scene_of(1, formulation, contact=PenaltyContact.damped(1e9, STEEL_DISK))
-    run = mbs_models.simulate(scene, TIMES, step=1e-3, integrator="TrapezoidalIndex2")
-    assert angles_apart(run, truth) < 1e-3

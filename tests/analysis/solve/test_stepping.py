@@ -41,9 +41,7 @@ def test_steps_are_as_long_as_they_may_be_where_nothing_changes(fraction: float)
     limited, watch = at_rest.with_steps_up_to(fraction), Watch()
     # Of a run before.
     watch.steps = 1000
-    run = integrate(
-        limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=watch
-    )
+    run = integrate(limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=watch)
     # The first ones have to grow.
     assert 100 / fraction <= run.steps < 100 / fraction + 10
 
