@@ -398,7 +398,7 @@ def test_rest_ends_a_motion_before_a_condition_that_is_met_later(source: Source)
 
 
 @pytest.mark.parametrize(
-    ("source", "how"), [("in-house", {}), ("engine", {}), ("engine", {"step": 1e-5})]
+    ("source", "how"), [("in-house", {}), ("engine", {}), ("engine", {"step": 1e-4})]
 )
 def test_errors_on_a_leaning_table_do_not_depend_on_the_place(
     source: Source, how: dict[str, Any]

@@ -39,7 +39,6 @@ REFUSED = {
     "map basins --model 2": "--model: model must be left out where it varies, got 2",
     "check --body ellipse": "needs a penalty contact, which takes any body",
     "critical --spin 30": "--spin: spin must have 0 <= lowest < highest spin, got 30 to 30",
-    "simulate --stop-when math:pi": "--stop-when: stop_when must hold names or functions",
     "simulate --csv - --plot -": "--plot: plot must lead elsewhere: standard output takes one",
     "simulate --json --csv -": "--csv: csv must lead elsewhere: standard output takes one",
     EIGENVALUES + "5:5:10": "--spin: spin must be a value or first:last:number, of diff",
@@ -56,7 +55,6 @@ REFUSED = {
     "show run.npz --plot circle.png": "--plot: must lead to a file, and leads in a circle",
     # What is not known is told before what is missing or wrong besides.
     "sweep spin=1,2 --typo 3": "unrecognized arguments: --typo",
-    "scenario --slope 95deg": "unrecognized arguments: --slope",
     # Sizes that no memory holds.
     "map rest --workers 99999999999 --out maps": "--workers: workers must be at most 1000, got",
     ENGINE + "--samples 1000000000000": "--samples: samples asks for 1e+12 samples of 14",
