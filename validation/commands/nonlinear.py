@@ -18,7 +18,7 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import declared
 from analysis.problem.variations import changed, check_fields
 from validation.commands.options import Problem, checked_end, parse_spins
-from validation.kit.figures import STYLES, legend_above, new_figure
+from validation.kit.figures import MARKED, legend_above, new_figure
 from validation.kit.progress import counted, progress_bar
 from validation.kit.tables import Table
 from validation.nonlinear import figures, tables
@@ -127,7 +127,7 @@ def _whole(family: Family) -> Result:
 
     def draw() -> Any:
         near = figures.near(rows, family.begins)
-        marks = {"begins": family.begins}
+        marks = {"the family begins": family.begins}
         return figures.diagram(near, (*_DRAWN[kind], *_ALWAYS), marks=marks)
 
     return _motions(rows, family, tables=shown, values=more, draw=draw)
@@ -190,9 +190,10 @@ def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
         ways = [fall(scenario, spin) for spin in spins]
         # The connection ends in the saddle.
         ends = (None, int(ways[1].distances.argmin()) + 1, None)
+        where = ("below", "connection", "above")
         named = [
-            (f"{spin:.6f} rad/s", way.states[:end])
-            for spin, way, end in zip(spins, ways, ends, strict=True)
+            (f"{name}: {spin:.6f} rad/s", way.states[:end])
+            for name, spin, way, end in zip(where, spins, ways, ends, strict=True)
         ]
         return figures.portrait(named, saddles=(-pi / 2, 1.5 * pi))
 
@@ -237,9 +238,9 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
     """Hopf point, connection and prediction over the first column."""
     figure, axes = new_figure(height=4.6)
     columns = np.array(table.rows, dtype=float).T
-    for name, values, style in zip(table.columns[1:4], columns[1:], STYLES, strict=False):
-        axes.plot(columns[0], values, style, marker=".", label=name)
-    axes.set(xlabel=table.columns[0], xscale="log" if log else "linear")
+    for name, values, look in zip(table.columns[1:4], columns[1:], MARKED, strict=False):
+        axes.plot(columns[0], values, **look, label=name.removesuffix(" in rad/s"))
+    axes.set(xlabel=table.columns[0], xscale="log" if log else "linear", ylabel="spin in rad/s")
     legend_above(axes)
     return figure
 

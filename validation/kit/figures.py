@@ -26,11 +26,11 @@ STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D")
 
 LOOKS: Sequence[dict[str, Any]] = [
-    {"color": colour, "linestyle": style} for colour, style in zip(COLOURS, STYLES, strict=True)
+    {"color": COLOURS[n % 4], "linestyle": STYLES[(n + n // 4) % 4]} for n in range(16)
 ]
 """Of lines that are told apart, for `Axes.plot`;"""
 
-MARKED = [look | {"marker": marker} for look, marker in zip(LOOKS, MARKERS, strict=True)]
+MARKED = [look | {"marker": marker} for look, marker in zip(LOOKS, MARKERS, strict=False)]
 """with markers, too."""
 
 ENGINE: Mapping[str, Any] = {
@@ -60,6 +60,7 @@ _PARTS = 1e-6, 100.0
 """Of a limit, from the least to the largest that is drawn."""
 
 _RC: Any = {
+    "axes.formatter.useoffset": False,
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
@@ -88,16 +89,20 @@ def new_figure(
 
 
 def legend_above(axes: "Axes", columns: int = 4, size: float | None = None) -> None:
-    """Put the legend above the axes, where it hides nothing."""
-    axes.legend(
-        ncols=columns,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        borderaxespad=0.2,
-        columnspacing=1.2,
-        fontsize=size,
-        frameon=False,
-    )
+    """Put the legend above the axes, where it hides nothing, in at most so many columns."""
+    room = (1.0 - axes.get_position().x0) * axes.figure.bbox.width
+    for ncols in range(columns, 0, -1):
+        legend = axes.legend(
+            ncols=ncols,
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.2,
+            columnspacing=1.2,
+            fontsize=size,
+            frameon=False,
+        )
+        if legend.get_window_extent().width < room:
+            break
 
 
 def draw_still(axes: "Axes", disk: Body, coordinates: Array, scale: float = 1.0) -> None:

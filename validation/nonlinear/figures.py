@@ -4,6 +4,7 @@ Motions are rows as in `tables`.
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -92,7 +93,8 @@ def diagram(
             each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
         each.set(ylabel=HEADS[name])
         if name == "multiplier":
-            each.axhline(1.0, color=GREY, linewidth=0.8, zorder=0)
+            for bound in (1.0, -1.0)[: 1 + bool(np.min(values) < -1.0)]:
+                each.axhline(bound, color=GREY, linewidth=0.8, zorder=0)
             if np.max(values) > 10.0:
                 each.set(yscale="log", ylabel=f"{HEADS[name]}, logarithmic")
     panels[-1].set(xlabel=parameter[1], xscale="log" if log else "linear")
@@ -111,12 +113,13 @@ def portrait(named: Sequence[tuple[str, Array]], saddles: Sequence[float] = ()) 
         Values of gamma in rad of noninverted spinning to mark.
     """
     axes = figures.new_figure(height=4.6)[1]
-    for index, (name, states) in enumerate(named):
-        look = {"color": figures.COLOURS[index % 4], "linestyle": figures.STYLES[index // 4 % 4]}
+    for (name, states), look in zip(named, cycle(figures.LOOKS), strict=False):
         axes.plot(states[:, 1], states[:, 0], label=name, **look)
+    if saddles:
+        upright = [np.pi / 2] * len(saddles)
+        axes.plot(saddles, upright, "s", color="black", label="noninverted spinning")
     axes.set(xlabel="γ in rad", ylabel="β in rad")
     figures.legend_above(axes)
-    axes.plot(saddles, [np.pi / 2] * len(saddles), "s", color="black")
     return axes.figure
 
 

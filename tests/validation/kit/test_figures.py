@@ -5,7 +5,14 @@ from math import inf, nan, pi
 import numpy as np
 import pytest
 
-from validation.kit.figures import against_limits, angle_axis, new_figure, pi_label
+from validation.kit.figures import (
+    LOOKS,
+    against_limits,
+    angle_axis,
+    legend_above,
+    new_figure,
+    pi_label,
+)
 
 
 def test_multiples_of_a_quarter_of_pi_are_told_as_fractions() -> None:
@@ -52,3 +59,19 @@ def test_what_fails_stands_right_of_its_limit_and_what_tells_of_none_is_not_draw
     np.testing.assert_allclose(holding, [(0.1, nan, 1e-6), (0, 0, 0)])
     np.testing.assert_allclose(failing, [(2.0, *[100.0] * 4), (-1, *[-2] * 4)])
     assert (limit[0] == 1.0).all()
+
+
+def test_a_legend_of_long_names_neither_is_cut_off_nor_takes_the_axes_their_width() -> None:
+    axes = new_figure()[1]
+    for n in range(4):
+        axes.plot([0.0, 1.0], [1.5708, 1.5709], label=f"{n}, a curve of a rather long name")
+    legend_above(axes)
+    axes.figure.canvas.draw()
+    assert axes.get_legend().get_window_extent().x1 < axes.figure.bbox.width
+    assert axes.get_position().width > 0.75
+    # Numbers that hardly differ stand in full, rather than as what has to be added to another.
+    assert axes.yaxis.get_offset_text().get_text() == ""
+
+
+def test_no_two_looks_of_lines_are_alike() -> None:
+    assert len({(each["color"], each["linestyle"]) for each in LOOKS}) == len(LOOKS) == 16
