@@ -123,7 +123,7 @@ class Scenario(Described):
             return
         if self.dissipation.is_on:
             raise ArgumentError(
-                "dissipation", "acts on a penalty contact alone, and contact is left out"
+                "dissipation", "acts on a penalty contact alone, which has a stiffness; got none"
             )
         if isinstance(self.start, Start) and self.start.height:
             raise ArgumentError(
