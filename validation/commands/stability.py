@@ -128,8 +128,8 @@ def _stable_table(found: CriticalSpeeds) -> Table:
         sets.append(scenario.constraints)
     compared = (replace(scenario, constraints=each, start=Start()) for each in sets)
     return Table(
-        title=f"{scenario.name}: {motion} spinning is stable {found.where}. By model, all "
-        f"eigenvalues together, from {interval[0]:g} to {interval[1]:g} rad/s:",
+        title=f"Where {motion} spinning is stable, all eigenvalues together, from "
+        f"{interval[0]:g} to {interval[1]:g} rad/s",
         columns=("model", "stable spins in rad/s"),
         rows=[
             (each.name, critical_speeds(each, interval, motion=motion).where) for each in compared
@@ -191,6 +191,8 @@ def _draw(
     """Figure of the real and imaginary parts, stable spins shaded and crossings marked."""
     stable, crossings = (critical.stable, critical.crossings) if critical else ((), ())
     figure, axes = figures.new_figure(2, height=6.5)
+    # What decides on stability is small beside what friction makes decay.
+    axes[0].set_yscale("symlog", linthresh=1.0)
     for column in range(values.shape[1]):
         look = {
             "color": figures.COLOURS[column % 4],
@@ -209,9 +211,7 @@ def _draw(
         axes[0].plot(places, [0.0] * len(places), "ko", zorder=4, label="crossing")
         for sign in (1.0, -1.0):
             axes[1].plot(places, [sign * each.frequency for each in crossings], "ko", zorder=4)
-    # What decides on stability is small beside what friction makes decay.
-    axes[0].set_yscale("symlog", linthresh=1.0)
-    axes[0].set(ylabel="Re λ in 1/s: unstable above 0")
+    axes[0].set(ylabel="Re λ in 1/s: unstable above 0,\nlogarithmic beyond ±1")
     axes[1].set(ylabel="Im λ in 1/s", xlabel=f"Ω of {motion} in rad/s")
     figures.legend_above(axes[0], columns=4)
     return figure

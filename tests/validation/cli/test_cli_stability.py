@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -43,7 +44,8 @@ def test_every_eigenvalue_is_told_and_both_sources_agree(
 
 def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form() -> None:
     shown = printed("critical")
-    assert shown.startswith("Model 1: inverted spinning is stable nowhere. By model, ")
+    assert shown.startswith("Where inverted spinning is stable, all eigenvalues together, from 0 ")
+    assert re.search(r"^Model 1 +nowhere$", shown, re.MULTILINE)
     assert re.search(r"^Model 3 +30\.9168 to 60$", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes unstable +26\.8736 ", shown, re.MULTILINE)
     assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
@@ -135,3 +137,13 @@ def test_the_connection_is_told_beside_its_prediction_and_followed() -> None:
     ends = json.loads(printed("heteroclinic --over mu=0.1,0.3 --json"))["ends"]
     assert [end["friction.coefficient"] for end in ends] == [0.1, 0.3]
     assert ends[1]["connection"]["spin"] == found["spin"]
+
+
+def test_a_picture_of_eigenvalues_has_room_below_the_least_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawn: list[Any] = []
+    monkeypatch.setattr("validation.parser.files.save", lambda figure, _: drawn.append(figure))
+    printed("eigenvalues --spin 30 --plot one.png")
+    least, limits = drawn[0].axes[0].dataLim.y0, drawn[0].axes[0].get_ylim()
+    assert limits[0] < 1.2 * least < 0.0
