@@ -4,6 +4,7 @@ from argparse import Action
 from collections.abc import Iterator
 from typing import Annotated, Literal
 
+from analysis.problem.quantities import QUANTITIES
 from validation.parser.commands import commands
 
 _BASH = """\
@@ -41,7 +42,9 @@ def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHE
 
 
 def _values(action: Action) -> str:
-    return " ".join(map(str, action.choices or ()))
+    """Words to offer; some options take others than these, too."""
+    quantity = QUANTITIES.get(action.dest)
+    return " ".join(map(str, action.choices or (quantity.choices if quantity else ())))
 
 
 def _bash() -> Iterator[str]:
@@ -62,8 +65,9 @@ def _fish() -> Iterator[str]:
         yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(about)}"
         for action in command.parser().actions:
             names = "".join(f" -l {each[2:]}" for each in action.option_strings if each[1] == "-")
-            values = f" -xa {_quoted(_values(action))}" if action.choices else " -r"
-            what = values if action.nargs != 0 and (names or action.choices) else ""
+            offered = _values(action)
+            values = f" -xa {_quoted(offered)}" if offered else " -r"
+            what = values if action.nargs != 0 and (names or offered) else ""
             meaning = _quoted((action.help or "").replace("%%", "%"))
             where = f"__fish_seen_subcommand_from {command.name}"
             if names or what:

@@ -183,6 +183,7 @@ OFFERED = {
     "tippedisk simulate --incl": "--inclination",
     "tippedisk map spin-": "spin-friction spin-eccentricity",
     "tippedisk rest --no-bil": "--no-bilateral",
+    "tippedisk simulate --law s": "smooth-coulomb stribeck",
 }
 
 
