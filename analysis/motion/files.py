@@ -156,7 +156,8 @@ def _draft(target: Path, held: os.stat_result | None) -> Iterator[BinaryIO]:
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     except OSError as error:
-        raise OSError(error.errno, error.strerror, str(target)) from None
+        # What is missing or closed is the folder, not the draft in it.
+        raise OSError(error.errno, error.strerror, str(target.parent)) from error
     draft = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -94,7 +94,7 @@ def test_a_full_disk_and_missing_folders_are_told_with_their_file(tmp_path: Path
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(FileNotFoundError):
         load_run(path)
-    with pytest.raises(FileNotFoundError, match=rf"nowhere.{path.name}'$"):
+    with pytest.raises(FileNotFoundError, match=r"nowhere'$"):
         random_trajectory().save(tmp_path / "nowhere" / path.name)
 
 
