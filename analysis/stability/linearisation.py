@@ -291,7 +291,11 @@ def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     gamma = pi / 2 if motion == "inverted" else -pi / 2  # Eq. (5)
     found = Linearisation(scenario, upright(scenario, gamma))
     if not scenario.disk.is_plain and not all(map(found.is_stationary, (0.0, found.frequency))):
-        raise ValueError(f"disk must be able to spin upright for that, got {scenario.disk!r}")
+        raise ValueError(
+            "disk must be able to spin upright for that: the line from its centre to its centre "
+            "of gravity must be an axis of inertia and of the surface, and that of this "
+            f"{type(scenario.disk).__name__} is not"
+        )
     return found
 
 
