@@ -242,23 +242,24 @@ def _mark_values(axes: Axes, way: str, axis: Axis) -> None:
 
 
 def _curves(axis: Axis, table: pd.DataFrame) -> Figure:
-    figure, (first, *others) = new_figure(1 + len(_CURVES), height=9.0)
-    x = table[axis.field]
+    x, filled = table[axis.field], table.columns[table.notna().any()]
+    # What no case has gets no panel.
+    shown = [(text, heads) for text, heads in _CURVES if not filled.intersection(heads).empty]
+    figure, axes = new_figure(1 + len(shown), height=3.6 + 1.8 * len(shown))
+    first, *others = panels = np.atleast_1d(axes)
     known = [name for name in ("inverted", *OUTCOMES) if name in set(table["outcome"])]
     first.plot(x, table["outcome"].map(known.index), "o", markersize=4, color="black")
     first.set_yticks(range(len(known)), known)
     first.set(ylim=(-0.5, len(known) - 0.5))
-    for axes, (text, columns) in zip(others, _CURVES, strict=True):
-        shown = [name for name in columns if table[name].notna().any()]
-        for name, look in zip(shown, MARKED, strict=False):
-            (line,) = axes.plot(x, table[name], markersize=3, label=columns[name], **look)
+    for panel, (text, heads) in zip(others, shown, strict=True):
+        for name, look in zip(filter(heads.get, filled), MARKED, strict=False):
+            (line,) = panel.plot(x, table[name], markersize=3, label=heads[name], **look)
             if _is_named(axis):
                 line.set_linestyle("none")  # nothing lies between names
-        if shown:
-            legend_above(axes)
-        axes.set(ylabel=text)
-    _mark_values(others[-1], "x", axis)
-    others[-1].set(xlabel=axis.label)
+        legend_above(panel)
+        panel.set(ylabel=text)
+    _mark_values(panels[-1], "x", axis)
+    panels[-1].set(xlabel=axis.label)
     return figure
 
 

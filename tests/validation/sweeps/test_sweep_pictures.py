@@ -28,7 +28,8 @@ def drawn(wanted: Sweep, folder: Path) -> tuple[Figure, Results]:
 
 def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) -> None:
     figure, results = drawn(sweep("mu=-0.1,0.1,0.4"), tmp_path)
-    outcomes, _, spins, forces = figure.axes
+    # None inverts, so that there are no times.
+    outcomes, spins, forces = figure.axes
     assert [each.get_text() for each in outcomes.get_yticklabels()] == ["not inverted", "refused"]
     np.testing.assert_array_equal(outcomes.lines[0].get_ydata(), [1, 0, 0])
     np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
@@ -67,7 +68,7 @@ def test_several_axes_are_drawn_in_pairs(how: dict[str, Any], tmp_path: Path) ->
 def test_names_are_drawn_at_their_places(tmp_path: Path) -> None:
     wanted = sweep("model=4,1", scenario=Scenario())
     figure, results = drawn(wanted, tmp_path)
-    spins, forces = figure.axes[2:]
+    spins, forces = figure.axes[-2:]
     assert [each.get_text() for each in forces.get_xticklabels()] == ["4", "1"]
     np.testing.assert_array_equal(spins.lines[0].get_xdata(), [0, 1])
     np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
