@@ -39,7 +39,7 @@ def test_every_eigenvalue_is_told_and_both_sources_agree(
         found.append(values)
     # Column by column, also where the spins lie far apart.
     np.testing.assert_allclose(found[0], found[1], rtol=1e-6, atol=1e-6)
-    assert not np.array_equal(*found)
+    assert not np.array_equal(found[0], found[1])
 
 
 def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form() -> None:
