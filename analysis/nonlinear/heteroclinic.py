@@ -264,8 +264,8 @@ def last_amplitude(scenario: Scenario) -> float:
     """Amplitude in rad of the cycles next to the connection.
 
     It is pi where the motion ends in the saddle with rising gamma, and more where it has swung
-    beyond: about a saddle-focus, and where the eccentricity is large, such as a fifth of the
-    radius with the paper's friction.
+    beyond: about a saddle-focus, and where the eccentricity is above a fifth of the radius, with
+    the paper's friction.
 
     Parameters
     ----------
