@@ -81,11 +81,8 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.Dat
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    axes = MagicMock()
-    axes.get_xlim.return_value = (0.0, 1.0)
-    axes.get_ylim.return_value = (0.0, 1.0)
     drawn = MagicMock()
-    drawn.diagram.return_value.axes = [axes]
+    drawn.diagram.side_effect = lambda *_, **__: new_figure()[0]
     monkeypatch.setattr(section, "figures", drawn)
 
 
