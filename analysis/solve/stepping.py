@@ -31,6 +31,11 @@ right-hand side has jumped, it may take it for stiff ever after, and go on by pi
 FIRST = 1e-6
 """Part of the longest step that the first one is where it cannot be guessed."""
 
+SHORTENED = 16
+"""Times that a step is taken a tenth as long before its error is believed."""
+
+_EXPLICIT = solvers.RK23, solvers.RK45, solvers.DOP853
+
 _IMPLICIT = ("Radau", "BDF")
 """Methods that are given a Jacobian. LSODA makes its own, which for most is faster."""
 
@@ -286,10 +291,24 @@ def _turn(slip: Callable[[Array], float], before: float, step: Step, after: floa
 def _step(solver: Any) -> Step:
     # Without a finite derivative, SciPy would look for a first step for ever.
     lost = isnan(getattr(solver, "h_abs", 0.0))
-    message = None if lost else solver.step()
+    message = None if lost else _taken(solver)
     if lost or solver.status == "failed" or not isfinite(solver.y.sum()):
         raise _stopped(solver, message or "the state is no longer finite")
     return Step(solver)
+
+
+def _taken(solver: Any) -> str | None:
+    """Message of a step that a solver takes.
+
+    A stage of an explicit one may lie beyond where there is a solution, although the motion does
+    not go there: the step is then taken shorter and shorter.
+    """
+    for _ in range(SHORTENED * isinstance(solver, _EXPLICIT)):
+        try:
+            return solver.step()
+        except ArithmeticError:
+            solver.h_abs *= 0.1
+    return solver.step()
 
 
 def _stopped(solver: Any, why: str) -> SolverError:

@@ -305,8 +305,6 @@ def run_to(
 ) -> Run:
     """Run a problem with one local tolerance after the other until two runs agree.
 
-    One that fails on the way is made with the next tolerance.
-
     Parameters
     ----------
     run : callable
@@ -324,8 +322,6 @@ def run_to(
         If the time limit is met before two runs agree.
     ToleranceError
         If not even the last two do.
-    ArithmeticError
-        If they fail.
     """
 
     def rates(runs: Runs) -> Array:
@@ -339,16 +335,7 @@ def run_to(
     def estimated(fine: Runs, coarse: Runs, _: Rows) -> Array:
         return estimated_errors(fine, coarse, problem.angles, rates)
 
-    try:
-        found, failures = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
-    except ToleranceError:
-        raise
-    except ArithmeticError:
-        # Too long a step may lead to where there is no solution; again, two runs have to agree.
-        tighter = local_tolerances[1:]
-        if len(tighter) <= 1:
-            raise
-        return run_to(run, problem, times, tolerance, tighter, method=method)
+    found, failures = agree(alone, estimated, 1, tolerance, local_tolerances, method=method)
     for failure in failures.values():
         raise failure
     return found.run(0)

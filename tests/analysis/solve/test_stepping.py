@@ -1,6 +1,7 @@
 """Steps of a run: all are counted, and what ends a motion is found wherever it lies in one."""
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from itertools import count
 from typing import Any
 
@@ -33,6 +34,21 @@ def test_all_evaluations_of_a_run_are_counted(method: Method) -> None:
         return np.array([state[1], -50.0 * state[0] - 0.1 * state[1] ** 3])
 
     assert run_of(right_hand_side, method).evaluations == next(calls)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "RK45", "RK23"])
+@pytest.mark.parametrize("limit", [1.5, 2.5])
+def test_stage_where_there_is_no_solution_ends_no_motion_that_does_not_go_there(
+    method: Method, limit: float
+) -> None:
+    def right_hand_side(_: float, state: Array) -> Array:
+        if state[0] > 2.0:
+            raise ArithmeticError("no solution")
+        return np.array([100.0 * (limit - state[0]), 0.0])
+
+    outcome = pytest.raises(ArithmeticError, match="no solution") if limit > 2.0 else nullcontext()
+    with outcome:
+        assert run_of(right_hand_side, method).states[-1, 0] == pytest.approx(limit, abs=1e-3)
 
 
 @pytest.mark.parametrize("fraction", [1.0, 0.5, 0.1])

@@ -1,7 +1,5 @@
 """Runs are made with smaller and smaller errors in a step until two of them agree."""
 
-from contextlib import nullcontext
-
 import numpy as np
 import pytest
 
@@ -43,24 +41,6 @@ def test_compared_runs_share_neither_their_local_tolerance_nor_their_longest_ste
     assert local[-1] == TIGHTEST_LOCAL_TOLERANCE
     assert np.min(local[:-1] / local[1:]) >= 3.0
     assert np.max(longest[1:] / longest[:-1]) <= 0.9
-
-
-@pytest.mark.parametrize("coarsest", [1e-7, 1e-13])
-def test_a_run_that_steps_to_where_there_is_no_solution_is_made_with_smaller_errors(
-    coarsest: float,
-) -> None:
-    problem = pose(Scenario(), "index-1", {}).problem
-
-    def run(local: float, _: float) -> Run:
-        if local > coarsest:
-            raise ArithmeticError("no solution")
-        return Run(TIMES, np.zeros((TIMES.size, 12)), 1, None, ())
-
-    # The second of two that agree is returned, and one alone is not enough.
-    rungs = [1e-6, 1e-8, 1e-10, 1e-12, 1e-13]
-    outcome = pytest.raises(ArithmeticError) if coarsest == rungs[-1] else nullcontext()
-    with outcome:
-        assert run_to(run, problem, TIMES, 1e-6, rungs, method="none").local_tolerance == 1e-10
 
 
 def test_every_member_keeps_the_run_that_agreed_with_the_one_before() -> None:
