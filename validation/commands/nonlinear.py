@@ -301,7 +301,8 @@ def passage(
 
     checked_end(end, SPACING)
     scenario = problem.scenario(rest=rest)
-    found = follow(scenario, end, source)
+    with progress_bar() as progress:
+        found = follow(scenario, end, source, progress=progress)
     named = [(scenario.name, found)]
     shown = ("hopf", "frequency", "crossing", "lost", "predicted", "lowest_spin", "rate")
     return Result(

@@ -17,7 +17,15 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import cumulative_trapezoid
 
-from analysis import Dissipation, Scenario, SpatialMotion, Start, Trajectory, multiplier_names
+from analysis import (
+    Dissipation,
+    Progress,
+    Scenario,
+    SpatialMotion,
+    Start,
+    Trajectory,
+    multiplier_names,
+)
 from analysis.motion.interpolation import running_mean
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
@@ -177,8 +185,12 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     }
 
 
-def follow(scenario: Scenario, end: float, source: Source) -> Passage:
+def follow(
+    scenario: Scenario, end: float, source: Source, *, progress: Progress | None = None
+) -> Passage:
     """Run a scenario up to a time in s, on an ideal or a compliant contact, and measure it.
+
+    `progress` is told how far the run is, as both sides tell it.
 
     Raises
     ------
@@ -188,18 +200,17 @@ def follow(scenario: Scenario, end: float, source: Source) -> Passage:
     ArithmeticError
         If the run fails.
     """
-    accuracy: Any
+    how: dict[str, Any] = {"source": source, "progress": progress}
     pair = SlowPair.of(scenario)
     engine = source == "engine"
     if scenario.contact is None:
         samples = round(end / SPACING) + 1
         check_storage("end", samples, 13 + len(multiplier_names(scenario.constraints)))
         times = np.linspace(0.0, end, samples)
-        accuracy = {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
-        return measure(run(scenario, times, source=source, **accuracy), pair)
-    accuracy = {"step": 2e-4} if engine else {"local_tolerance": 1e-8}
-    motion = run_to_rest(scenario, end, source=source, spacing=SPACING, **accuracy)
-    return measure(motion, pair)
+        how |= {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
+        return measure(run(scenario, times, **how), pair)
+    how |= {"step": 2e-4} if engine else {"local_tolerance": 1e-8}
+    return measure(run_to_rest(scenario, end, spacing=SPACING, **how), pair)
 
 
 def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, float | None]:

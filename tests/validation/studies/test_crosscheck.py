@@ -169,6 +169,17 @@ def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
     assert found.detail == "over 0.06118 s"
 
 
+def test_motions_are_compared_until_before_the_disk_jams() -> None:
+    jamming = SmoothCoulomb(coefficient=1.5, smoothing=1e-3, load="contact")
+    start = Start(beta=0.7, gamma=np.pi / 2, spin=0.0, y_rate=-3.0)
+    found = comparisons.compare_motions(Scene(Scenario(friction=jamming, start=start)), 0.2)
+    assert found.agrees
+    why = (
+        "over 0.002 s; over 0.2 s: no in-house motion to compare with: singular index-1 system of"
+    )
+    assert found.detail.startswith(why)
+
+
 def test_a_run_that_fails_nearly_flat_or_a_missing_reference_is_no_disagreement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
