@@ -104,6 +104,14 @@ def test_every_set_has_the_eigenvalues_of_the_closed_matrices_under_its_constrai
     assert error(Scenario(constraints=constraints), motion, np.array([-40.0, 2e3])) < 1e-10
 
 
+def test_reduced_matrices_have_the_eigenvalues_of_the_linearisation() -> None:
+    for motion in MOTIONS:
+        printed = eigenvalues(Scenario(constraints=MODELS[4]), SPINS, "reduced", motion)
+        for level in (3, 4):
+            scenario = Scenario(constraints=MODELS[level])
+            assert gap(eigenvalues(scenario, SPINS, "numeric", motion), printed) < 1e-11
+
+
 def test_a_place_that_is_not_stationary_is_refused() -> None:
     system = Linearisation(Scenario(), upright(Scenario(), pi / 2 - 0.2))
     with pytest.raises(ArithmeticError, match="change of the spin or of the place of Model 1"):
