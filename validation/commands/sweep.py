@@ -99,7 +99,10 @@ def sweep(
                 say(f"tippedisk sweep: {refused}")
         run_cases(store, opened, retry=retry)
         failed = store.count() - store.count(DONE)
-        found = f"{out}: {store.count()} cases" + (f", {failed} of them failed" if failed else "")
+        count = store.count()
+        found = f"{out}: {count} case{'s' * (count != 1)}" + (
+            f", {failed} of them failed" if failed else ""
+        )
     return Result(
         values=lambda: list(Results.load(out).rows()),
         csv=partial(write_csv, out),
