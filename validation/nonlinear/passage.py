@@ -147,8 +147,10 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     beyond = end + 2.0 * SETTLING
     path = motion if isinstance(motion, Trajectory) else motion.to_trajectory(beyond)
     near = path.times <= beyond
-    times, gamma = path.times[near], path.coordinate("gamma")[near]
-    spins = running_mean(times, path.rate("alpha")[near], 2.0 * np.pi / pair.frequency)
+    times, gamma, rates = (
+        each[near] for each in (path.times, path.coordinate("gamma"), path.rate("alpha"))
+    )
+    spins = running_mean(times, rates, 2.0 * np.pi / pair.frequency)
     kept = (times >= inversion.time) & (times <= end)
     # A disk that spins the other way is a mirror image.
     spins = np.sign(spins[kept][0]) * spins
@@ -163,7 +165,7 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     below = np.flatnonzero(spins < pair.spin)
     linear, predicted = _predicted(times, growth[kept], amplitude)
     # One that begins below the Hopf point, but for rounding, does not come through it.
-    begins_above = np.abs(path.rate("alpha")[kept][0]) > pair.spin - 1e-9
+    begins_above = np.abs(rates[kept][0]) > pair.spin - 1e-9
     crossing = float(times[below[0]]) if below.size and begins_above else None
     slowest = int(np.argmin(spins))
     rate = None

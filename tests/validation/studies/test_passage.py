@@ -70,6 +70,14 @@ def test_a_disk_that_is_exactly_upright_and_slow_passes_nothing_and_is_not_lost(
     assert not np.any(found["linear"])
 
 
+def test_what_follows_a_loss_is_left_out() -> None:
+    scenario = Scenario(start=Start(beta=np.pi / 2, gamma=np.pi / 2 + 0.02, spin=20.0))
+    found, longer = (follow(scenario, end, "in-house") for end in (3.0, 4.0))
+    assert found["times"][-1] == pytest.approx(found["lost"], abs=passage.SPACING)
+    for name in ("lost", "predicted", "lowest_spin", "deviations"):
+        assert longer[name] == pytest.approx(found[name], rel=1e-9)
+
+
 def test_a_set_without_a_slow_pair_is_refused_before_its_run(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
