@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
-from validation.commands.options import announce_cases, checked_end, output_folder
+from validation.commands.options import announce_cases, checked_end, in_cases, output_folder
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, expected_cases, run_panel
 from validation.maps.problems import DISTANCES, PROBLEMS, panels, shifted_sweeps, uncertainty
@@ -113,7 +113,7 @@ def _run_panels(
             with Store(store, sweep):
                 pass
     seconds = sum(count * look_ahead(sweep)[0] for sweep, _, count in runs)
-    some = f"some {sum(count for *_, count in runs)}"
+    some = f"some {in_cases(sum(count for *_, count in runs))}"
     announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
     return [
         run_panel(sweep, store, pool, to_rest=to_rest, levels=halved)

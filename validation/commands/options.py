@@ -168,6 +168,11 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
         say(f"tippedisk {command}: {effort}{hint}")
 
 
+def in_cases(count: int) -> str:
+    """A number of cases in words."""
+    return f"{count} case{'s' * (count != 1)}"
+
+
 def announce_cases(command: str, cases: str, seconds: float, processes: int, more: str) -> None:
     """Say how many cases are coming, and how long they take together.
 
@@ -176,7 +181,7 @@ def announce_cases(command: str, cases: str, seconds: float, processes: int, mor
     command : str
         Name of the command.
     cases : str
-        Their number, in words.
+        How many, in words.
     seconds : float
         Processor time of all of them.
     processes : int
@@ -185,7 +190,7 @@ def announce_cases(command: str, cases: str, seconds: float, processes: int, mor
         What else is to be said.
     """
     time = duration(seconds / processes)
-    say(f"tippedisk {command}: {cases} cases, roughly {time} on {processes} processes{more}")
+    say(f"tippedisk {command}: {cases}, roughly {time} on {processes} processes{more}")
 
 
 def output_folder(name: str, value: str) -> Path:

@@ -10,7 +10,7 @@ from analysis.motion.outcomes import DONE
 from analysis.problem.checks import choice
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario_file import read_toml
-from validation.commands.options import PATIENCE, announce_cases
+from validation.commands.options import PATIENCE, announce_cases, in_cases
 from validation.kit.differences import flat
 from validation.kit.progress import say
 from validation.parser import kinds
@@ -94,15 +94,13 @@ def sweep(
         if left := wanted.design.size - store.count():
             if seconds * left / opened.workers > PATIENCE:
                 most_bytes = f", at most {expected_size(wanted) / 1e6:.1f} MB"
-                announce_cases("sweep", f"{left}", left * seconds, opened.workers, most_bytes)
+                announce_cases("sweep", in_cases(left), left * seconds, opened.workers, most_bytes)
             if refused:
                 say(f"tippedisk sweep: {refused}")
         run_cases(store, opened, retry=retry)
-        failed = store.count() - store.count(DONE)
         count = store.count()
-        found = f"{out}: {count} case{'s' * (count != 1)}" + (
-            f", {failed} of them failed" if failed else ""
-        )
+        failed = count - store.count(DONE)
+        found = f"{out}: {in_cases(count)}" + (f", {failed} of them failed" if failed else "")
     return Result(
         values=lambda: list(Results.load(out).rows()),
         csv=partial(write_csv, out),
@@ -139,10 +137,10 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
     """Raise before anything runs if there are more cases than wanted, or than the disk holds."""
     size = wanted.design.size
     if size > most:
-        raise ArgumentError("most", f"allows {most} cases, and {size} are asked for")
+        raise ArgumentError("most", f"allows {in_cases(most)}, and {size} are asked for")
     needed, free = expected_size(wanted), shutil.disk_usage(out.parent).free
     if needed > free:
         raise ValueError(
-            f"{size} cases may take {needed / 1e6:.0f} MB at {out}, where {free / 1e6:.0f} MB are "
-            "free"
+            f"{in_cases(size)} may take {needed / 1e6:.0f} MB at {out}, where "
+            f"{free / 1e6:.0f} MB are free"
         )

@@ -93,7 +93,8 @@ def diagram(
             each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
         each.set(ylabel=HEADS[name])
         if name == "multiplier":
-            for bound in (1.0, -1.0)[: 1 + bool(np.min(values) < -1.0)]:
+            bounds = (1.0, -1.0) if np.min(values) < -1.0 else (1.0,)
+            for bound in bounds:
                 each.axhline(bound, color=GREY, linewidth=0.8, zorder=0)
             if np.max(values) > 10.0:
                 each.set(yscale="log", ylabel=f"{HEADS[name]}, logarithmic")

@@ -166,8 +166,7 @@ STUDIES = (STUDY, TIPPE_TOP)
 
 def present(rows: Rows) -> Content:
     """Every comparison with its limit, the paper's models and the sets of constraints apart."""
-    found, top = rows["crosscheck"], rows["tippe-top"]
-    turned, moved = top["turned"], largest(top["jellett"])
+    found = rows["crosscheck"]
     worst = found.groupby(["kind", "quantity"], sort=False).agg(
         scenes=("case", "size"),
         states=("counted", "min"),
@@ -175,10 +174,8 @@ def present(rows: Rows) -> Content:
         difference=("difference", largest),
         criterion=("criterion", "max"),
     )
-    apart = float(turned.max() - turned.min()) if turned.notna().all() else inf
-    checks = _checks(worst.reset_index())
-    checks.append(at_most("tippe top: turned over, in s", apart, TURNED))
-    checks.append(at_most("tippe top: Jellett's constant", moved, KEPT))
+    told, checks = _tippe_top(rows["tippe-top"])
+    checks = [*_checks(worst.reset_index()), *checks]
     models = worst.loc[MODELS_OF_PAPER]
     parts = {"accelerations": "accelerations|forces", "motions": "motion in", "eigenvalues": "eig"}
     most = {
@@ -191,9 +188,7 @@ def present(rows: Rows) -> Content:
             **most,
             "scenes": scenes,
             "spins": SPINS,
-            "turned": turned,
-            "turned_apart": apart,
-            "jellett_moved": moved,
+            **told,
         },
         tables={
             "agreement": worst.reset_index().rename(columns=HEADS),
@@ -217,6 +212,16 @@ def present(rows: Rows) -> Content:
             )
         ],
     )
+
+
+def _tippe_top(rows: pd.DataFrame) -> tuple[Row, list[Check]]:
+    """What is told of the tippe top, and whether both sides agree on it."""
+    turned, moved = rows["turned"], largest(rows["jellett"])
+    apart = float(turned.max() - turned.min()) if turned.notna().all() else inf
+    return {"turned": turned, "turned_apart": apart, "jellett_moved": moved}, [
+        at_most("tippe top: turned over, in s", apart, TURNED),
+        at_most("tippe top: Jellett's constant", moved, KEPT),
+    ]
 
 
 def _checks(worst: pd.DataFrame) -> list[Check]:
