@@ -20,7 +20,7 @@ from analysis.problem.scenario import Scenario
 _TOLERANCE = 1e-9
 """Relative residual of the collocation polynomials."""
 
-_MOST_NODES = 40_000
+_MOST_NODES = 15_000
 _FIRST_NODES = 41
 _RESTART_NODES = 400
 
@@ -149,6 +149,12 @@ def _collocated(
     def rates(_: float, y: Array, p: Array) -> Any:
         return p[1] * flow.right_hand_side(scenario, p[0], column * y) / column
 
+    def jacobians(_: float, y: Array, p: Array) -> tuple[Array, Array]:
+        """By states and by both parameters; differences would not do where friction is steep."""
+        by_each = p[1] * flow.jacobian(scenario, p[0], column * y).transpose(1, 2, 0)
+        by_parameters = by_each[:, 3] / column, rates(_, y, p) / p[1]
+        return by_each[:, :3] * column / column[..., None], np.stack(by_parameters, axis=1)
+
     def residual(first: Array, last: Array, p: Array) -> Array:
         given = first[ends.follows] - value / unit[1] if spin is None else p[0] / spin - 1.0
         return np.append(given, ends.residual(first, last))
@@ -165,6 +171,7 @@ def _collocated(
                 tol=_TOLERANCE,
                 bc_tol=_BOUNDARY,
                 max_nodes=_MOST_NODES,
+                fun_jac=jacobians,
             )
         except OverflowError as error:
             raise NoCycleError("no periodic motion found: the collocation diverges") from error
@@ -196,11 +203,12 @@ def multipliers(
     ends : Ends
     """
     x, h = (states - INVERTED).T, np.diff(times)[:, None, None]
-    rates, jacobians = flow.right_hand_side(scenario, spin, x), flow.jacobian(scenario, spin, x)
+    rates = flow.right_hand_side(scenario, spin, x)
+    jacobians = flow.jacobian(scenario, spin, x)[..., :3]
     before, after, unit = jacobians[:-1], jacobians[1:], np.eye(3)
     # The polynomials of the collocation are cubic.
     middles = (x[:, 1:] + x[:, :-1]) / 2.0 - h[:, 0, 0] / 8.0 * np.diff(rates)
-    middle = flow.jacobian(scenario, spin, middles)
+    middle = flow.jacobian(scenario, spin, middles)[..., :3]
     left = unit - h / 6 * after - 2 * h / 3 * middle @ (unit / 2 - h / 8 * after)
     right = unit + h / 6 * before + 2 * h / 3 * middle @ (unit / 2 + h / 8 * before)
     frames = np.linalg.qr(rates.T[:, :, None], mode="complete")[0]

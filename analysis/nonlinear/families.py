@@ -11,7 +11,7 @@ other side each becomes a rotating motion of its own (a gluing bifurcation).
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +19,7 @@ import numpy.typing as npt
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
 from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
-from analysis.nonlinear.following import Family, continue_to, events, onward
+from analysis.nonlinear.following import Family, events, onward
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
@@ -139,7 +139,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     why = "within half the critical speed of it, where cycles are looked for"
     within("spin", spin, low, high, is_above=True, is_below=True, why=why)
     spins = [born.spin]
-    for before, cycle in pairwise(accumulate(_amplitudes(scenario), continue_to, initial=born)):
+    for before, cycle in pairwise(chain((born,), onward(born, _amplitudes(scenario)))):
         fraction = (spin - before.spin) / (cycle.spin - before.spin)
         if 0.0 < fraction <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.

@@ -80,12 +80,15 @@ def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
 
 
 def jacobian(scenario: Scenario, spin: float, x: Array) -> Array:
-    """Derivative of `right_hand_side` by each state, shape (n, 3, 3), from the same parameters."""
+    """Derivative of `right_hand_side` by each state and by the spin, shape (n, 3, 4)."""
     force = partial(_friction, scenario.friction)
     changes = rate(
-        lambda state: derivative(scenario, spin, state, force), x, np.eye(3)[:, :, None]
+        lambda moving: derivative(scenario, moving[3], moving[:3], force),
+        (*x, spin),
+        np.eye(4)[:, :, None],
     )
-    return np.array([np.broadcast_to(each, x.shape) for each in changes]).transpose(2, 0, 1)
+    every = np.broadcast_arrays(*changes, np.empty((4, x.shape[1])))[:3]
+    return np.array(every).transpose(2, 0, 1)
 
 
 def derivative(

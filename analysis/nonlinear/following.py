@@ -1,10 +1,12 @@
 """Periodic motions followed from one value to the next, and what happens on the way."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from itertools import accumulate, islice, pairwise
+from itertools import pairwise
 
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
 from analysis.nonlinear.collocation import NoCycleError, solve
@@ -14,6 +16,10 @@ from analysis.solve.watch import Progress
 
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""
+
+
+_SLOW = 1e-2
+"""Part of the largest speed below which all is equally slow."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,8 +72,12 @@ class Family:
         return cls(motions=tuple(found), begins=begins, reason=reason)
 
 
-def continue_to(start: PeriodicMotion, value: float, halvings: int = _HALVINGS) -> PeriodicMotion:
+def continue_to(
+    start: PeriodicMotion, value: float, gained: float = 0.0, halvings: int = _HALVINGS
+) -> PeriodicMotion:
     """Motion of a value, on the way over others if it is too far from `start`.
+
+    `gained` is by how much longer it is expected to take, in s.
 
     Raises
     ------
@@ -75,17 +85,37 @@ def continue_to(start: PeriodicMotion, value: float, halvings: int = _HALVINGS) 
         That of the first motion for which halving does not help.
     """
     try:
-        return solve(start.scenario, value, start)
+        return solve(start.scenario, value, _lingering(start, gained))
     except NoCycleError:
         if not halvings:
             raise
-    between = continue_to(start, (start.value + value) / 2.0, halvings - 1)
-    return continue_to(between, value, halvings - 1)
+    between = continue_to(start, (start.value + value) / 2.0, gained / 2.0, halvings - 1)
+    return continue_to(between, value, _gain(start, between), halvings - 1)
 
 
 def onward(start: PeriodicMotion, values: Iterable[float]) -> Iterator[PeriodicMotion]:
     """Motions of values, each continued from the one before, the first one from `start`."""
-    return islice(accumulate(values, continue_to, initial=start), 1, None)
+    before = last = start
+    for value in values:
+        before, last = last, continue_to(last, value, _gain(before, last))
+        yield last
+
+
+def _gain(first: PeriodicMotion, last: PeriodicMotion) -> float:
+    return max(0.0, float(last.times[-1] - first.times[-1]))
+
+
+def _lingering(motion: PeriodicMotion, gained: float) -> PeriodicMotion:
+    """A motion to begin with that takes so much longer in s where it is slowest.
+
+    Towards a connection each step adds as much time, all of it beside the saddle. If the whole
+    motion took longer by it, the iteration would often diverge.
+    """
+    rates = np.gradient(motion.states, motion.times, axis=0)
+    speeds = np.linalg.norm(rates / np.max(np.abs(rates), axis=0), axis=1)
+    slow = 1.0 / (speeds + _SLOW) ** 2
+    spent = cumulative_trapezoid(slow, motion.times, initial=0.0)
+    return replace(motion, times=motion.times + gained * spent / spent[-1])
 
 
 def events(family: Family) -> tuple[Event, ...]:

@@ -95,6 +95,16 @@ def test_cycles_of_a_large_eccentricity_swing_beyond_and_end_in_the_connection()
     assert family.motions[-1].spin == pytest.approx(found.spin, abs=1e-4)
 
 
+@pytest.mark.slow
+def test_cycles_beside_a_leaning_saddle_and_of_steep_friction_are_followed_to_the_end() -> None:
+    leaning = replace(PAPER, disk=replace(PAPER.disk, eccentricity=0.013))
+    family = cycle_family(leaning)
+    assert family.reason is None
+    found = heteroclinic_connection(leaning)
+    assert family.motions[-1].spin == pytest.approx(found.spin, abs=1e-6)
+    assert cycle_family(with_smoothing(1e-3), np.linspace(0.2, 3.0, 15)).reason is None
+
+
 def test_a_connection_may_lie_far_below_the_critical_speed() -> None:
     # Near the critical speed, a motion winds about inverted spinning for a hundred time constants.
     scenario = with_eccentricity(0.9)

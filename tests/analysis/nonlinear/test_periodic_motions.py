@@ -75,7 +75,7 @@ def multipliers_of_runs(cycle: PeriodicMotion) -> list[complex]:
             each(cycle.scenario, cycle.spin, values[:3, None])
             for each in (flow.right_hand_side, flow.jacobian)
         )
-        return np.append(right, (slopes[0] @ values[3:].reshape(3, 3)).ravel())
+        return np.append(right, (slopes[0, :, :3] @ values[3:].reshape(3, 3)).ravel())
 
     begin = np.append(cycle.states[0] - INVERTED, np.eye(3))
     found = solve_ivp(
@@ -191,11 +191,14 @@ def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: F
 def test_derivatives_of_the_flow_are_those_of_the_reduced_system() -> None:
     x, spin = np.array(((0.3, -0.8), (1.0, 0.2), (-2.0, 0.7))), 29.0
     right, slopes = (each(PAPER, spin, x) for each in (flow.right_hand_side, flow.jacobian))
-    rates = reduced.right_hand_side(PAPER, spin)
+
+    def rates(moved: Array) -> Array:
+        return np.array(reduced.right_hand_side(PAPER, float(moved[3]))(0.0, moved[:3]))
+
     for index, begin in enumerate(x.T + INVERTED):
-        np.testing.assert_allclose(right[:, index], rates(0.0, begin), rtol=1e-12)
-        expected = jacobian(lambda state: np.array(rates(0.0, state)), begin)
-        np.testing.assert_allclose(slopes[index], expected, rtol=1e-8, atol=1e-8)
+        place = np.append(begin, spin)
+        np.testing.assert_allclose(right[:, index], rates(place), rtol=1e-12)
+        np.testing.assert_allclose(slopes[index], jacobian(rates, place), rtol=1e-8, atol=1e-8)
 
 
 # --- Other kinds --------------------------------------------------------------------------------
