@@ -6,12 +6,13 @@ is loaded only when it is asked for. How a run is made is told by keywords, thos
 
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 import analysis
-from analysis import Progress, Scenario, SpatialMotion, Trajectory
-from analysis.problem.checks import increasing_times
-from analysis.problem.limits import REST_SPACING, Effort
+from analysis import Progress, Scenario, SpatialMotion, Trajectory, multiplier_names
+from analysis.problem.checks import Array, increasing_times
+from analysis.problem.limits import REST_SPACING, Effort, check_storage
 from analysis.solve import effort as inhouse_effort
 from validation.parser.runs import RunOptions
 
@@ -47,6 +48,19 @@ def run(
     if side is analysis:
         given["formulation"] = options.formulation
     return side.simulate(subject, times, progress=progress, **given)
+
+
+def even_times(scenario: Scenario, end: float, samples: int, name: str) -> Array:
+    """Evenly spaced times from 0 to an end in s, if the samples that a run makes can be held.
+
+    Raises
+    ------
+    ValueError
+        If they cannot; it names what asks for them.
+    """
+    # Time, six coordinates, their rates and the constraint forces.
+    check_storage(name, samples, 13 + len(multiplier_names(scenario.constraints)))
+    return np.linspace(0.0, end, samples)
 
 
 def run_to_rest(

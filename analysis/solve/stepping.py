@@ -177,17 +177,7 @@ def integrate(
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(problem.endings, problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
-    make = _made_by(problem, method, local_tolerance)
-
-    def solver(*span: Any, **first: Any) -> Any:
-        try:
-            started.append(make(*span, **first))
-        except ArithmeticError:
-            # To guess a first step, SciPy takes one that may lead to where there is no solution.
-            little = min(FIRST * problem.longest_step, span[2] - span[0])
-            started.append(make(*span, first_step=little))
-        return started[-1]
-
+    solver = _made_by(problem, method, local_tolerance, started)
     ended: str | None = None
     states, row, begun = [problem.start], 1, watch.steps
     for step in _steps(solver, problem, times):
@@ -221,10 +211,13 @@ def integrate(
 
 
 def _made_by(
-    problem: InitialValueProblem, method: Method, local_tolerance: float
+    problem: InitialValueProblem, method: Method, local_tolerance: float, made: list[Any]
 ) -> Callable[..., Any]:
-    """From a time, a state, a last time and perhaps a `first_step` to a solver of SciPy."""
-    return partial(
+    """From a time, a state, a last time and perhaps a `first_step` to a solver of SciPy.
+
+    `made` gets each of them.
+    """
+    make = partial(
         getattr(solvers, method),
         problem.right_hand_side,
         rtol=local_tolerance,
@@ -232,6 +225,17 @@ def _made_by(
         max_step=problem.longest_step,
         **({"jac": _jacobian(problem)} if method in _IMPLICIT else {}),
     )
+
+    def solver(*span: Any, **first: Any) -> Any:
+        try:
+            made.append(make(*span, **first))
+        except ArithmeticError:
+            # To guess a first step, SciPy takes one that may lead to where there is no solution.
+            little = min(FIRST * problem.longest_step, span[2] - span[0])
+            made.append(make(*span, first_step=little))
+        return made[-1]
+
+    return solver
 
 
 def _steps(

@@ -3,12 +3,10 @@
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-import numpy as np
-
-from analysis import Dissipation, SpatialMotion, StoredRun, multiplier_names
+from analysis import Dissipation, SpatialMotion, StoredRun
 from analysis.motion.outcomes import OUTCOMES
 from analysis.problem.checks import whole
-from analysis.problem.limits import REST_SPACING, check_storage
+from analysis.problem.limits import REST_SPACING
 from analysis.problem.names import ArgumentError
 from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
@@ -19,7 +17,7 @@ from validation.parser.commands import Group
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, MotionOut
 from validation.parser.runs import RunOptions
-from validation.run import rest_effort, run, run_effort, run_to_rest
+from validation.run import even_times, rest_effort, run, run_effort, run_to_rest
 from validation.sweeps.case import outcome
 
 
@@ -49,9 +47,7 @@ def simulate(
     """
     whole("samples", samples, least=2)
     scenario = problem.scenario()
-    # Time, six coordinates, their rates and the constraint forces.
-    check_storage("samples", samples, 13 + len(multiplier_names(scenario.constraints)))
-    times = np.linspace(0.0, checked_end(end), samples)
+    times = even_times(scenario, checked_end(end), samples, "samples")
     announce("simulate", run_effort(scenario, times, **how), how.get("time_limit"))
     with progress_bar() as progress:
         motion = run(scenario, times, **how, progress=progress)

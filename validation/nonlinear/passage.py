@@ -24,16 +24,14 @@ from analysis import (
     SpatialMotion,
     Start,
     Trajectory,
-    multiplier_names,
 )
 from analysis.motion.interpolation import running_mean
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
-from analysis.problem.limits import check_storage
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import matrices_over_spin
 from validation.kit.tables import Table
-from validation.run import run, run_to_rest
+from validation.run import even_times, run, run_to_rest
 
 LOST = np.pi / 2
 """Deviation of gamma in rad at which an upright disk has its centre of gravity sideways."""
@@ -206,9 +204,7 @@ def follow(
     pair = SlowPair.of(scenario)
     engine = source == "engine"
     if scenario.contact is None:
-        samples = round(end / SPACING) + 1
-        check_storage("end", samples, 13 + len(multiplier_names(scenario.constraints)))
-        times = np.linspace(0.0, end, samples)
+        times = even_times(scenario, end, round(end / SPACING) + 1, "end")
         how |= {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
         return measure(run(scenario, times, **how), pair)
     how |= {"step": 2e-4} if engine else {"local_tolerance": 1e-8}
