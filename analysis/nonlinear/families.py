@@ -24,6 +24,7 @@ from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
     last_amplitude,
+    least_tilt,
 )
 from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import (
@@ -47,7 +48,7 @@ BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 1.3, 26)))
 TILTS: Array = np.concatenate(
     (np.geomspace(1e-4, 0.02, 6), np.linspace(0.04, 0.2, 9), np.linspace(0.25, 1.5, 26))
 )
-"""Tilts in rad from near the connection to a disk that is nearly flat."""
+"""Tilts in rad beyond that of the connection, to a disk that is nearly flat."""
 
 _SAME_END = 1e-6
 """Distance in rad from the connection at which a family ends."""
@@ -55,7 +56,7 @@ _SAME_END = 1e-6
 _FIRST = 0.05
 """How much larger in rad than at the bifurcation the first cycle without symmetry is."""
 
-_TILT = 0.5
+_TILT = 0.9
 """Of the first rotating motion in rad: any friction leads to it from that without slip."""
 
 
@@ -297,7 +298,8 @@ def rotating_family(
     scenario : Scenario
         Of Model 4 with friction that knows the weight, and an eccentricity.
     tilts : array_like, shape (n,), optional
-        Tilts in rad, rising, between 0 and pi/2; `TILTS` by default.
+        Tilts in rad, rising, between that of the connection, see `least_tilt`, and pi/2; beyond
+        the former by `TILTS` by default.
     progress : callable, optional
         As in `cycle_family`.
 
@@ -312,10 +314,14 @@ def rotating_family(
     """
     if progress is not None:
         function("progress", progress)
-    chosen = TILTS if tilts is None else tilts
-    wanted = _rising("tilts", chosen, 0.0, np.pi / 2, "between 0 and pi/2")
+    if tilts is not None:
+        _rising("tilts", tilts, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
-    begins = heteroclinic_connection(scenario).spin
+    begins, least = heteroclinic_connection(scenario).spin, least_tilt(scenario)
+    beyond = least + TILTS
+    chosen = beyond[beyond <= TILTS[-1]] if tilts is None else tilts
+    allowed = f"between {least:.6g}, the tilt of the connection, and pi/2"
+    wanted = _rising("tilts", chosen, least, np.pi / 2, allowed)
     first = solve(scenario, _TILT, slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
     down, up = wanted[:split][::-1].tolist(), wanted[split:].tolist()

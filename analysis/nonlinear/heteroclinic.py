@@ -8,7 +8,7 @@ swing through the saddle's gamma and upright, or wind about them (a saddle-focus
 weak or smooth).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import sin
 from typing import Any
@@ -272,11 +272,39 @@ def last_amplitude(scenario: Scenario) -> float:
     scenario : Scenario
         See `heteroclinic_connection`; so are the errors.
     """
+    return _largest_swing(_beside(scenario))
+
+
+def least_tilt(scenario: Scenario) -> float:
+    """Tilt in rad of the rotating motions next to the connection.
+
+    It is zero where `last_amplitude` is pi. Where a motion swings beyond noninverted spinning, it
+    passes with a tilt before it comes back to it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        See `heteroclinic_connection`; so are the errors.
+    """
+    ways = _beside(scenario)
+    if _largest_swing(ways) == np.pi:
+        return 0.0
+    beta, gamma, _ = ways[1.0]
+    first = int(np.argmax(gamma >= 1.5 * np.pi))
+    passing = slice(first - 1, first + 1)
+    return float(np.interp(1.5 * np.pi, gamma[passing], beta[passing])) - np.pi / 2
+
+
+def _beside(scenario: Scenario) -> Mapping[float, Array]:
+    """Ways on both sides of the connection, next to it, by the side to which they go."""
     found = heteroclinic_connection(scenario)
-    sides = (fall(scenario, side) for side in (found.below - _BESIDE, found.above + _BESIDE))
-    # The one that turns back is nearly the cycle's own way.
-    overshoot = max(float(np.max(way.states[:, 1])) for way in sides if way.side < 0.0)
-    return max(float(np.pi), overshoot - np.pi / 2)
+    ways = (fall(scenario, spin) for spin in (found.below - _BESIDE, found.above + _BESIDE))
+    return {way.side: way.states.T for way in ways}
+
+
+def _largest_swing(ways: Mapping[float, Array]) -> float:
+    """Largest deviation of gamma in rad on the way that turns back, nearly that of a cycle."""
+    return max(float(np.pi), float(np.max(ways[-1.0][1])) - np.pi / 2)
 
 
 def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> dict[str, float]:
