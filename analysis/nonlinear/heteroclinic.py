@@ -42,8 +42,13 @@ _NEAR = 1e-2
 _TOLERANCE = 1e-12
 """Relative error of a step of a run."""
 
-_BESIDE = 1e-9
-"""Distance in rad/s from the connection at which a motion surely falls to its side."""
+_BESIDE = 1e-9, 1e-8, 1e-7, 1e-6
+"""Distances in rad/s from the connection at which motions are looked for that fall to their sides:
+where friction is steep, nearer ones may fall to the same."""
+
+_STALLING = 1e4
+"""Gradient of friction in s/m from which LSODA, a tenth as long under way otherwise, may take the
+stiff motion for none and a hundred times the steps."""
 
 _STEEPEST = 1e5
 """Gradient of friction in s/m beyond which runs lose the digits of the spin."""
@@ -155,15 +160,18 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
     growth = values[0].real
+    how: dict[str, Any] = {"method": "LSODA"}
+    if scenario.friction.gradient > _STALLING:
+        jacobian = reduced.jacobian(scenario, spin)
+        how = {"method": "Radau", "jac": lambda _, state: jacobian(state)}
     run = solve_ivp(
         reduced.right_hand_side(scenario, spin),
         (0.0, _LONGEST / growth),
         np.array((np.pi / 2, -np.pi / 2, 0.0)) + _DEPARTURE * growing,
-        # The strong direction is stiff where friction is steep.
-        method="LSODA",
         rtol=_TOLERANCE,
         atol=_TOLERANCE * 1e-2,
         events=_ENDINGS,
+        **how,
     )
 
     def distances(turns: float) -> Array:
@@ -298,8 +306,14 @@ def least_tilt(scenario: Scenario) -> float:
 def _beside(scenario: Scenario) -> Mapping[float, Array]:
     """Ways on both sides of the connection, next to it, by the side to which they go."""
     found = heteroclinic_connection(scenario)
-    ways = (fall(scenario, spin) for spin in (found.below - _BESIDE, found.above + _BESIDE))
-    return {way.side: way.states.T for way in ways}
+    for apart in _BESIDE:
+        ways = [fall(scenario, spin) for spin in (found.below - apart, found.above + apart)]
+        if ways[0].side != ways[1].side:
+            return {way.side: way.states.T for way in ways}
+    raise NoConnectionError(
+        f"motions within {apart:g} rad/s of the heteroclinic connection at {found.spin:.9g} rad/s "
+        "fall to the same side"
+    )
 
 
 def _largest_swing(ways: Mapping[float, Array]) -> float:
