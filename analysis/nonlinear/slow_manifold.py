@@ -9,9 +9,12 @@ Spins at which the height regains its value over an orbit are those of the cycle
 (Melnikov's integral, the slip over sin(beta) integrated over gamma).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
 
 from analysis.mechanics.dual import per_speed_and_slope
 from analysis.mechanics.paper import critical_speed
@@ -21,8 +24,11 @@ from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import nearest_root
 
-_NODES = 200
-"""Points of the quadratures; they change spins by less than 1e-12 beyond 80."""
+_NODES = 80
+"""Points of a piece of the quadratures; spins change by less than 1e-12 beyond 40."""
+
+_GRID: Array = np.linspace(-np.pi / 2, np.pi / 2, 200)
+"""Places at which the sign of the friction is looked at."""
 
 _LEAST_FRICTION, _LARGEST_SLIP = 1e-30, 1e6
 """Part of the weight that is none, and slip in m/s beyond which none is looked for."""
@@ -140,22 +146,35 @@ def slow_connection(scenario: Scenario) -> SlowOrbit:
 def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     flow.require_cycles(scenario)
     disk = scenario.disk
-    # sin removes the square roots at the turning points.
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    theta = nodes * np.pi / 2
-    turn = amplitude * np.sin(theta)
-    steps = amplitude * np.cos(theta) * np.pi / 2 * weights
-    # cos(turn) - cos(amplitude) without loss of digits.
-    half, other = (amplitude - turn) / 2, (amplitude + turn) / 2
-    excess = 2.0 * disk.eccentricity * np.sin(half) * np.sin(other)
     height = disk.radius + disk.eccentricity * np.cos(amplitude)
-    rho = height + excess
-    cos_beta = np.sqrt(excess * (height + rho)) / rho
-    beta, gamma = np.pi - np.arcsin(height / rho), np.pi / 2 + turn
+
+    def place(theta: Array) -> tuple[Array, Array, Array]:
+        """Lever r + e sin(gamma) in m, cosine of beta, and gamma.
+
+        The latter deviates by the part sin(theta) of the amplitude, which removes the square
+        roots at the turning points.
+        """
+        turn = amplitude * np.sin(theta)
+        # cos(turn) - cos(amplitude) without loss of digits.
+        half, other = (amplitude - turn) / 2, (amplitude + turn) / 2
+        excess = 2.0 * disk.eccentricity * np.sin(half) * np.sin(other)
+        rho = height + excess
+        return rho, -np.sqrt(excess * (height + rho)) / rho, np.pi / 2 + turn
+
+    def needed(theta: npt.ArrayLike, spin: float) -> Array:
+        _, cos_beta, gamma = place(np.asarray(theta))
+        return needed_friction(scenario, spin, np.arccos(cos_beta), gamma)
 
     def gain(spin: float) -> float:
-        slips = _slips(scenario, needed_friction(scenario, spin, beta, gamma))
-        return float(steps @ (slips * rho / height))
+        signs = np.sign(needed(_GRID, spin))
+        # Where friction changes its sign, the slip that it takes has a kink.
+        kinks = [
+            brentq(needed, *_GRID[each : each + 2], args=(spin,))
+            for each in np.flatnonzero(signs[1:] * signs[:-1] < 0.0).tolist()
+        ]
+        theta, weights = _quadrature(kinks)
+        slips = _slips(scenario, needed(theta, spin))
+        return float(weights @ (np.cos(theta) * slips * place(theta)[0]))
 
     spin = nearest_root(gain, critical_speed(scenario).spin)
     if spin is None:
@@ -163,8 +182,17 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
             f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
             "slow manifold"
         )
-    needed = needed_friction(scenario, spin, beta, gamma)
-    period = 2.0 / spin * float(steps @ (1.0 / cos_beta)) if amplitude < np.pi else np.inf
-    return SlowOrbit(
-        amplitude=amplitude, spin=spin, period=period, friction=float(np.max(np.abs(needed)))
-    )
+    period = np.inf
+    if amplitude < np.pi:
+        theta, weights = _quadrature()
+        period = -2.0 / spin * amplitude * float(weights @ (np.cos(theta) / place(theta)[1]))
+    friction = float(np.max(np.abs(needed(_GRID, spin))))
+    return SlowOrbit(amplitude=amplitude, spin=spin, period=period, friction=friction)
+
+
+def _quadrature(kinks: Sequence[float] = ()) -> tuple[Array, Array]:
+    """Nodes from -pi/2 to pi/2 and weights of Gauss's rule, piece by piece between kinks."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    ends = np.array((-np.pi / 2, *kinks, np.pi / 2))
+    halves = np.diff(ends)[:, None] / 2.0
+    return (ends[:-1, None] + halves * (1.0 + nodes)).ravel(), (halves * weights).ravel()

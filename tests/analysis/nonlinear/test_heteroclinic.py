@@ -133,6 +133,13 @@ def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
     assert np.log(missing[0] / missing[1]) / np.log(2.0) == pytest.approx(2.0, abs=0.05)
 
 
+@pytest.mark.slow
+def test_steep_friction_brings_the_connection_to_that_on_the_slow_manifold() -> None:
+    limit = slow_connection(PAPER).spin
+    missing = [limit - heteroclinic_connection(with_smoothing(each)).spin for each in (1e-3, 1e-4)]
+    assert np.log10(missing[0] / missing[1]) == pytest.approx(2.0, abs=0.01)
+
+
 def test_a_motion_that_has_not_left_says_how_long_it_was_followed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
