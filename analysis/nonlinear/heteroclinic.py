@@ -221,7 +221,7 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     -------
     Connection
         Found to 1e-11 rad/s. The runs add some 1e-10 to its error, 3e-9 for friction a hundred
-        times as steep as the paper's, 2e-8 for a thousand times.
+        times as steep as the paper's, 2e-8 for a thousand times and 2e-7 for three thousand times.
 
     Raises
     ------
