@@ -17,7 +17,6 @@ from analysis.solve.watch import Progress
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""
 
-
 _SLOW = 1e-2
 """Part of the largest speed below which all is equally slow."""
 
