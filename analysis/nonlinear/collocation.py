@@ -1,7 +1,7 @@
 """Periodic motions by collocation, and their multipliers by the variational equations on its mesh.
 
-Given is the amplitude or tilt, and the spin is found, so that folds of the spin are nothing
-special; or the spin is given.
+What is given is a combination of amplitude or tilt, spin and duration: one of the first two, or
+the place along a family, so that a fold is nothing special.
 """
 
 from functools import reduce
@@ -34,7 +34,11 @@ _SMALL = 1e-6
 """Amplitude in rad at which a cycle is that of the linear system."""
 
 _FURTHEST = 2.0
-"""Factor by which the amplitude of a cycle at a spin may differ from the one it is begun with."""
+"""Factor by which an amplitude that is found may fall short of the one it is looked for at."""
+
+VALUE: Array = np.array((1.0, 0.0, 0.0))
+SPIN: Array = np.array((0.0, 1.0, 0.0))
+"""What is held of a place: the amplitude or tilt, or the spin."""
 
 
 class NoCycleError(ArithmeticError):
@@ -78,36 +82,30 @@ def slow_rotation(scenario: Scenario, tilt: float) -> PeriodicMotion:
     )
 
 
-def solve(
-    scenario: Scenario,
-    value: float,
-    start: PeriodicMotion,
-    *,
-    spin: float | None = None,
-) -> PeriodicMotion:
-    """Find the periodic motion of the kind of another one with a given amplitude or tilt.
+def solve(start: PeriodicMotion, place: Array, held: Array = VALUE) -> PeriodicMotion:
+    """Find the periodic motion of the kind of another one at a place, or where it meets a plane.
 
     Parameters
     ----------
-    scenario : Scenario
-        Of the reduced system.
-    value : float
-        Amplitude or tilt in rad; with a given spin the amplitude to begin with.
     start : PeriodicMotion
-        One near it.
-    spin : float, optional
-        In rad/s, for cycles alone; the amplitude is then found.
+        To begin with, of the scenario that is looked at.
+    place : ndarray, shape (3,)
+        See `PeriodicMotion.place`.
+    held : ndarray, shape (3,)
+        Of the deviations from there, each over what it deviates from, the combination that is
+        zero: `VALUE`, `SPIN`, or the direction in which a family is followed.
 
     Raises
     ------
     NoCycleError
         If the iteration does not converge, or to something else.
     """
-    ends, repeats = start.ends, 2.0 if start.ends.mirrored else 1.0
-    found, unit = _collocated(scenario, value, start, spin)
+    scenario, ends, repeats = start.scenario, start.ends, 2.0 if start.ends.mirrored else 1.0
+    found, unit = _collocated(start, place, held)
     speed, duration = found.p.tolist()
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
-    reached = value if spin is None else float((states[0] - INVERTED)[ends.follows])
+    value = float(place[0])
+    reached = float((states[0] - INVERTED)[ends.follows]) if np.any(held[1:]) else value
     residual = np.max(found.rms_residuals)
     why = f"the collocation ended with {found.x.size} nodes and a residual of {residual:.1e}"
     if found.status == 0 and np.min(found.p) > 0.0 and value < _FURTHEST * reached:
@@ -133,17 +131,16 @@ def solve(
     )
 
 
-def _collocated(
-    scenario: Scenario, value: float, start: PeriodicMotion, spin: float | None
-) -> tuple[Any, Array]:
+def _collocated(start: PeriodicMotion, place: Array, held: Array) -> tuple[Any, Array]:
     """Result of `solve_bvp`, and the units of its deviations, shape (3,)."""
-    ends, every = start.ends, max(1, start.times.size // _RESTART_NODES)
+    scenario, ends = start.scenario, start.ends
+    every = max(1, start.times.size // _RESTART_NODES)
     kept = np.unique(np.append(np.arange(0, start.times.size, every), start.times.size - 1))
     unit = np.array((1.0, 1.0, critical_speed(scenario).frequency))
     values = ((start.states[kept] - INVERTED) / unit).T
     if not ends.turn:
         # Small cycles are known to the same part of their amplitude as large ones.
-        unit, values = value * unit, values / start.value
+        unit, values = place[0] * unit, values / start.value
     column = unit[:, None]
 
     def rates(_: float, y: Array, p: Array) -> Any:
@@ -156,7 +153,8 @@ def _collocated(
         return by_each[:, :3] * column / column[..., None], np.stack(by_parameters, axis=1)
 
     def residual(first: Array, last: Array, p: Array) -> Array:
-        given = first[ends.follows] - value / unit[1] if spin is None else p[0] / spin - 1.0
+        value = first[ends.follows] * unit[1]
+        given = held @ (np.array((value, *p)) / place - 1.0)
         return np.append(given, ends.residual(first, last))
 
     duration = float(start.times[-1])
@@ -167,7 +165,7 @@ def _collocated(
                 residual,
                 start.times[kept] / duration,
                 values,
-                (start.spin if spin is None else spin, duration),
+                (place[1], duration),
                 tol=_TOLERANCE,
                 bc_tol=_BOUNDARY,
                 max_nodes=_MOST_NODES,

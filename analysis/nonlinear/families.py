@@ -18,8 +18,16 @@ import numpy.typing as npt
 
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
-from analysis.nonlinear.collocation import STEEPEST, NoCycleError, hopf_cycle, slow_rotation, solve
-from analysis.nonlinear.following import Family, events, onward
+from analysis.nonlinear.collocation import (
+    SPIN,
+    STEEPEST,
+    VALUE,
+    NoCycleError,
+    hopf_cycle,
+    slow_rotation,
+    solve,
+)
+from analysis.nonlinear.following import Family, events, onward, through_folds
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
@@ -103,6 +111,8 @@ def cycle_family(
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
     found = onward(hopf_cycle(scenario), wanted.tolist())
+    if amplitudes is None:
+        found = through_folds(found)
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
@@ -145,7 +155,8 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
         if 0.0 < fraction <= 1.0:
             # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
             low, high = before.value**2, cycle.value**2
-            return solve(scenario, float(np.sqrt(low + fraction * (high - low))), cycle, spin=spin)
+            value = float(np.sqrt(low + fraction * (high - low)))
+            return solve(cycle, cycle.place_with(value=value, spin=spin), SPIN)
         spins.append(cycle.spin)
     raise ValueError(
         f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
@@ -205,7 +216,8 @@ def cycles_over(
 
     def further(last: PeriodicMotion, scenario: Scenario) -> PeriodicMotion:
         with suppress(NoCycleError):
-            return solve(scenario, amplitude or last.value, last, spin=spin)
+            place, held = last.place_with(value=amplitude, spin=spin), SPIN if spin else VALUE
+            return solve(replace(last, scenario=scenario), place, held)
         try:
             return first(scenario)
         except (NoCycleError, ValueError) as error:
@@ -254,8 +266,9 @@ def asymmetric_family(
     # To the one side it then swings further than to the other.
     value, swings = born.value + _FIRST, states + _FIRST * np.eye(3)[1]
     start = replace(born, kind="asymmetric", value=value, times=times, states=swings)
-    first = solve(born.scenario, start.value, start)
-    found = onward(first, wanted.tolist())
+    found = onward(solve(start, start.place), wanted.tolist())
+    if amplitudes is None:
+        found = through_folds(found)
     family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
     return replace(family, born=breaking)
 
@@ -322,9 +335,11 @@ def rotating_family(
     chosen = beyond[beyond <= TILTS[-1]] if tilts is None else tilts
     allowed = f"between {least:.6g}, the tilt of the connection, and pi/2"
     wanted = _rising("tilts", chosen, least, np.pi / 2, allowed)
-    first = solve(scenario, _TILT, slow_rotation(scenario, _TILT))
+    begun = slow_rotation(scenario, _TILT)
+    first = solve(begun, begun.place)
     split = int(np.searchsorted(wanted, first.value))
     down, up = wanted[:split][::-1].tolist(), wanted[split:].tolist()
-    ways = (onward(first, way) for way in (down, up))
-    found = Family.of(begins, *ways, progress=progress, wanted=wanted.size)
-    return replace(found, motions=tuple(sorted(found.motions, key=lambda each: each.value)))
+    ways = onward(first, down), onward(first, up)
+    if tilts is None:
+        ways = ways[0], through_folds(ways[1])
+    return Family.of(begins, *ways, progress=progress, wanted=wanted.size)

@@ -1,21 +1,31 @@
-"""Periodic motions followed from one value to the next, and what happens on the way."""
+"""Periodic motions followed from one value to the next, and what happens on the way.
 
+Where amplitude or tilt has a fold, a family is followed by pseudo-arclength: in the place along
+the direction from the motion before the last to the last one.
+"""
+
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
-from analysis.nonlinear.collocation import NoCycleError, solve
+from analysis.nonlinear.collocation import VALUE, NoCycleError, solve
 from analysis.nonlinear.motions import Event, PeriodicMotion
-from analysis.problem.checks import instance
+from analysis.problem.checks import Array, instance
 from analysis.solve.watch import Progress
 
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""
+
+_LONGEST, _SHORTEST = 0.05, 1e-3
+"""Step of pseudo-arclength at most and at least, in parts of value, spin and duration."""
+
+_MOST = 100
+"""Motions of a family beyond its first fold, at most."""
 
 _SLOW = 1e-2
 """Part of the largest speed below which all is equally slow."""
@@ -28,7 +38,7 @@ class Family:
     Parameters
     ----------
     motions : tuple of PeriodicMotion
-        All of them converged: by rising amplitude or tilt, or one for each of a sequence of
+        All of them converged, in their order along the family; or one for each of a sequence of
         scenarios.
     begins : float
         Spin in rad/s where it begins: of the Hopf point, the heteroclinic connection, or the
@@ -54,16 +64,18 @@ class Family:
     ) -> "Family":
         """All motions of each way up to the first not found; `NoCycleError` if there is none.
 
-        After each `progress` is called with how many there are and how many are wanted.
+        Of two ways, the first goes backwards. After each motion `progress` is called with how many
+        there are and how many are wanted.
         """
         found: list[PeriodicMotion] = []
         reason = None
         for way in ways:
+            found.reverse()
             try:
                 for each in way:
                     found.append(each)
                     if progress is not None:
-                        progress(float(len(found)), float(wanted))
+                        progress(float(len(found)), float(max(wanted, len(found))))
             except NoCycleError as error:
                 reason = str(error)
         if not found:
@@ -72,11 +84,16 @@ class Family:
 
 
 def continue_to(
-    start: PeriodicMotion, value: float, gained: float = 0.0, halvings: int = _HALVINGS
+    start: PeriodicMotion,
+    place: Array,
+    held: Array = VALUE,
+    gained: float = 0.0,
+    halvings: int = _HALVINGS,
 ) -> PeriodicMotion:
-    """Motion of a value, on the way over others if it is too far from `start`.
+    """Motion at a place, on the way over others if it is too far from `start`.
 
-    `gained` is by how much longer it is expected to take, in s.
+    What is held there is said in `solve`; `gained` is by how much longer the motion is expected to
+    take, in s.
 
     Raises
     ------
@@ -84,20 +101,68 @@ def continue_to(
         That of the first motion for which halving does not help.
     """
     try:
-        return solve(start.scenario, value, _lingering(start, gained))
+        return solve(_lingering(start, gained), place, held)
     except NoCycleError:
         if not halvings:
             raise
-    between = continue_to(start, (start.value + value) / 2.0, gained / 2.0, halvings - 1)
-    return continue_to(between, value, _gain(start, between), halvings - 1)
+    between = continue_to(start, (start.place + place) / 2.0, held, gained / 2.0, halvings - 1)
+    return continue_to(between, place, held, _gain(start, between), halvings - 1)
 
 
 def onward(start: PeriodicMotion, values: Iterable[float]) -> Iterator[PeriodicMotion]:
     """Motions of values, each continued from the one before, the first one from `start`."""
     before = last = start
     for value in values:
-        before, last = last, continue_to(last, value, _gain(before, last))
+        before, last = (
+            last,
+            continue_to(last, last.place_with(value=value), VALUE, _gain(before, last)),
+        )
         yield last
+
+
+def through_folds(way: Iterable[PeriodicMotion]) -> Iterator[PeriodicMotion]:
+    """Motions of a way, and, where it would end early, those beyond the fold of their value.
+
+    Raises
+    ------
+    NoCycleError
+        Where nothing further is found, or the family goes on beyond `_MOST` motions.
+    """
+    last = deque[PeriodicMotion](maxlen=2)
+    try:
+        for each in way:
+            last.append(each)
+            yield each
+    except NoCycleError:
+        if len(last) < 2:
+            raise
+    else:
+        return
+    for _ in range(_MOST):
+        last.append(_ahead(*last))
+        yield last[-1]
+    raise NoCycleError(
+        f"the family goes on beyond {_MOST} motions after its first fold, the last of which has "
+        f"{last[-1].value:.9g} rad at a spin of {last[-1].spin:.9g} rad/s"
+    )
+
+
+def _ahead(before: PeriodicMotion, last: PeriodicMotion) -> PeriodicMotion:
+    """The next motion in the direction from one to another, as far as it does not bend away."""
+    chord = last.place / before.place - 1.0
+    length = float(np.linalg.norm(chord))
+    step, why = min(1.5 * length, _LONGEST), "it bends away"
+    while step > _SHORTEST:
+        place = last.place * (1.0 + step / length * chord)
+        longer = _lingering(last, max(0.0, float(place[2] - last.place[2])))
+        try:
+            found = solve(longer, place, chord / length)
+            if np.linalg.norm((found.place - place) / last.place) < step:
+                return found
+        except NoCycleError as error:
+            why = str(error)
+        step /= 2.0
+    raise NoCycleError(why)
 
 
 def _gain(first: PeriodicMotion, last: PeriodicMotion) -> float:
@@ -140,6 +205,15 @@ def events(family: Family) -> tuple[Event, ...]:
 
 def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> PeriodicMotion:
     """Motion between two neighbours that has a multiplier."""
-    known = {each.value: each for each in (first, last)}
-    at = cache(lambda value: known.get(value) or continue_to(first, value))
-    return at(brentq(lambda value: at(value).characteristic(multiplier), *known, xtol=1e-9))
+    known, chord = {0.0: first, 1.0: last}, last.place - first.place
+
+    def at(part: float) -> PeriodicMotion:
+        """Where the family meets the plane across the chord, this part of it from the first."""
+        if part not in known:
+            place = first.place + part * chord
+            nearest = known[min(known, key=lambda each: abs(each - part))]
+            held = chord / place
+            known[part] = continue_to(nearest, place, held / np.linalg.norm(held))
+        return known[part]
+
+    return at(brentq(lambda part: at(part).characteristic(multiplier), 0.0, 1.0, xtol=1e-9))

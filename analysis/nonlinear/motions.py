@@ -141,6 +141,15 @@ class PeriodicMotion:
         return KINDS[self.kind]
 
     @property
+    def place(self) -> Array:
+        """Where it lies in its family, shape (3,): `value`, `spin`, and the last of `times`."""
+        return np.array((self.value, self.spin, self.times[-1]))
+
+    def place_with(self, *, value: float | None = None, spin: float | None = None) -> Array:
+        """Its `place` with another value or spin, shape (3,)."""
+        return np.array((value or self.value, spin or self.spin, self.times[-1]))
+
+    @property
     def multiplier(self) -> float:
         """The larger multiplier over a whole period, of a complex pair its real part."""
         return self.larger**2 if self.ends.mirrored else self.larger
@@ -172,7 +181,7 @@ class PeriodicMotion:
             flat = np.max(tilts) >= np.pi / 2
             return "the disk would fall flat on the way" if flat else None
         if self.kind == "asymmetric" and self.value + self.lowest < _SYMMETRIC:
-            return "it swings as far to the other side"
+            return "it is a symmetric one"
         return "it swings further" if np.max(turns) > (1.0 + _BEYOND) * self.value else None
 
     def characteristic(self, multiplier: float) -> float:

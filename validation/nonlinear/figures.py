@@ -96,8 +96,10 @@ def diagram(
             bounds = (1.0, -1.0) if np.min(values) < -1.0 else (1.0,)
             for bound in bounds:
                 each.axhline(bound, color=GREY, linewidth=0.8, zorder=0)
-            if np.max(values) > 10.0:
-                each.set(yscale="log", ylabel=f"{HEADS[name]}, logarithmic")
+            if np.max(np.abs(values)) > 10.0:
+                # Between -1 and 1 it is linear where some are negative.
+                scale = "log" if np.min(values) > 0.0 else "symlog"
+                each.set(yscale=scale, ylabel=f"{HEADS[name]}, logarithmic")
     panels[-1].set(xlabel=parameter[1], xscale="log" if log else "linear")
     figures.legend_above(panels[0], columns=3)
     return figure

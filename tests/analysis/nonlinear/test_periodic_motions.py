@@ -150,8 +150,8 @@ def test_stability_changes_where_events_are_found_and_the_spin_is_extreme_in_a_f
     for cycle in weak.motions:
         assert cycle.stable is not (lost < cycle.value < regained or cycle.value > folded)
     fold = found[-1].motion
-    sides = (solve(WEAK, fold.value + side, fold).spin for side in (-0.01, 0.01))
-    before, after = (spin - fold.spin for spin in sides)
+    places = (fold.place_with(value=fold.value + side) for side in (-0.01, 0.01))
+    before, after = (solve(fold, place).spin - fold.spin for place in places)
     assert before == pytest.approx(after, rel=0.05)
     assert before > 1e-6
 
@@ -160,7 +160,7 @@ def test_stability_changes_where_events_are_found_and_the_spin_is_extreme_in_a_f
 def test_a_cycle_at_a_spin_or_followed_over_a_parameter_is_that_of_the_family(spin: float) -> None:
     cycle = cycle_at(PAPER, spin)
     assert cycle.spin == spin
-    assert solve(PAPER, cycle.value, cycle).spin == pytest.approx(spin, rel=1e-11)
+    assert solve(cycle, cycle.place).spin == pytest.approx(spin, rel=1e-11)
     softer = replace(PAPER, friction=SmoothCoulomb(smoothing=0.13))
     alone = cycle_family(softer, [cycle.value]).motions[0]
     followed = cycles_over([PAPER, softer], amplitude=cycle.value).motions[1]
@@ -186,7 +186,7 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
 def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: Family) -> None:
     cycle = family.motions[1]
     with pytest.raises(NoCycleError, match="no symmetric motion of 1 rad found"):
-        solve(PAPER, 1.0, replace(cycle, spin=-10.0, times=3.0 * cycle.times))
+        solve(replace(cycle, times=3.0 * cycle.times), cycle.place_with(spin=-10.0))
 
 
 def test_derivatives_of_the_flow_are_those_of_the_reduced_system() -> None:
@@ -238,6 +238,24 @@ def test_cycles_without_symmetry_leave_symmetric_ones_until_their_period_doubles
     assert near.spin == pytest.approx(born.motion.spin, abs=1e-3)
     assert cycle.multiplier == pytest.approx(-1.0, abs=1e-6)
     assert cycle.spin == pytest.approx(29.9690, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_cycles_without_symmetry_pass_the_fold_of_their_amplitude_to_other_symmetric_ones() -> (
+    None
+):
+    scenario = model(4, friction=SmoothCoulomb(smoothing=1.0))
+    found = events(cycle_family(scenario, (1.0, 1.8, 2.0, 2.6, 2.8)))
+    (lost, regained) = (each for each in found if each.kind == "symmetry-breaking")
+    family = asymmetric_family(lost)
+    last, values = family.motions[-1], [each.value for each in family.motions]
+    assert not_none(family.reason).endswith("it is a symmetric one")
+    assert lost.motion.value < last.value < max(values) - 0.2
+    # Symmetric cycles have the end alone: the family has come to it through its fold.
+    assert last.spin == pytest.approx(regained.motion.spin, abs=1e-3)
+    assert -last.lowest == pytest.approx(last.value, abs=0.02)
+    assert last.multiplier == pytest.approx(1.0, abs=0.01)
+    assert [each.kind for each in events(family)[1:]] == ["period-doubling"] * 2
 
 
 @pytest.mark.slow
