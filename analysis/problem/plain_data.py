@@ -74,6 +74,9 @@ def made_part(table: str, values: Any) -> Any:
 
 def told_constraints(model: Any = None, constraints: Any = None) -> Any:
     """Constraints of a model of the paper, or those that are given in place of it."""
+    if model is None and constraints is None:
+        fault = "or constraints is missing; model = 1 is the disk on the table"
+        raise ArgumentError("model", fault)
     if model is not None and constraints is not None:
         raise ArgumentError("constraints", "do not go together with model")
     if model is None:

@@ -235,7 +235,7 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
         missing = f"is missing; it must be {FORMAT}"
         fault = missing if given is None else f"must be {FORMAT}, got {given!r}"
         raise ArgumentError("format", fault)
-    parts = {"constraints": _constraints(values)}
+    parts = {"constraints": told_constraints(values.get("model"), values.get("constraints"))}
     for table in _TABLES:
         if table in values:
             parts[table] = made_part(table, _read(table, values[table]))
@@ -251,15 +251,6 @@ def _stray(key: str) -> tuple[str, str]:
         return f"must stand in the table [{QUANTITIES[KEYS[key]].table}]", key
     known = nearest(key, [*_TOP, *KEYS])
     return f"a scenario holds {', '.join(_TOP)}{known}", f"unknown key {key!r};"
-
-
-def _constraints(values: Mapping[str, Any]) -> Any:
-    model, given = values.get("model"), values.get("constraints")
-    if model is None and given is None:
-        raise ArgumentError(
-            "model", "or constraints is missing; model = 1 is the disk on the table"
-        )
-    return told_constraints(model, given)
 
 
 def _read(table: str, values: Any) -> Any:
