@@ -100,7 +100,7 @@ def _table(columns: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
 
 def _described(quantity: Quantity) -> tuple[str, ...]:
     allowed = f" ({quantity.allowed})" if quantity.allowed else ""
-    told = (quantity.unit or "", quantity.shown_default, f"{quantity.meaning}{allowed}")
+    told = (quantity.unit, quantity.shown_default, f"{quantity.meaning}{allowed}")
     return f"`{quantity.key}`", f"`{quantity.flag}`", *told
 
 

@@ -17,7 +17,7 @@ _LONGEST = 200
 """Characters of a value in a message, before it is cut."""
 
 OTHERWISE = {
-    each.option: each.key for each in QUANTITIES.values() if each.option and each.unit is not None
+    each.option: each.key for each in QUANTITIES.values() if each.option and not each.is_word
 }
 """Numbers that the command line does not call as the key: from its option to that."""
 

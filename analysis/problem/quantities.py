@@ -87,8 +87,8 @@ class Quantity(NamedTuple):
     key : str
         Table and key of a scenario's file, "start.spin"; also the field of the data type.
     meaning : str
-    unit : str or None
-        Empty for a plain number, None for what is no number; what is in "rad" is an angle.
+    unit : str
+        Empty for a plain number and for what is none; what is in "rad" is an angle.
     default
         None where there is none, or where it follows from the rest.
     least, most : float
@@ -109,7 +109,7 @@ class Quantity(NamedTuple):
 
     key: str
     meaning: str
-    unit: str | None = ""
+    unit: str = ""
     default: Any = None
     least: float = -inf
     most: float = inf
@@ -139,7 +139,7 @@ class Quantity(NamedTuple):
     @property
     def metavar(self) -> str:
         """What stands for its value in the help of the command line."""
-        if self.unit is None:
+        if self.is_word:
             return "LIST" if self.key == "constraints" else self.name.upper()
         name = self.unit.upper().replace(" ", "").replace("²", "2").replace("³", "3")
         return "ANGLE" if self.is_angle else name or "NUMBER"
@@ -147,7 +147,7 @@ class Quantity(NamedTuple):
     @property
     def is_word(self) -> bool:
         """Whether it takes one of a few words or marks, between which nothing lies."""
-        return self.unit is None
+        return bool(self.choices)
 
     @property
     def is_switch(self) -> bool:
@@ -264,12 +264,12 @@ def _slip(key: str, meaning: str, default: float, option: str = "") -> Quantity:
 
 
 _DECLARED = (
-    Quantity("model", "constraints of a model of the paper", None, 1, choices=LEVELS),
-    Quantity("constraints", "the contact and others, in place of a model", None,
+    Quantity("model", "constraints of a model of the paper", default=1, choices=LEVELS),
+    Quantity("constraints", "the contact and others, in place of a model",
              choices=CONSTRAINTS, usual="those of the model"),
-    Quantity("disk.name", "the paper's, unrounded or as printed", None, "steel", option="disk",
-             choices=("steel", "steel-rounded")),
-    Quantity("disk.body", "what else it is, or own module:Class", None, "disk",
+    Quantity("disk.name", "the paper's, unrounded or as printed", default="steel",
+             option="disk", choices=("steel", "steel-rounded")),
+    Quantity("disk.body", "what else it is, or own module:Class", default="disk",
              choices=("disk", "sphere", "ellipse")),
     _size("disk.radius", "of the edge; of other bodies the largest", "m", default=0.045,
           doubted=1.0),
@@ -288,11 +288,11 @@ _DECLARED = (
     Quantity("disk.inertia_yz", "the same of -y z dm", "kg m²", 0.0),
     _size("disk.other_radius", "ellipse: smaller semi-axis", "m", default=0.04),
     _angle("disk.long_axis", "ellipse: its larger semi-axis from the line G to S"),
-    Quantity("friction.law", "by name, or own module:Class", None, "smooth-coulomb",
+    Quantity("friction.law", "by name, or own module:Class", default="smooth-coulomb",
              choices=("smooth-coulomb", "stribeck", "tanh", "viscous", "anisotropic",
                       "power-law", "lubricated")),
-    Quantity("friction.load", "what presses: m g cos(inclination), or the contact's force", None,
-             "weight", choices=LOADS),
+    Quantity("friction.load", "what presses: m g cos(inclination), or the contact's force",
+             default="weight", choices=LOADS),
     _coefficient("friction.coefficient", "friction coefficient", 0.3, option="mu"),
     _slip("friction.smoothing", "slip speed over which it sets in", 0.1, "eps"),
     _coefficient("friction.static", "stribeck: coefficient at little slip, not below kinetic",
@@ -322,7 +322,7 @@ _DECLARED = (
              usual="0 in a file; by options half of the critical one"),
     Quantity("contact.half_thickness", "of a rounded rim, at most the radius; 0: thin disk",
              "m", 0.0, 0.0),
-    Quantity("contact.bilateral", "whether the contact may pull", None, False,
+    Quantity("contact.bilateral", "whether the contact may pull", default=False,
              choices=(True, False)),
     Quantity("dissipation.rolling_dry", "dry resistance on the contour, a part of the force", "",
              0.0, 0.0, 1.0, option="rolling"),

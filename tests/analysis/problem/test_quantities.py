@@ -87,7 +87,7 @@ def test_every_number_of_a_data_type_is_declared_with_its_default() -> None:
 @EVERY
 def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quantity) -> None:
     assert full_name(quantity.key) == full_name(quantity.name) == quantity.key
-    assert quantity.unit is None or full_name(quantity.flag.lstrip("-")) == quantity.key
+    assert quantity.is_word or full_name(quantity.flag.lstrip("-")) == quantity.key
     assert sum(each.flag == quantity.flag for each in QUANTITIES.values()) == 1
     if quantity.choices:
         values = ",".join(str(each).lower() for each in quantity.choices)
