@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from analysis.problem.bodies import BODIES
 from analysis.problem.body import Body
-from analysis.problem.checks import choice, float_array, instance, several, switch
+from analysis.problem.checks import float_array, instance, several, switch
 from analysis.problem.contact import PenaltyContact
-from analysis.problem.disk import DISKS, Disk
+from analysis.problem.disk import Disk
 from analysis.problem.elementary import DividedError, Members, Rows
 from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError, full_name
@@ -56,7 +56,7 @@ def check_fields(scenario: Scenario, values: Mapping[str, Any]) -> None:
             key = f"contact.{next(iter(given))}"
             raise ArgumentError(key, "needs a penalty contact, and the scenario's is ideal")
         if table:
-            maker(table, _merged(scenario, table, given))
+            maker(table, _merged(scenario, table, given, scenario.disk))
         else:
             told_constraints(**given)
 
@@ -97,7 +97,7 @@ def _by_table(values: Mapping[str, Any]) -> dict[str, Numbers]:
     return found
 
 
-def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = None) -> Numbers:
+def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body) -> Numbers:
     """Data of a part with some of it changed; a new contact is one for this disk."""
     part = getattr(scenario, table)
     if table == "disk":
@@ -107,7 +107,7 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = 
     if table == "start" and not isinstance(part, Start):
         fault = "cannot change: the start is told by its coordinates and rates"
         raise ArgumentError(next(iter(given)), fault)
-    if part is None and disk is not None:
+    if part is None:
         if "stiffness" not in given:
             name, value = next(iter(given.items()))
             fault = f"needs a penalty contact, told by its stiffness, got {value}"
@@ -119,7 +119,7 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body | None = 
 def _body(disk: Body, given: Numbers) -> Numbers:
     """Data of a body with some of it changed; with a geometry, from which the others follow."""
     if "name" in given:
-        disk = DISKS[choice("name", given["name"], DISKS)]
+        disk = made_part("disk", {"name": given["name"]})
     told = {name: value for name, value in given.items() if name != "name"}
     if "body" in told and BODIES.find(told["body"]) is type(disk):
         # To name what it is changes nothing.
