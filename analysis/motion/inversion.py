@@ -1,7 +1,7 @@
 """Whether, and when, the disk turns itself upside down and stays so."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -111,49 +111,58 @@ def inversions(
     is_high = (cog_directions >= REACHED - _LAST_DIGITS).any(axis=1)
     rose = np.flatnonzero(is_high & (eccentricities > 0.0))
     if rose.size:
-        risen = _Risen(times[rose], cog_directions[rose], rates[rose])
-        outcomes[rose[risen.is_up_at_end]] = "not decided"
-        rows, found = risen.inversions()
+        motions = _Motions(times[rose], cog_directions[rose], rates[rose])
+        rises = motions.rises()
+        outcomes[rose[rises[0, rises[2] == times.shape[1]]]] = "not decided"
+        rows, found = motions.first_lasting(rises)
         outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
         numbers[:, rose[rows]] = found
     return Inversions(outcomes, *numbers)
 
 
-class _Risen:
-    """Motions whose centre of gravity rises to `REACHED` at some sample, shape (k, n)."""
+class _Motions(NamedTuple):
+    """Samples of k motions, each shape (k, n)."""
 
-    def __init__(self, times: Array, directions: Array, rates: Array) -> None:
-        self._times, self._directions, self._rates = times, directions, rates
-        self._ends, high = times[:, -1], directions >= REACHED - _LAST_DIGITS
-        falls = np.where(directions < _LAST_DIGITS, times, np.inf)
-        self._next_fall = np.minimum.accumulate(falls[:, ::-1], axis=1)[:, ::-1]
-        last = high.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
-        self.is_up_at_end = np.isinf(self._next_fall[np.arange(len(high)), last])
-        # What has risen between two samples may have stayed since the earlier one.
-        since = np.append(times[:, :1], times[:, :-1], axis=1)
-        until = np.minimum(self._next_fall, self._ends[:, None])
-        self._may_stay = high & (until - since >= STAYING)
+    times: Array
+    directions: Array
+    rates: Array
 
-    def inversions(self) -> tuple[Numbers, Array]:
+    def rises(self) -> Numbers:
+        """The first rise of each motion and the first one after each fall, in order.
+
+        Returns
+        -------
+        ndarray of int, shape (3, j)
+            Row of the motion, first column at which it is up, and next one at which it is down, n
+            if it is so at none.
+        """
+        size = self.times.shape[1]
+        is_up = self.directions >= REACHED - _LAST_DIGITS
+        is_up[:, 1:] &= ~is_up[:, :-1]
+        up = np.flatnonzero(is_up)
+        down = np.append(np.flatnonzero(self.directions < _LAST_DIGITS), self.times.size)
+        rows = up // size
+        falls = np.minimum(down[np.searchsorted(down, up)], (rows + 1) * size)
+        is_new = np.append(True, falls[1:] > falls[:-1])
+        return np.array((rows, up - rows * size, falls - rows * size))[:, is_new]
+
+    def first_lasting(self, rises: Numbers) -> tuple[Numbers, Array]:
         """Rows that are inverted, and when, when that was lost, and both errors, shape (4, j)."""
-        settled = np.full((4, len(self._times)), np.nan)
-        rows = np.flatnonzero(self._may_stay.any(axis=1))
-        while rows.size:
-            first = np.argmax(self._may_stay[rows], axis=1)
-            found = np.full((4, rows.size), np.nan)
-            found[0], found[2] = self._passed(rows, first, REACHED)
-            fall = self._next_fall[rows, first]
-            if (lost := np.flatnonzero(np.isfinite(fall))).size:
-                columns = np.argmax(self._times[rows[lost]] >= fall[lost, None], axis=1)
-                found[1, lost], found[3, lost] = self._passed(rows[lost], columns, 0.0)
-            stays = np.fmin(found[1], self._ends[rows]) - found[0] >= STAYING
-            settled[:, rows[stays]] = found[:, stays]
-            rows, fall = rows[~stays], fall[~stays]
-            self._may_stay[rows] &= self._times[rows] > fall[:, None]
-            rows = rows[self._may_stay[rows].any(axis=1)]
-        rows = np.flatnonzero(~np.isnan(settled[0]))
-        settled[2, rows] = np.maximum(settled[2, rows], self._unseen(rows, settled[0, rows]))
-        return rows, settled[:, rows]
+        rows, columns, falls = rises
+        last = self.times.shape[1] - 1
+        # What has risen between two samples may have stayed since the earlier one.
+        since = self.times[rows, np.maximum(columns - 1, 0)]
+        until = self.times[rows, np.minimum(falls, last)]
+        rows, columns, falls = rises[:, until - since >= STAYING]
+        found = np.full((4, rows.size), np.nan)
+        found[0], found[2] = self._passed(rows, columns, REACHED)
+        lost = np.flatnonzero(falls <= last)
+        found[1, lost], found[3, lost] = self._passed(rows[lost], falls[lost], 0.0)
+        stays = np.flatnonzero(np.fmin(found[1], self.times[rows, -1]) - found[0] >= STAYING)
+        rows, first = np.unique(rows[stays], return_index=True)
+        found = found[:, stays[first]]
+        found[2] = np.maximum(found[2], self._unseen(rows, found[0]))
+        return rows, found
 
     def _unseen(self, rows: Numbers, risen: Array) -> Array:
         """How far off a rise or a fall that no sample shows may put the times of some rows.
@@ -161,15 +170,17 @@ class _Risen:
         Only samples that are far apart are looked between: by cubic polynomials, with a margin.
         """
         errors = np.zeros(rows.size)
-        coarse = np.max(np.abs(np.diff(self._directions[rows], axis=1)), axis=1) > _COARSE
+        coarse = np.max(np.abs(np.diff(self.directions[rows], axis=1)), axis=1) > _COARSE
         if not coarse.any():
             return errors
-        rows, risen = rows[coarse], risen[coarse, None]
-        times = self._times[rows]
-        lowest, highest = extremes(times, self._directions[rows], self._rates[rows])
-        begins, ends, falls = times[:, :-1], times[:, 1:], self._next_fall[rows]
+        times, directions, rates = (each[rows[coarse]] for each in self)
+        risen = risen[coarse, None]
+        lowest, highest = extremes(times, directions, rates)
+        begins, ends = times[:, :-1], times[:, 1:]
         # Up before, and not down since; or down within the time for which it has to stay up.
-        before = (highest >= REACHED) & (ends <= risen) & (falls[:, 1:] > risen)
+        is_down = (directions < _LAST_DIGITS) & (times <= risen)
+        sunk = np.max(times, axis=1, keepdims=True, where=is_down, initial=-np.inf)
+        before = (highest >= REACHED) & (ends <= risen) & (ends > sunk)
         after = (lowest < 0.0) & (begins >= risen) & (begins < risen + STAYING)
         earliest = np.min(np.where(before, begins, risen), axis=1)
         latest = np.max(np.where(after, np.minimum(ends + STAYING, times[:, -1:]), risen), axis=1)
@@ -178,15 +189,10 @@ class _Risen:
 
     def _passed(self, rows: Numbers, columns: Numbers, level: float) -> tuple[Array, Array]:
         """Times at which a level was passed before these samples, and their errors."""
-        found, errors = self._times[rows, columns], np.zeros(rows.size)
-        apart = np.abs(self._directions[rows, columns] - level) > _LAST_DIGITS
+        found, errors = self.times[rows, columns], np.zeros(rows.size)
+        apart = np.abs(self.directions[rows, columns] - level) > _LAST_DIGITS
         some = np.flatnonzero((columns > 0) & apart)
-        chosen = rows[some]
-        found[some], errors[some] = crossings(
-            self._times[chosen],
-            self._directions[chosen],
-            self._rates[chosen],
-            level,
-            columns[some],
-        )
+        if some.size:
+            chosen = _Motions(*(each[rows[some]] for each in self))
+            found[some], errors[some] = crossings(*chosen, level, columns[some])
         return found, errors
