@@ -13,7 +13,7 @@ from analysis.problem.checks import Array
 from analysis.problem.constraints import multiplier_names
 from analysis.simulation.compiled import systems
 from analysis.simulation.compiled.library import heyoka
-from analysis.simulation.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure, System
+from analysis.simulation.compiled.systems import ALIVE, REASON, SIGN, WHEN, Structure
 
 WIDEST_INDEX_1 = 4
 """Most members of a batch of an index-1 system.
@@ -80,6 +80,12 @@ class Code:
             if reason == CONTACT_WOULD_PULL and self.structure.allow_pulling:
                 direction, callback = library.event_direction.any, _note(edges)
             events.append(library.t_event_batch(symbol, direction=direction, callback=callback))
+        # A step across friction's kink, or close by, has an error that its size does not show.
+        # Where both slips come close to zero, one of them passes through it no farther from the
+        # kink than the kink is off. The sign of one of two slips is of no use, and noting it
+        # takes as long as half a step.
+        passed = _flip if len(system.kinks) == 1 else _go_on
+        events += [library.t_event_batch(slip, callback=passed) for slip in system.kinks]
         derivatives = system.derivatives
         if width > 1:
             derivatives = [library.par[ALIVE] * derivative for derivative in derivatives]
@@ -87,7 +93,7 @@ class Code:
             list(zip(system.variables, derivatives, strict=True)),
             np.zeros((len(derivatives), width)),
             tol=local_tolerance,
-            t_events=events + kinks(system, library.t_event_batch),
+            t_events=events,
             compact_mode=self._compact,
         )
         return solver, edges
@@ -135,25 +141,14 @@ def code_for(structure: Structure) -> Code:
 _code = lru_cache(maxsize=64)(Code)
 
 
-def kinks(system: System, event: Callable[..., Any]) -> list[Any]:
-    """Events, of heyoka's kind for one run or for batches, that end a step at friction's kink.
-
-    A step across it, or close by, has an error that its size does not show. Where both slips come
-    close to zero, one of them passes through it no farther from the kink than the kink is off.
-    """
-    # The sign of one of two slips is of no use, and noting it takes as long as half a step.
-    passed = _flip if len(system.kinks) == 1 else _go_on
-    return [event(slip, callback=passed) for slip in system.kinks]
-
-
 def _go_on(*_: Any) -> bool:
     return True
 
 
-def _flip(solver: Any, direction: int, *lane: int) -> bool:
+def _flip(solver: Any, direction: int, lane: int) -> bool:
     """Note the sign that a slip has from now on; the run goes on in a new step."""
     if direction != 0:
-        solver.pars[(SIGN, *lane)] = direction
+        solver.pars[SIGN, lane] = direction
     return True
 
 
