@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from math import inf, isnan
+from typing import Any
 
 import numpy.typing as npt
 
@@ -87,9 +88,7 @@ class Request:
 
     def usual_method(self, scenario: Scenario) -> Method:
         """Method of a scenario that is not compiled, where none is asked for."""
-        return usual_method(
-            scenario, self.times, tolerance=self.tolerance, local_tolerance=self.local_tolerance
-        )
+        return usual_method(scenario, self.times, **self._accuracy)
 
     def watch(self, most: float = MOST_STEPS) -> Watch:
         """Who watches a run of so many steps at most."""
@@ -111,15 +110,13 @@ class Request:
 
     def effort(self, scenario: Scenario, method: Method) -> Effort:
         """What a run should take; `ValueError` if that is too many steps."""
-        effort = simulation_effort(
-            scenario,
-            self.times,
-            method=method,
-            tolerance=self.tolerance,
-            local_tolerance=self.local_tolerance,
-        )
+        effort = simulation_effort(scenario, self.times, method=method, **self._accuracy)
         effort.check()
         return effort
+
+    @property
+    def _accuracy(self) -> dict[str, Any]:
+        return {"tolerance": self.tolerance, "local_tolerance": self.local_tolerance}
 
 
 def trajectory(
