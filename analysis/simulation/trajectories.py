@@ -88,15 +88,9 @@ class Trajectories(InCoordinates):
         except (ArithmeticError, ValueError, OSError, RuntimeError) as error:
             return error
 
-    @cached_property
+    @property
     def _eccentricity(self) -> Array:
-        found = np.full(len(self), np.nan)
-        for rows, eccentricity in self.ensemble.map_groups(
-            lambda scenario: scenario.disk.eccentricity
-        ):
-            if not isinstance(eccentricity, Exception):
-                found[rows] = eccentricity
-        return found[:, None]
+        return self._kinematics[2]
 
     def _lowest(self, up: Any) -> Any:
         # Behind an ending there are no numbers, which complex division would warn of.
@@ -118,12 +112,12 @@ class Trajectories(InCoordinates):
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
         return self._ended[2]
 
-    @cached_property
+    @property
     def coordinates(self) -> Array:
         """Co-rotating coordinates, Eq. (8), in m and rad, shape (m, n, 6)."""
         return self._kinematics[0]
 
-    @cached_property
+    @property
     def rates(self) -> Array:
         """Time derivatives of the coordinates, shape (m, n, 6)."""
         return self._kinematics[1]
@@ -142,15 +136,17 @@ class Trajectories(InCoordinates):
         return Inversions(outcomes, *numbers)
 
     @cached_property
-    def _kinematics(self) -> tuple[Array, Array]:
-        """Coordinates and rates at the times asked for, shape (2, m, n, 6)."""
+    def _kinematics(self) -> tuple[Array, Array, Array]:
+        """Coordinates and rates at the times asked for, shape (m, n, 6), and eccentricities."""
         whole = np.full((2, len(self), self.times.size, 6), np.nan)
+        eccentricities = np.full((len(self), 1), np.nan)
         for rows, samples in self.blocks():
             for each, found in zip(whole, (samples.coordinates, samples.rates), strict=True):
                 each[rows] = found[:, :-1]
+            eccentricities[rows] = samples.scenario.disk.eccentricity
         whole[:, self.times > self.ends[:, None]] = np.nan
         whole.setflags(write=False)
-        return whole[0], whole[1]
+        return *whole, eccentricities
 
     def blocks(self) -> Iterator[tuple[Rows, Samples]]:
         """Numbers of some members at a time that have not failed, and their samples.
