@@ -4,7 +4,7 @@ import pandas as pd
 
 from tests.toy_study import STUDY
 from validation.kit.figures import new_figure
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Rows
 from validation.study import at_most
 
 TITLE = "Toy"
@@ -12,7 +12,7 @@ STUDIES = (STUDY,)
 
 
 def present(rows: Rows) -> Content:
-    """A table, a figure, a check and a verdict."""
+    """Tables, a figure and a check."""
     table = rows["toy"]
     figure, axes = new_figure()
     axes.plot(table["value"], table["power"])
@@ -24,5 +24,4 @@ def present(rows: Rows) -> Content:
         },
         figures={"curve": figure},
         checks=[at_most("toy: largest", float(table["value"].max()), 4.0, "stored")],
-        verdicts=[Verdict(statement="It grows.", answer="yes", numbers="4", criterion="above 1")],
     )

@@ -239,7 +239,7 @@ def draw(case: tuple[str, Found, Path]) -> list[Row]:
         html, text = section.filled(vars(module) | {"about": about})
         checks += content.checks
         made = MadeSection(
-            short(module), module.TITLE, html, text, checks, [*content.verdicts], section.files
+            short(module), module.TITLE, html, text, checks, section.verdicts, section.files
         )
     except Exception as error:  # noqa: BLE001
         # A section that cannot be made says so, and the report fails.

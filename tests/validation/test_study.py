@@ -18,6 +18,8 @@ from tests.helpers import failing
 from tests.toy_study import CASES, STUDY
 from validation import report
 from validation import study as kit
+from validation.page.content import Content
+from validation.page.section import Section
 from validation.study import Row, Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
@@ -151,6 +153,13 @@ def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
     assert not re.search("[<\ue000]", text)
     assert "\ue000" not in page
     assert pd.read_csv(tmp_path / "checks.csv")["holds"].all()
+
+
+def test_a_verdict_that_lacks_its_criterion_is_refused(tmp_path: Path) -> None:
+    text = tmp_path / "toy.md"
+    text.write_text('{% call verdict("yes") %}It grows.\n\nBy 4.{% endcall %}')
+    with pytest.raises(ValueError, match="must have 3 paragraphs, got 2: It grows"):
+        Section("toy", Content(), text).filled({})
 
 
 def test_a_second_call_measures_and_draws_nothing(

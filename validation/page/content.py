@@ -1,4 +1,4 @@
-"""What a study has to show: numbers, tables, figures, checks and verdicts."""
+"""What a study has to show: numbers, tables, figures and checks; and what is read first."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -19,7 +19,7 @@ Judged = dict[str, Any]
 
 
 class Verdict(NamedTuple):
-    """A result that is read first.
+    """A result that is read first, as the text of its section has it.
 
     Parameters
     ----------
@@ -72,8 +72,6 @@ class Content:
     animations : mapping
     checks : sequence of Check
         Beside those that confirm what is stored.
-    verdicts : sequence of Verdict
-        For the front of the page.
     """
 
     numbers: Mapping[str, Any] = field(default_factory=dict)
@@ -81,7 +79,6 @@ class Content:
     figures: Mapping[str, Figure] = field(default_factory=dict)
     animations: Mapping[str, Animation] = field(default_factory=dict)
     checks: Sequence[Check] = ()
-    verdicts: Sequence[Verdict] = ()
 
     def __or__(self, other: "Content") -> "Content":
         """What two parts of a section have to show together."""

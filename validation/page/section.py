@@ -7,7 +7,7 @@ that the text leaves out: everything that a study shows is shown once.
 import base64
 import io
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
 from validation.kit.tables import Table, show
-from validation.page.content import Content
+from validation.page.content import Content, Verdict
 
 LONG = 12
 """Most rows of a table that a page shows as it is."""
@@ -49,11 +49,14 @@ class Section:
     ----------
     files : dict
         From names to contents of all that lies beside the page: text, and pictures in base 64.
+    verdicts : list of Verdict
+        For the front of the page.
     """
 
     def __init__(self, name: str, content: Content, text: Path) -> None:
         self.name, self._content, self._text = name, content, text
         self.files: dict[str, str] = {}
+        self.verdicts: list[Verdict] = []
         self._left = {*content.tables, *content.figures, *content.animations}
         self._pieces: list[tuple[str, str]] = []
 
@@ -68,11 +71,11 @@ class Section:
         Raises
         ------
         ValueError
-            If it leaves out a table, figure or animation.
+            If it leaves out a table, figure or animation, or a verdict has not 3 paragraphs.
         jinja2.UndefinedError
             If it names what there is not.
         """
-        kinds = ("table", "file", "figure", "drawing", "animation")
+        kinds = ("verdict", "table", "file", "figure", "drawing", "animation")
         names = {
             **known,
             **self._content.numbers,
@@ -95,6 +98,22 @@ class Section:
         while (put := _MARKED.sub(lambda found: self._pieces[int(found[1])][kind], text)) != text:
             text = put
         return text
+
+    def verdict(self, answer: str, hoped: str = "yes", *, caller: Callable[[], str]) -> str:
+        """A result that is read first, on the front of the page and not here.
+
+        Parameters
+        ----------
+        answer, hoped : str
+        caller : callable
+            Returns its block of the text: statement, numbers and criterion, a paragraph each.
+        """
+        said = [" ".join(paragraph.split()) for paragraph in caller().strip().split("\n\n")]
+        if len(said) != 3:
+            raise ValueError(f"a verdict must have 3 paragraphs, got {len(said)}: {said[0]}")
+        statement, numbers, criterion = said
+        self.verdicts.append(Verdict(statement, answer, numbers, criterion, hoped))
+        return ""
 
     def table(
         self,

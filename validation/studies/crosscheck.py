@@ -25,18 +25,9 @@ from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import Scene, formulations
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows, Verdict
-from validation.page.section import power, sig
+from validation.page.content import Content, Rows, grade
 from validation.run import run_to_rest
-from validation.studies.comparisons import (
-    ACCELERATION_LIMIT,
-    ANGLE_LIMIT,
-    END,
-    MOTION,
-    SPINS,
-    compare_scene,
-)
-from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
+from validation.studies import comparisons
 from validation.study import Check, Row, Study, at_most, equal
 
 TITLE = "Engine against in-house equations"
@@ -125,11 +116,12 @@ def cases() -> dict[str, Case]:
 
 def measure(case: Case) -> list[Row]:
     """All comparisons of a case; other bodies than the paper's disk have no spectra."""
-    (kind, scenario), end = case, None if case[0] == SETS else END
+    kind, scenario = case
+    how: Any = {"states": STATES[kind], "end": None if kind == SETS else comparisons.END}
     return [
         {"kind": kind, **each._asdict()}
         for formulation in formulations(scenario)
-        for each in compare_scene(Scene(scenario, formulation), states=STATES[kind], end=end)
+        for each in comparisons.compare_scene(Scene(scenario, formulation), **how)
         if kind != OTHERS or not each.quantity.startswith("eigenvalues")
     ]
 
@@ -179,15 +171,14 @@ def present(rows: Rows) -> Content:
     models = worst.loc[MODELS_OF_PAPER]
     parts = {"accelerations": "accelerations|forces", "motions": "motion in", "eigenvalues": "eig"}
     most = {
-        name: sig(largest(models.filter(regex=part, axis=0)["difference"]))
+        name: largest(models.filter(regex=part, axis=0)["difference"])
         for name, part in parts.items()
     }
-    agrees, scenes = all(check.holds for check in checks), int(models["scenes"].max())
     return Content(
         numbers={
             **most,
-            "scenes": scenes,
-            "spins": SPINS,
+            "scenes": int(models["scenes"].max()),
+            "answer": grade(yes=all(check.holds for check in checks)),
             **told,
         },
         tables={
@@ -197,20 +188,6 @@ def present(rows: Rows) -> Content:
             .reset_index(),
         },
         checks=checks,
-        verdicts=[
-            Verdict(
-                statement="The engine solves the same equations as the in-house ones.",
-                answer="yes" if agrees else "no",
-                numbers=f"Over {scenes} scenes: accelerations and constraint forces at "
-                f"{STATES[MODELS_OF_PAPER]} random states each to {most['accelerations']} and "
-                f"eigenvalues to {most['eigenvalues']}, relative; motions over {END:g} s to "
-                f"{most['motions']} rad.",
-                criterion=f"at most {power(ACCELERATION_LIMIT)}, {power(ANGLE_LIMIT)} rad "
-                f"and {power(EIGENVALUE_LIMIT)}, in every formulation; both sides share the "
-                "description of the problem and no mechanics, which a test sees to by reading "
-                "the imports.",
-            )
-        ],
     )
 
 
@@ -235,6 +212,6 @@ def _checks(worst: pd.DataFrame) -> list[Check]:
         found.append(equal(f"{name}, scenes", row["scenes"], scenes[kind]))
         if row["quantity"] == "accelerations":
             found.append(equal(f"{name}, states with a solution", row["states"], STATES[kind]))
-        elif row["quantity"] == MOTION:
-            found.append(equal(f"{name}, least time in s", row["lasting"], END))
+        elif row["quantity"] == comparisons.MOTION:
+            found.append(equal(f"{name}, least time in s", row["lasting"], comparisons.END))
     return found

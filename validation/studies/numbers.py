@@ -10,7 +10,7 @@ import pandas as pd
 import mbs_models
 from analysis import GRAVITY, MODELS, ROUNDED_STEEL_DISK, STEEL_DISK, Scenario
 from analysis.mechanics import paper
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Rows, grade
 from validation.run import run
 from validation.studies.comparisons import random_state
 from validation.studies.stability import measured
@@ -132,6 +132,7 @@ def present(rows: Rows) -> Content:
         numbers={
             "total": len(printed),
             "agree": agree,
+            "answer": grade(yes=agree == len(printed), partly=True),
             "sharp": printed[printed["quantity"].isin((CLOSED, LIMIT))].to_dict("records"),
             "third": third,
             "left": wrong.set_index("place").to_dict("index"),
@@ -140,17 +141,6 @@ def present(rows: Rows) -> Content:
         },
         tables={"printed": printed},
         checks=_checks(printed, third, wrong),
-        verdicts=[
-            Verdict(
-                statement="The numbers that the paper prints come out.",
-                answer="yes" if agree == len(printed) else "partly",
-                numbers=f"{agree} of {len(printed)} to the printed digits; the others are "
-                f"explained beside them. {len(wrong)} misprints in equations and tables are "
-                "corrected.",
-                criterion="what is computed from the unrounded disk rounds to what is printed; a "
-                "misprint contradicts the engine's accelerations or a constraint.",
-            )
-        ],
     )
 
 

@@ -10,8 +10,7 @@ from analysis.mechanics.paper import CriticalSpeed, critical_speed
 from validation.kit.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.kit.limits import largest
 from validation.nonlinear import figures, passage, tables
-from validation.page.content import Content, Rows, Verdict
-from validation.page.section import power
+from validation.page.content import Content, Rows, grade
 from validation.studies.nonlinear import measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
@@ -46,7 +45,7 @@ SOON = 1.0
 
 
 def present(rows: Rows) -> Content:
-    """Numbers, tables, figures, checks and verdicts."""
+    """Numbers, tables, figures and checks."""
     families, engine, connections, passages = (rows[study.name] for study in STUDIES)
     cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
     fits = families[families.kind != "motion"].set_index("kind").T
@@ -58,17 +57,25 @@ def present(rows: Rows) -> Content:
     held = families[families.case.isin(HELD_NAMES)]
     columns = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
     words = held.assign(stable=held.stable.map(tables.WORDS))
+    stable = sum(bool(each["stable"]) for each in cycles)
+    late = followed.lost - followed.crossing
     return Content(
         numbers={
             "cycles": cycles,
             "hopf": hopf,
             "connection": connection,
             "fits": fits,
-            "apart": apart.abs().max().clip(lower=KEPT),
+            "apart": apart.abs().max(skipna=False).clip(lower=KEPT),
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
             "growth": np.log(passage.LOST / passage.SMALL),
+            "stable": stable,
+            "late": late,
+            "answers": {
+                "swings": grade(yes=stable == len(cycles), partly=stable > 0),
+                "lost": grade(yes=(late < SOON).all(), partly=(late < SOON).any()),
+            },
         },
         tables={
             "cycles": tables.motion_table(cycles),
@@ -90,10 +97,6 @@ def present(rows: Rows) -> Content:
         checks=[
             *_cycle_checks(fits, apart),
             *_other_checks(connections, passages, law.exponent),
-        ],
-        verdicts=[
-            _swings(cycles, hopf.spin, connection["spin"], fits.fold, apart),
-            _lost(followed),
         ],
     )
 
@@ -157,7 +160,7 @@ def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
     return found.assign(lacking=lacking)[[*heads]].rename(columns=heads)
 
 
-# --- Checks and verdicts ------------------------------------------------------------------------
+# --- Checks -------------------------------------------------------------------------------------
 
 
 def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
@@ -187,32 +190,3 @@ def _other_checks(
     for name in ("crossing", "lost", "lowest_spin"):
         yield at_most(f"passage: {name}, engine", float(np.ptp(sides[name])), SAME_PASSAGE)
     yield at_most("passage: power of the rate of decay", abs(power_of_decay - 0.5), ROOT)
-
-
-def _swings(
-    cycles: list[Row], hopf: float, connection: float, fold: Any, apart: pd.DataFrame
-) -> Verdict:
-    stable = sum(bool(each["stable"]) for each in cycles)
-    return Verdict(
-        statement="Below the critical speed, a disk of Model 4 swings about inverted spinning.",
-        answer="yes" if stable == len(cycles) else "partly" if stable else "no",
-        numbers=f"From {hopf:.2f} down to {connection:.2f} rad/s {stable} of {len(cycles)} cycles "
-        f"are stable; below, γ turns round, and the disk falls below {fold.spin:.2f} rad/s. The "
-        f"engine's cycles are within {power(max(largest(apart.amplitude.abs()), KEPT))} rad.",
-        criterion="Floquet multipliers inside the unit circle, from the Hopf point to the "
-        "heteroclinic connection.",
-    )
-
-
-def _lost(followed: pd.DataFrame) -> Verdict:
-    late, low = followed.lost - followed.crossing, followed.lowest_spin
-    soon = late < SOON
-    return Verdict(
-        statement="A disk whose spin decays by itself falls at the critical speed.",
-        answer="yes" if soon.all() else "partly" if soon.any() else "no",
-        numbers="From Table 3 it passes the Hopf point at "
-        f"{followed.hopf.iloc[0]:.2f} rad/s and is lost {late.min():.1f} to {late.max():.1f} s "
-        f"later, at {low.min():.1f} to {low.max():.1f} rad/s.",
-        criterion=f"lost within {SOON:g} s of the crossing.",
-        hoped="no",
-    )

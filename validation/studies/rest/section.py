@@ -12,7 +12,7 @@ from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
 from validation.kit.figures import COLOURS, draw_story
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Rows, grade
 from validation.studies.rest import closed_forms, creep, runs, starts
 from validation.studies.rest.runs import ENGINE, INHOUSE, PHASES, SHOWN, SLIDING, TAKEN, VARIANTS
 from validation.study import Check, Row, at_most
@@ -116,7 +116,6 @@ def present(rows: Rows) -> Content:
         figures={"story": story(shown, courses[ENGINE[SHOWN]]["tilt"])},
         animations={"animation": shown.animate(title=title, caption=caption)},
         checks=checks(courses),
-        verdicts=[verdict(courses)],
     )
     for each in _BESIDE:
         content |= each.present(rows[each.STUDY.name])
@@ -162,7 +161,11 @@ def numbers(courses: Mapping[str, Row]) -> Row:
     base, apart_by = courses[INHOUSE[SHOWN]], differences(courses)
     large, small = (apart(courses[name], base) for name in runs.FASTER)
     times = runs.EVERY * runs.SPACING * np.arange(large.size)
+    flat = {losses: courses[name]["flat"] for losses, name in INHOUSE.items()}
+    lies = {losses: time for losses, time in flat.items() if not pd.isna(time)}
     return {
+        "lies": lies,
+        "answer": grade(yes=SLIDING in lies, partly=bool(lies)) if lies else "not shown",
         "base": base,
         "criterion": RestCriterion(),
         "apart": apart_by.at[ENGINE[SHOWN], "tilt in rad"],
@@ -173,25 +176,6 @@ def numbers(courses: Mapping[str, Row]) -> Row:
         "ideal": courses[runs.IDEAL],
         "sliding": courses[INHOUSE[SLIDING]],
     }
-
-
-def verdict(courses: Mapping[str, Row]) -> Verdict:
-    """Whether the disk comes to lie flat, and with what."""
-    flat = {losses: courses[name]["flat"] for losses, name in INHOUSE.items()}
-    lies = [losses for losses, time in flat.items() if not pd.isna(time)]
-    lean = courses[INHOUSE[SLIDING]]["lean"]
-    return Verdict(
-        statement="On a slow timescale the disk comes to lie flat on the table.",
-        answer="yes" if SLIDING in lies else "partly" if lies else "not shown",
-        numbers=f"After {runs.END:g} s of sliding friction alone it leans by {lean:.2f} rad"
-        + "".join(
-            f"; with {losses.replace(', ', ' and ')} it is flat after {flat[losses]:.1f} s"
-            for losses in lies
-        )
-        + ". The coefficients of rolling and pivoting are chosen here, not the paper's.",
-        criterion=f"flat to the end within {runs.END:g} s by sliding friction alone, as the paper "
-        "models it; partly: with further losses.",
-    )
 
 
 def phases(table: pd.DataFrame, apart_by: pd.DataFrame) -> pd.DataFrame:

@@ -6,8 +6,7 @@ from typing import Any
 import pandas as pd
 
 from validation.kit import references  # noqa: F401 # the text names their limits
-from validation.page.content import Content, Rows, Verdict
-from validation.page.section import power
+from validation.page.content import Content, Rows, grade
 from validation.studies.robustness import conservation, outcomes, penalty, steps
 from validation.studies.robustness.outcomes import BAD, CASES, CHOSEN, GOOD, explained
 from validation.studies.robustness.problems import ENDED, TOLERANCE, problems  # noqa: F401
@@ -26,7 +25,12 @@ def present(rows: Rows) -> Content:
     table, chosen = (explained(rows[study.name]) for study in (CASES, CHOSEN))
     numbers, left = case_numbers(table), int((~chosen["right"]).sum())
     content = Content(
-        numbers={**numbers, "left": left, "chosen_broken": int(chosen["broken"].sum())},
+        numbers={
+            **numbers,
+            "left": left,
+            "chosen_broken": int(chosen["broken"].sum()),
+            "answer": grade(yes=not numbers["broken"]),
+        },
         tables={
             "outcomes": _by_axis(table),
             "causes": _causes(table),
@@ -39,7 +43,6 @@ def present(rows: Rows) -> Content:
             *_checks("cases as chosen", CHOSEN, chosen),
             at_most("cases as chosen: without an accurate result", left, 0, "stored"),
         ],
-        verdicts=[_verdict(numbers)],
     )
     for each in _BESIDE:
         content |= each.present(rows[each.STUDY.name])
@@ -88,7 +91,7 @@ def _causes(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
-    """Numbers of the hard cases, explained, that the text, the verdict and the manual state."""
+    """Numbers of the hard cases, explained, that the text and the manual state."""
     accurate = int((table["verdict"] == "accurate").sum())
     late = table["cause"].isin(outcomes.UNFINISHED)
     finest = table["case"].map(lambda name: problems()[name].scenario.friction.finest_speed)
@@ -108,18 +111,3 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
         "beyond": int((estimated["error"] > estimated["estimate"] + estimated["doubt"]).sum()),
         "untold": int((table["estimate"].isna() & table["error"].notna()).sum()),
     }
-
-
-def _verdict(numbers: dict[str, Any]) -> Verdict:
-    asked, broken = numbers["tolerances"], numbers["broken"]
-    return Verdict(
-        statement="No stiff or extreme case crashes or breaks its promise of accuracy.",
-        answer="no" if broken else "yes",
-        numbers=f"Of {numbers['total']} cases asked for {power(asked.min())} to "
-        f"{power(asked.max())} rad, {numbers['accurate']} are accurate and "
-        f"{numbers['ends']} end early, accurately; {numbers['without']} give no "
-        f"accurate result, for reasons that are counted; "
-        f"{broken or 'none'} crashed or broke the promise.",
-        criterion="angles and the time of an ending within what was asked for, and its reason, "
-        "beside two runs by other methods; said of these cases alone.",
-    )

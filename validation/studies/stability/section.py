@@ -1,12 +1,13 @@
 """What the report says of the linear stability of spinning upright."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from validation.kit.limits import largest
-from validation.page.content import Content, Rows, Verdict
+from validation.page.content import Content, Rows, grade
 from validation.studies.stability import figures, measured
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 from validation.studies.stability.measured import (
@@ -32,7 +33,7 @@ SPEED_LIMIT = 1e-6
 
 
 def present(rows: Rows) -> Content:
-    """Numbers, tables, figures, checks and verdicts."""
+    """Numbers, tables, figures and checks."""
     values, numbers, variants, region = (
         rows[study.name].drop(columns="case") for study in STUDIES
     )
@@ -42,6 +43,7 @@ def present(rows: Rows) -> Content:
     first = of_models.drop_duplicates(["constraints", "motion"])
     first = first.set_index(["constraints", "motion"])
     full, stable = first.loc["Model 1"], first.at[("Model 1", "inverted"), STABLE]
+    inside = region[region.place == INSIDE].iloc[0]
     return Content(
         numbers={
             "critical": _critical(found),
@@ -50,7 +52,8 @@ def present(rows: Rows) -> Content:
             "variants": variants,
             "stable": stable,
             "corners": region[region.kind == "corner"],
-            "inside": region[region.place == INSIDE].iloc[0],
+            "inside": inside,
+            "answers": _answers(found, stable, inside),
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
             "own": of_models[of_models.motion == "inverted"].groupby("is constrained")[OWN],
@@ -69,11 +72,6 @@ def present(rows: Rows) -> Content:
             "chart": figures.chart(region),
         },
         checks=list(_checks(values, found, variants, region)),
-        verdicts=[
-            _critical_speed(found),
-            _hopf_speeds(found, variants),
-            _stable_region(stable, region),
-        ],
     )
 
 
@@ -113,47 +111,14 @@ def _checks(
     yield equal("variants: the equations as they are", as_they_are, here)
 
 
-def _critical_speed(found: pd.DataFrame) -> Verdict:
-    printed, ways = found.at[CLOSED, "printed"], _critical(found)
-    confirmed = all(rounds_to(each, printed) for each in ways)
-    return Verdict(
-        statement=f"In the reduced system, inverted spinning is stable from {printed} on.",
-        answer="yes" if confirmed else "no",
-        numbers="Closed form {:.4f}, root finding {:.4f}, engine {:.4f} rad/s.".format(*ways),
-        criterion="all three round to what is printed.",
-    )
-
-
-def _hopf_speeds(found: pd.DataFrame, variants: pd.DataFrame) -> Verdict:
-    speeds = found.loc[HOPF]
-    confirmed = [rounds_to(*each) for each in zip(speeds[HERE], speeds["printed"], strict=True)]
-    others = int((variants["both as printed"] == "yes").sum())
-    low, high = speeds[HERE]
-    return Verdict(
-        statement="In the full system, pairs of eigenvalues cross at {} and {} rad/s.".format(
-            *PRINTED
-        ),
-        answer="yes" if all(confirmed) else "partly" if any(confirmed) else "no",
-        numbers=f"They cross at {low:.2f} and {high:.2f} rad/s, in-house and in the engine; of "
-        f"{len(variants)} obvious choices {others or 'none'} gives the printed pair.",
-        criterion="both round to what is printed.",
-    )
-
-
-def _stable_region(stable_spins: str, region: pd.DataFrame) -> Verdict:
-    corners = region[region.kind == "corner"]
-    rates = region.loc[region.place == INSIDE, ["in-house", ENGINE]].to_numpy(float).ravel()
-    stable = bool(rates.size and np.all(rates < 0.0))
-    places = "{:.2g} and {:.2g} s/m and from {:.3g} to {:.3g} rad/s".format(
-        *corners.gradient.agg(["min", "max"]), *corners.spin.agg(["min", "max"])
-    )
-    return Verdict(
-        statement="In the full system, inverted spinning is always unstable.",
-        answer="no" if stable_spins != "nowhere" else "partly" if stable else "yes",
-        numbers=f"At the paper's friction gradient it is stable {stable_spins} from 0 to 60 "
-        f"rad/s. Between {places} lies a region whose middle has a largest growth rate of "
-        f"{rates[0]:.3g} 1/s in-house and {rates[-1]:.3g} 1/s in the engine.",
-        criterion="sign of the largest growth rate on both sides, in the region's middle and "
-        "beyond each of its edges.",
-        hoped="partly",
-    )
+def _answers(found: pd.DataFrame, stable: str, inside: "pd.Series[Any]") -> dict[str, str]:
+    """Whether critical and Hopf speeds are those printed, and inverted spinning never stable."""
+    printed = found["printed"]
+    critical = [rounds_to(each, printed[CLOSED]) for each in _critical(found)]
+    hopf = [rounds_to(found.at[name, HERE], printed[name]) for name in HOPF]
+    decays = inside["in-house"] < 0.0 and inside[ENGINE] < 0.0
+    return {
+        "critical": grade(yes=all(critical)),
+        "hopf": grade(yes=all(hopf), partly=any(hopf)),
+        "unstable": grade(yes=stable == "nowhere" and not decays, partly=stable == "nowhere"),
+    }
