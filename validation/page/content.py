@@ -8,7 +8,6 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from validation.kit.animation.player import Animation
-from validation.kit.tables import Table
 from validation.study import Check
 
 Rows = Mapping[str, pd.DataFrame]
@@ -75,7 +74,7 @@ class Content:
     """
 
     numbers: Mapping[str, Any] = field(default_factory=dict)
-    tables: Mapping[str, pd.DataFrame | Table] = field(default_factory=dict)
+    tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
     animations: Mapping[str, Animation] = field(default_factory=dict)
     checks: Sequence[Check] = ()

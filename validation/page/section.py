@@ -18,7 +18,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
-from validation.kit.tables import Table, show
+from validation.kit.tables import show
 from validation.page.content import Content, Verdict
 
 LONG = 12
@@ -137,7 +137,7 @@ class Section:
         digits : int
             Significant digits that are shown.
         """
-        shown = _as_frame(self._content.tables[name])
+        shown = self._content.tables[name]
         if (total := len(shown)) > max(LONG, rows):
             if worst:
                 sizes = pd.to_numeric(shown[worst], errors="coerce").abs()
@@ -156,8 +156,8 @@ class Section:
 
     def file(self, name: str) -> str:
         """Put a whole table beside the page; a link to it."""
-        path, table = f"{self.name}-{name}.csv", _as_frame(self._content.tables[name])
-        text = table.to_csv(index=False, lineterminator="\n")
+        path = f"{self.name}-{name}.csv"
+        text = self._content.tables[name].to_csv(index=False, lineterminator="\n")
         return self._piece(self._linked(name, path, text), f"`{path}`")
 
     def figure(
@@ -235,12 +235,6 @@ def _cells(table: pd.DataFrame) -> list[list[Any]]:
     """Cells as Python has them; a number that is none is missing."""
     rows = table.astype(object).where(table.notna(), None).to_numpy().tolist()
     return [[cell.item() if hasattr(cell, "item") else cell for cell in row] for row in rows]
-
-
-def _as_frame(table: pd.DataFrame | Table) -> pd.DataFrame:
-    if isinstance(table, Table):
-        return pd.DataFrame(list(map(list, table.rows)), columns=list(table.columns), dtype=object)
-    return table
 
 
 def _inline(text: str) -> str:

@@ -265,7 +265,7 @@ def test_study_compares_every_model_load_formulation_and_set() -> None:
     content = present(compared())
     assert not failing(content.checks)
     assert content.numbers["scenes"] == 25
-    cases = pd.DataFrame(content.tables["scenes"])["case"]
+    cases = content.tables["scenes"]["case"]
     assert {" + ".join(each) for each in POSSIBLE_SETS} < set(cases)
     assert content.numbers["answer"] == "yes"
 

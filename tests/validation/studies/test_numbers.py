@@ -28,7 +28,7 @@ def present(study: str = "misprints", table: pd.DataFrame | None = None) -> Cont
 def test_every_printed_number_comes_out_or_is_explained() -> None:
     content = present()
     assert not failing(content.checks)
-    printed = pd.DataFrame(content.tables["printed"])
+    printed = content.tables["printed"]
     assert len(printed) == len(numbers.DISK) + len(measured.IN_PAPER)
     assert (printed[numbers.DIGITS] == "yes").sum() == content.numbers["agree"] == 10
     assert content.numbers["density"] == pytest.approx(7700.0)

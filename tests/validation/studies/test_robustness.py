@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from math import inf, nan
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -184,7 +184,7 @@ def rows() -> dict[str, pd.DataFrame]:
 def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.DataFrame]) -> None:
     content = section.present(rows)
     assert not failing(content.checks)
-    numbers, tables = content.numbers, cast("dict[str, pd.DataFrame]", content.tables)
+    numbers, tables = content.numbers, content.tables
     assert numbers["answer"] == "yes"
     shown = tables["outcomes"].set_index("what is extreme")
     assert shown.to_numpy().sum() == numbers["total"] == len(rows["robustness"])

@@ -9,6 +9,7 @@ import pandas as pd
 from analysis.mechanics.paper import CriticalSpeed, critical_speed
 from validation.kit.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.kit.limits import largest
+from validation.kit.tables import Table
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, grade
 from validation.studies.nonlinear import measured
@@ -78,14 +79,14 @@ def present(rows: Rows) -> Content:
             },
         },
         tables={
-            "cycles": tables.motion_table(cycles),
-            "some-cycles": tables.motion_table(cycles[::5]),
-            "rotations": tables.motion_table(rotations, "rotating"),
-            "some-rotations": tables.motion_table(rotations[::5], "rotating"),
+            "cycles": _frame(tables.motion_table(cycles)),
+            "some-cycles": _frame(tables.motion_table(cycles[::5])),
+            "rotations": _frame(tables.motion_table(rotations, "rotating")),
+            "some-rotations": _frame(tables.motion_table(rotations[::5], "rotating")),
             "held": words[["case", *columns]].rename(columns=tables.HEADS),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
-            "passages": passage.passage_table(_named(passages)),
+            "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
             "bifurcations": _bifurcations(
@@ -105,6 +106,10 @@ def _motions(rows: pd.DataFrame, case: str) -> list[Row]:
     """Rows of a case, fits and folds left out."""
     found = rows[(rows.case == case) & (rows.kind == "motion")]
     return found.to_dict("records")
+
+
+def _frame(table: Table) -> pd.DataFrame:
+    return pd.DataFrame(table.records())
 
 
 def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:
