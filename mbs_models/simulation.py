@@ -246,7 +246,6 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
         values = motion.samples(found.states)
     # The first sample is the start itself, without the rounding on the way there.
     values[0, :12] = start
-    call.seconds = found.seconds
     return replace(found, states=values)
 
 
@@ -291,7 +290,7 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
         versions=versions("numpy", "exudyn"),
         ending=run.ending(float(multipliers[-1, 0]), call.watch),
         pulling=run.pulling,
-        solver_seconds=call.seconds,
+        solver_seconds=run.seconds,
     )
 
 

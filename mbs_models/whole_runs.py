@@ -36,7 +36,7 @@ NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Call:
     """What a call of `mbs_models.simulate` asks of every run that it takes.
 
@@ -55,8 +55,6 @@ class Call:
     watch : Watch
     counts : Counter
         To which the work of the runs is added.
-    seconds : float
-        Processor time that the solver took for the last run.
     """
 
     motion: AccelerationProblem
@@ -66,7 +64,6 @@ class Call:
     allow_pulling: bool
     watch: Watch
     counts: Counter[str] = field(default_factory=Counter)
-    seconds: float = 0.0
 
     @property
     def must_not_pull(self) -> bool:
@@ -101,7 +98,6 @@ def run_over(
     recording = run(model, integrator, moments, steps, stop=stop, most=most)
     call.counts.update(recording.counts)
     watch.steps += recording.counts["steps"] + recording.counts.get("rejected_steps", 0)
-    call.seconds = recording.seconds
     coordinates, rates = model.decode(recording.records)
     forces = model.multipliers(recording.records, coordinates, rates)
     values = np.column_stack((coordinates, rates, forces))
@@ -117,7 +113,8 @@ def run_over(
     pulling = pulling_times(reached, values[:, NORMAL_FORCE]) if call.allow_pulling else ()
     # Differences of times have fewer digits than these.
     longest = float(f"{np.max(np.diff(moments) / steps):.9g}")
-    return Run(reached[kept], values[kept], 0, ended, pulling), longest
+    found = Run(reached[kept], values[kept], 0, ended, pulling, seconds=recording.seconds)
+    return found, longest
 
 
 def _upto_ending(
