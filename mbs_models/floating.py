@@ -17,7 +17,7 @@ from analysis.problem.choices import EngineFormulation
 from analysis.problem.constraints import prescribed
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
-from mbs_models.loads import loads_of
+from mbs_models.loads import Loads, loads_of
 from mbs_models.model import Floats, Force, Load, Model, Reading
 
 _OUTPUT = exu.OutputVariableType
@@ -29,13 +29,7 @@ UPWARD = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 class Floating(Model):
-    """A free rigid body with Euler parameters, held by joints or on a penalty contact.
-
-    Attributes
-    ----------
-    loads : Loads or None
-        What acts on the disk at its centre on a penalty contact.
-    """
+    """A free rigid body with Euler parameters, held by joints or on a penalty contact."""
 
     name: ClassVar[EngineFormulation] = "floating"
     # The square of the norm of the Euler parameters is one.
@@ -55,7 +49,6 @@ class Floating(Model):
         return ""
 
     def _build(self) -> None:
-        self.loads = None if self.scenario.contact is None else loads_of(self.scenario)
         start, disk = self.start, self.scenario.disk
         coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
         position, rotation = frames.poses(coordinates)
@@ -83,8 +76,13 @@ class Floating(Model):
         }
         self._centre = self._disk_marker(0.0, "the disk's centre")
         self._add_forces()
-        if self.loads is None:
+        if self.scenario.contact is None:
             self.joints.add(self._centre, self._disk_marker, self._turning)
+
+    @cached_property
+    def loads(self) -> Loads:
+        """What acts on the disk at its centre on a penalty contact."""
+        return loads_of(self.scenario)
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self.assembly.add(
@@ -93,7 +91,7 @@ class Floating(Model):
 
     def act(self, force: Force, name: str) -> None:
         # Friction alone asks for angles that are regular unless the disk lies flat.
-        rotation = UPWARD if self.loads is None else np.eye(3)
+        rotation = UPWARD if self.scenario.contact is None else np.eye(3)
         side = self.assembly.add(
             items.MarkerBodyRigid(
                 bodyNumber=self.assembly.table,
@@ -143,7 +141,6 @@ class Floating(Model):
     def _contact_force(self) -> Force:
         # The load on the table is minus that on the disk.
         loads, node, attitude = self.loads, self._node, _OUTPUT.RotationMatrix
-        assert loads is not None
 
         def force(
             system: Any, _t: Any, _item: Any, displacement: Any, _rotation: Any,

@@ -236,7 +236,6 @@ class FloatingWithLosses(FloatingLie):
     def powers(self) -> list[float]:
         """What each cause takes in W in the engine's current state, six floats."""
         (_, _, height), matrix, v, w = [tuple(read().tolist()) for read in self._pose]
-        assert self.loads is not None
         return self.loads.at(height, matrix, v, w).taken
 
     def pose_readings(self) -> list[Reading]:
@@ -282,7 +281,6 @@ class EngineWay(WayToRest):
         self._probe.put(place.tolist(), rates)
         # The engine has just asked for the loads in this state.
         second, _unused = self._probe.solved()
-        assert self.model.loads is not None
         return [
             *rates[:3],
             *quaternion_rates(turn, rates[3:]),
