@@ -12,7 +12,7 @@ from analysis.problem.start import FlatError
 from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import error_at_ending, needed
 from mbs_models.effort import HALVINGS, LATE
-from mbs_models.integrators import RULES, Integrator
+from mbs_models.integrators import EXPONENTS, Integrator
 from mbs_models.scene import CLASSES
 from mbs_models.solving import EngineError
 from mbs_models.whole_runs import Call, run_over
@@ -77,7 +77,7 @@ class Ladder:
         flat: bool = False,
     ) -> None:
         self._decay, self._flat = decay, flat
-        self._exponents = CLASSES[formulation].exponents or RULES[integrator].exponents
+        self._exponents = CLASSES[formulation].exponents or EXPONENTS[integrator]
         self._row: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0

@@ -5,7 +5,7 @@ Some are the engine's own. Others step the engine's accelerations (`mbs_models.a
 
 from dataclasses import asdict, dataclass
 from math import factorial, sqrt
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 
@@ -21,35 +21,21 @@ from analysis.problem.choices import (
 from analysis.problem.names import ArgumentError
 from mbs_models.scene import CLASSES, Scene
 
+EXPLICIT: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
+"""The engine's own integrators that take no constraints, the default one first,"""
 
-class Rule(NamedTuple):
-    """Traits of an integrator.
+IMPLICIT: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
+"""and those that solve its equations by Newton's iteration in each step."""
 
-    Parameters
-    ----------
-    exponents : tuple of int
-        Exponents of the step in its error expansion; the first is its order. Empty for those that
-        step the engine's accelerations, whose runs are not extrapolated.
-    implicit : bool
-        Whether it solves the engine's equations by Newton's iteration in each step.
-    controls_step : bool
-        Whether it chooses its steps by itself.
-    """
-
-    exponents: tuple[int, ...]
-    implicit: bool = False
-    controls_step: bool = False
-
-
-RULES: dict[IntegratorName, Rule] = {
-    "RK44": Rule((4, 5, 6, 7, 8)),
-    "RK67": Rule((6, 7, 8, 9)),
-    "DOPRI5": Rule((5, 6, 7, 8), controls_step=True),
+EXPONENTS: dict[IntegratorName, tuple[int, ...]] = {
+    "RK44": (4, 5, 6, 7, 8),
+    "RK67": (6, 7, 8, 9),
     # It is symmetric.
-    "TrapezoidalIndex2": Rule((2, 4, 6, 8), implicit=True),
-    "GeneralizedAlpha": Rule((2, 3, 4, 5), implicit=True),
-    **dict.fromkeys(ACCELERATED, Rule((), controls_step=True)),
+    "TrapezoidalIndex2": (2, 4, 6, 8),
+    "GeneralizedAlpha": (2, 3, 4, 5),
 }
+"""Exponents of the step in the error expansion of integrators that keep it; the first is their
+order. All others choose their steps by themselves, and their runs are not extrapolated."""
 
 _EXPONENTIAL = [1.0 / factorial(power) for power in range(7)]
 
@@ -154,7 +140,7 @@ class Integrator:
     @property
     def implicit(self) -> bool:
         """Whether it solves the engine's equations by Newton's iteration in each step."""
-        return RULES[self.name].implicit
+        return self.name in IMPLICIT
 
     @property
     def steps_accelerations(self) -> bool:
@@ -170,7 +156,7 @@ class Integrator:
     @property
     def controls_step(self) -> bool:
         """Whether it chooses its steps by itself."""
-        return RULES[self.name].controls_step
+        return self.name not in EXPONENTS
 
     @property
     def first_step(self) -> float:
@@ -211,13 +197,11 @@ def integrators(
     >>> integrators("contact-tree")[0]
     'RK67'
     """
-    implicit: tuple[IntegratorName, ...] = ("TrapezoidalIndex2", "GeneralizedAlpha")
-    explicit: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
     is_held = True if constrained is None else switch("constrained", constrained)
     if CLASSES[choice("formulation", formulation, CLASSES)].closes_contact:
-        return explicit + implicit
+        return EXPLICIT + IMPLICIT
     # What has no constraints otherwise has a stiff contact.
-    return implicit if is_held else implicit + explicit
+    return IMPLICIT if is_held else IMPLICIT + EXPLICIT
 
 
 def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) -> Integrator:

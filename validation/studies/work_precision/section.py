@@ -15,7 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis.problem.choices import FORMULATIONS
-from mbs_models.integrators import RULES
+from mbs_models.integrators import EXPONENTS
 from validation.kit.figures import new_figure
 from validation.page.content import Content, Rows, grade
 from validation.page.section import power, sig
@@ -211,7 +211,7 @@ def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
         ["size", "median"]
     )
     table = table.rename(columns={"size": "pairs of rungs", "median": "observed"}).reset_index()
-    orders = [RULES[INTEGRATORS[scheme].name].exponents[0] for scheme in table["scheme"]]
+    orders = [EXPONENTS[INTEGRATORS[scheme].name][0] for scheme in table["scheme"]]
     return table.assign(order=orders)
 
 
