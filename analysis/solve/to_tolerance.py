@@ -28,9 +28,6 @@ SHORTER = 0.8
 LEAST_RATE = 1.0
 """Rate in rad/s by which a difference in the time of an ending counts at least."""
 
-_MOMENT = 1e-7
-"""Time in s over which rates are told by a difference."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Runs:
@@ -325,9 +322,8 @@ def run_to(
     """
 
     def rates(runs: Runs) -> Array:
-        change = problem.right_hand_side(float(runs.ends[0]), runs.last[0])
-        moved = runs.last + _MOMENT * np.asarray(change)
-        return (moved - runs.last)[:, problem.angles] / _MOMENT
+        change = np.asarray(problem.right_hand_side(float(runs.ends[0]), runs.last[0]))
+        return change[None, problem.angles]
 
     def alone(_: Rows, local: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
         return Runs.of(run(local, longest), times), {}
