@@ -11,7 +11,7 @@ import numpy as np
 from analysis.mechanics.attitude import Chart, EulerAngles, Frame, Moving, Quaternion
 from analysis.mechanics.constraints import Direction, at_point
 from analysis.mechanics.dual import Functions, rate
-from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, add, cross, dot, scaled
+from analysis.mechanics.linear_algebra import Numbers, Vector, add, cross, dot, scaled
 from analysis.mechanics.newton_euler import (
     Friction,
     free_acceleration,
@@ -114,47 +114,46 @@ class YieldingTable:
     def _loads(self, moving: Moving, touch: Touch) -> tuple[Direction, list[Any]]:
         """Force in axes of the frame and torque in those of the body, and powers taken."""
         x, y = self.friction(*touch.slip, touch.force)
-        powers = [
-            (self.spring(touch.gap) - touch.force) * touch.gap_rate,
-            -(x * touch.slip[0] + y * touch.slip[1]),
-            *(0.0, 0.0, 0.0, 0.0),
-        ]
+        rolling, *by_rolling = self._rolling(moving.frame, touch)
+        pivoting, by_pivoting = self._pivoting(moving, touch)
+        drag, brake, by_air = self._drag(moving)
         force = (x, y, touch.force)
         torque = cross(touch.point, moving.frame.in_body(force))
-        torque = add(torque, self._rolling(moving.frame, touch, powers))
-        torque = add(torque, self._pivoting(moving, touch, powers))
-        drag, brake = self._drag(moving, powers)
-        return Direction(add(force, drag), add(torque, brake)), powers
+        for each in (rolling, pivoting, brake):
+            torque = add(torque, each)
+        by_damper = (self.spring(touch.gap) - touch.force) * touch.gap_rate
+        by_slip = -(x * touch.slip[0] + y * touch.slip[1])
+        powers = [by_damper, by_slip, *by_rolling, by_pivoting, by_air]
+        return Direction(add(force, drag), torque), powers
 
-    def _rolling(self, frame: Frame, touch: Touch, powers: list[Any]) -> Vector:
-        """Torque of the rolling resistance, that which the force on the contour does work by."""
-        loss = self.scenario.dissipation
-        if not (loss.rolling_dry or loss.rolling_viscous):
-            return NONE
-        square = dot(touch.contour, touch.contour)
+    # What a loss that is 0 multiplies is left out of the recorded code.
+
+    def _rolling(self, frame: Frame, touch: Touch) -> tuple[Vector, Any, Any]:
+        """Torque of the rolling resistance, that which the force on the contour does work by.
+
+        And the powers that its dry and its viscous part take.
+        """
+        loss, square = self.scenario.dissipation, dot(touch.contour, touch.contour)
         dry = loss.rolling_dry * touch.force / (sqrt(square) + loss.rolling_smoothing)
         viscous = loss.rolling_viscous * touch.force
-        powers[2], powers[3] = dry * square, viscous * square
         # contour = S (u x w) with S symmetric, so the torque -F is conjugate to is (S F) x u.
         carried = self._carried(frame.up, touch.contour)
-        return scaled(dry + viscous, cross(frame.up, carried))
+        torque = scaled(dry + viscous, cross(frame.up, carried))
+        return torque, dry * square, viscous * square
 
-    def _pivoting(self, moving: Moving, touch: Touch, powers: list[Any]) -> Vector:
-        """Torque against the spin about the vertical."""
-        loss = self.scenario.dissipation
-        if not loss.pivoting:
-            return NONE
-        spin = dot(moving.frame.up, moving.angular)
+    def _pivoting(self, moving: Moving, touch: Touch) -> tuple[Vector, Any]:
+        """Torque against the spin about the vertical, and the power that it takes."""
+        loss, spin = self.scenario.dissipation, dot(moving.frame.up, moving.angular)
         speed = hypot(0.0, spin)
         moment = loss.pivoting * touch.force * spin / (speed + loss.pivoting_smoothing)
-        powers[4] = moment * spin
-        return scaled(-moment, moving.frame.up)
+        return scaled(-moment, moving.frame.up), moment * spin
 
-    def _drag(self, moving: Moving, powers: list[Any]) -> tuple[Vector, Vector]:
-        """Force and torque of the air, as pressure 1/2 air_drag v |v| on the moving faces."""
+    def _drag(self, moving: Moving) -> tuple[Vector, Vector, Any]:
+        """Force and torque of the air, as pressure 1/2 air_drag v |v| on the moving faces.
+
+        And the power that it takes.
+        """
         half = 0.5 * self.scenario.dissipation.air_drag
-        if not half:
-            return NONE, NONE
         radius, e = self.scenario.disk.radius, self.scenario.disk.eccentricity
         p, q, _ = moving.angular
         # Velocity of the geometric centre along the axis, and the tumbling rate.
@@ -162,9 +161,9 @@ class YieldingTable:
         tumbling = hypot(p, q)
         push = -(half * pi * radius**2) * hypot(0.0, along) * along
         moment = half * 8.0 / 15.0 * radius**5 * tumbling
-        powers[5] = moment * (tumbling * tumbling) - push * along
         force = moving.frame.seen((0.0, 0.0, push))
-        return force, (-(moment * p), push * e - moment * q, 0.0)
+        torque = (-(moment * p), push * e - moment * q, 0.0)
+        return force, torque, moment * (tumbling * tumbling) - push * along
 
     def readings(self, states: Array) -> dict[str, Array]:
         """Arrays of a `SpatialMotion` by their names, from n states of 13 numbers or more."""
