@@ -35,20 +35,14 @@ def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
     beta, gamma, bd = recorder.variables
     sb, cb, sg, cg = directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
-    slips: list[Any] = []
-
-    def friction(slip: Any) -> Any:
-        slips.append(slip)
-        load = 1.0 if is_simple else stand_in.weight
-        _, across = friction_of(is_simple=is_simple)(0.0, slip, load)
-        return -across / load
-
-    bdd = acceleration_from(stand_in, spin, directions, bd, friction)
+    slip, load = lateral_slip(disk, spin, directions, bd), 1.0 if is_simple else stand_in.weight
+    _, across = friction_of(is_simple=is_simple)(0.0, slip, load)
+    bdd = acceleration_from(stand_in, spin, directions, bd, -across / load)
     # The centre of gravity is (r + e sin(gamma)) sin(beta) above the table.
     e, gd, gdd = disk.eccentricity, -spin * cb, spin * sb * bd
     rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
     rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
-    return recorder.code([bd, gd, bdd, stand_in.weight + disk.mass * rise, *slips])
+    return recorder.code([bd, gd, bdd, stand_in.weight + disk.mass * rise, slip])
 
 
 def solver(
@@ -87,8 +81,14 @@ def jacobian(scenario: Scenario, spin: float) -> Callable[[Array], Array]:
     return lambda x: derivatives(lambda moving: solve(*moving)[:3], x)
 
 
+def lateral_slip(disk: Body, spin: Any, directions: Sequence[Any], bd: Any) -> Any:
+    """Slip across the edge in m/s, for numbers of any kind; see `acceleration_from`."""
+    r, e, (sb, _, sg, cg) = disk.radius, disk.eccentricity, directions
+    return (r + e * sg) * bd * sb - e * spin * sb * sb * cg
+
+
 def acceleration_from(
-    scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, friction: Callable[..., Any]
+    scenario: Scenario, spin: Any, directions: Sequence[Any], bd: Any, friction: Any
 ) -> Any:
     """Second derivative of beta from Eqs. (102)-(108) in rad/s², for numbers of any kind.
 
@@ -102,8 +102,8 @@ def acceleration_from(
         Sine and cosine of beta, sine and cosine of gamma.
     bd : number or array
         Rate of beta in rad/s.
-    friction : callable
-        From the lateral slip in m/s to the force against it for each newton of load.
+    friction : number or array
+        Force against `lateral_slip` for each newton of load.
     """
     disk, weight = scenario.disk, scenario.weight
     m, r, e = disk.mass, disk.radius, disk.eccentricity
@@ -120,8 +120,7 @@ def acceleration_from(
         - m * e * height * (3 * sb * sb - 2) * Omega * bd * cb * cg
     )
     f = -weight * height * cb
-    slip = height * bd * sb - e * Omega * sb * sb * cg
-    return (h + f - height * sb * weight * friction(slip)) / M
+    return (h + f - height * sb * weight * friction) / M
 
 
 def expanded(

@@ -14,7 +14,7 @@ import numpy as np
 
 from analysis.mechanics.dual import Dual, per_speed_and_slope, rate, value_of
 from analysis.mechanics.linear_algebra import Numbers
-from analysis.mechanics.reduced import acceleration_from
+from analysis.mechanics.reduced import acceleration_from, lateral_slip
 from analysis.problem.checks import Array, within
 from analysis.problem.elementary import cos, sin
 from analysis.problem.friction import FrictionLaw
@@ -110,7 +110,8 @@ def derivative(
     tilt, turn, tilt_rate = x
     sin_tilt = sin(tilt)
     directions = cos(tilt), -sin_tilt, cos(turn), -sin(turn)
-    acceleration = acceleration_from(scenario, spin, directions, tilt_rate, force)
+    friction = force(lateral_slip(scenario.disk, spin, directions, tilt_rate))
+    acceleration = acceleration_from(scenario, spin, directions, tilt_rate, friction)
     return tilt_rate, spin * sin_tilt, acceleration
 
 

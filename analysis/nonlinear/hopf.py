@@ -20,6 +20,7 @@ from scipy.linalg import eig
 
 from analysis.mechanics.dual import Dual, dual
 from analysis.mechanics.paper import critical_speed, reduced_matrices
+from analysis.mechanics.reduced import lateral_slip
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array
@@ -86,16 +87,15 @@ def hopf_type(scenario: Scenario) -> HopfType:
     q = right[:, critical] / right[1, critical]
     p = left[:, critical] / np.conj(np.vdot(left[:, critical], q))
     C = _third_derivative(scenario, hopf.spin, (q, q, q.conj()))
-    disk = scenario.disk
-    turning = disk.eccentricity * hopf.spin * q[1]
-    slip = (disk.radius + disk.eccentricity) * q[2] + turning
+    # At first order a deviation changes cos(gamma) and the rate of beta alone.
+    slip = lateral_slip(scenario.disk, hopf.spin, (1.0, 0.0, 1.0, -q[1]), q[2])
     return HopfType(
         spin=hopf.spin,
         frequency=hopf.frequency,
         lyapunov=float(np.vdot(p, C).real / (2.0 * hopf.frequency)),
         # The matrix is a quadratic in the spin: the difference is exact.
         real_part_slope=float(np.vdot(p, (more - less) / 2.0 @ q).real),
-        slip=float(abs(slip / turning)),
+        slip=float(abs(slip / (scenario.disk.eccentricity * hopf.spin * q[1]))),
     )
 
 

@@ -63,8 +63,7 @@ def needed_friction(scenario: Scenario, spin: float, beta: Array, gamma: Array) 
     by_gamma = -e * Omega * sb * (sg * rho + e * cg**2) / rho**2
     bend = e * Omega * cb * cg / rho * rate - by_gamma * Omega * cb
     none, unit = (
-        acceleration_from(scenario, spin, (sb, cb, sg, cg), rate, lambda _, f=force: f)
-        for force in (0.0, 1.0)
+        acceleration_from(scenario, spin, (sb, cb, sg, cg), rate, force) for force in (0.0, 1.0)
     )
     return (none - bend) / (none - unit)
 
