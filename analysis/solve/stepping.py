@@ -337,13 +337,9 @@ def _jacobian(problem: InitialValueProblem) -> Callable[[float, Array], Array]:
 
     def by_differences(moment: float, state: Array) -> Array:
         base = np.asarray(problem.right_hand_side(moment, state))
-        columns = []
-        for index, value in enumerate(state):
-            moved = state.copy()
-            moved[index] += problem.difference * max(1.0, abs(value))
-            step = moved[index] - value
-            columns.append((np.asarray(problem.right_hand_side(moment, moved)) - base) / step)
-        return np.column_stack(columns)
+        moved = state + np.diag(problem.difference * np.maximum(1.0, np.abs(state)))
+        rates = np.array([problem.right_hand_side(moment, each) for each in moved])
+        return (rates - base).T / (np.diag(moved) - state)
 
     return by_differences
 
