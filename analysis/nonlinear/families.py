@@ -124,7 +124,7 @@ def _amplitudes(scenario: Scenario) -> Iterator[float]:
     yield from AMPLITUDES.tolist()
     last = float(np.pi)
     with suppress(NoConnectionError):
-        last = last_amplitude(scenario)
+        last = last_amplitude(scenario, heteroclinic_connection(scenario))
     yield from (last - np.geomspace(0.1 + last - np.pi, _SAME_END, 16)).tolist()
 
 
@@ -330,7 +330,8 @@ def rotating_family(
     if tilts is not None:
         _rising("tilts", tilts, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
-    begins, least = heteroclinic_connection(scenario).spin, least_tilt(scenario)
+    connection = heteroclinic_connection(scenario)
+    least = least_tilt(scenario, connection)
     beyond = least + TILTS
     chosen = beyond[beyond <= TILTS[-1]] if tilts is None else tilts
     allowed = f"between {least:.6g}, the tilt of the connection, and pi/2"
@@ -342,4 +343,4 @@ def rotating_family(
     ways = onward(first, down), onward(first, up)
     if tilts is None:
         ways = ways[0], through_folds(ways[1])
-    return Family.of(begins, *ways, progress=progress, wanted=wanted.size)
+    return Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)

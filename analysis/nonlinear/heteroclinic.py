@@ -268,8 +268,8 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     )
 
 
-def last_amplitude(scenario: Scenario) -> float:
-    """Amplitude in rad of the cycles next to the connection.
+def last_amplitude(scenario: Scenario, connection: Connection) -> float:
+    """Amplitude in rad of the cycles next to a connection.
 
     It is pi where the motion ends in the saddle with rising gamma, and more where it has swung
     beyond: about a saddle-focus, and where the eccentricity is above a fifth of the radius, with
@@ -278,23 +278,29 @@ def last_amplitude(scenario: Scenario) -> float:
     Parameters
     ----------
     scenario : Scenario
-        See `heteroclinic_connection`; so are the errors.
+    connection : Connection
+        That of the scenario.
+
+    Raises
+    ------
+    NoConnectionError
+        If no motions next to it fall to different sides.
     """
-    return _largest_swing(_beside(scenario))
+    return _largest_swing(_beside(scenario, connection))
 
 
-def least_tilt(scenario: Scenario) -> float:
-    """Tilt in rad of the rotating motions next to the connection.
+def least_tilt(scenario: Scenario, connection: Connection) -> float:
+    """Tilt in rad of the rotating motions next to a connection.
 
     It is zero where `last_amplitude` is pi. Where a motion swings beyond noninverted spinning, it
     passes with a tilt before it comes back to it.
 
     Parameters
     ----------
-    scenario : Scenario
-        See `heteroclinic_connection`; so are the errors.
+    scenario, connection
+        See `last_amplitude`; so are the errors.
     """
-    ways = _beside(scenario)
+    ways = _beside(scenario, connection)
     if _largest_swing(ways) == np.pi:
         return 0.0
     beta, gamma, _ = ways[1.0]
@@ -303,16 +309,16 @@ def least_tilt(scenario: Scenario) -> float:
     return float(np.interp(1.5 * np.pi, gamma[passing], beta[passing])) - np.pi / 2
 
 
-def _beside(scenario: Scenario) -> Mapping[float, Array]:
-    """Ways on both sides of the connection, next to it, by the side to which they go."""
-    found = heteroclinic_connection(scenario)
+def _beside(scenario: Scenario, connection: Connection) -> Mapping[float, Array]:
+    """Ways on both sides of a connection, next to it, by the side to which they go."""
     for apart in _BESIDE:
-        ways = [fall(scenario, spin) for spin in (found.below - apart, found.above + apart)]
+        spins = connection.below - apart, connection.above + apart
+        ways = [fall(scenario, spin) for spin in spins]
         if ways[0].side != ways[1].side:
             return {way.side: way.states.T for way in ways}
     raise NoConnectionError(
-        f"motions within {apart:g} rad/s of the heteroclinic connection at {found.spin:.9g} rad/s "
-        "fall to the same side"
+        f"motions within {apart:g} rad/s of the heteroclinic connection at "
+        f"{connection.spin:.9g} rad/s fall to the same side"
     )
 
 

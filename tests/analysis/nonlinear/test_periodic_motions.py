@@ -23,7 +23,7 @@ from analysis.nonlinear.families import (
     rotating_family,
 )
 from analysis.nonlinear.following import Family, events
-from analysis.nonlinear.heteroclinic import least_tilt
+from analysis.nonlinear.heteroclinic import heteroclinic_connection, least_tilt
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
 from analysis.problem.checks import Array
@@ -273,7 +273,7 @@ def test_rotating_motions_begin_in_the_connection_and_fold(rotating: Family) -> 
 @pytest.mark.slow
 def test_rotating_motions_begin_with_a_tilt_where_the_connection_swings_beyond() -> None:
     scenario = model(4, friction=SmoothCoulomb(smoothing=1.0))
-    least = least_tilt(scenario)
+    least = least_tilt(scenario, heteroclinic_connection(scenario))
     found = rotating_family(scenario, least + np.array((1e-4, 0.1)))
     assert found.reason is None
     assert 0.0 < found.begins - found.motions[0].spin < 1e-4
