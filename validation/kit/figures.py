@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analysis import CAUSES, Body, Phases, SpatialMotion, StoredRun, Trajectory
-from analysis.motion.frames import poses, quaternions
+from analysis.motion.frames import poses
 from analysis.problem.checks import Array
 
 if TYPE_CHECKING:
@@ -116,15 +116,12 @@ def draw_still(axes: "Axes", disk: Body, coordinates: Array, scale: float = 1.0)
     scale : float
         Of lines and marks.
     """
-    from validation.kit.animation.keyframes import Keyframes
     from validation.kit.animation.picture import Camera, draw
 
-    place, rotations = poses(coordinates[None])
-    unseen = np.zeros((1, 3))  # where it touches the table, and its spin
-    table = np.column_stack((place, quaternions(rotations), unseen))
-    pose = Keyframes(times=np.zeros(1), table=table, disk=disk, marks=(), source="")
-    middle = np.append(place[0, :2], 0.75 * disk.radius)
-    draw(axes, pose, Camera(middle, coordinates[3] - np.pi / 2 + 0.35, disk.radius, scale))
+    place, rotation = (each[0] for each in poses(coordinates[None]))
+    middle = np.append(place[:2], 0.75 * disk.radius)
+    camera = Camera(middle, coordinates[3] - np.pi / 2 + 0.35, disk.radius, scale)
+    draw(axes, disk, (place, rotation), camera)
 
 
 def against_limits(found: Sequence[tuple[str, object, object, bool | None]]) -> "Figure":

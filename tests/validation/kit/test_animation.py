@@ -40,8 +40,8 @@ from tests.helpers import not_none
 from validation import play
 from validation.kit.animation import picture as drawing
 from validation.kit.animation.body import LOOK, in_sight, outline, shape
-from validation.kit.animation.keyframes import Keyframes, keyframes
-from validation.kit.animation.player import player
+from validation.kit.animation.keyframes import between, keyframes
+from validation.kit.animation.player import animate, render
 from validation.studies.inversion import draw_instants
 
 
@@ -77,18 +77,24 @@ def embedded(page: str) -> dict[str, Any]:
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_keyframes_meet_every_sample_of_the_motion(kind: str) -> None:
     motion = MOTIONS[kind]()
-    made = keyframes(motion).at(motion.times)
-    position, rotation, *_ = motion.poses
-    np.testing.assert_allclose(made.positions, position, atol=1e-12)
-    np.testing.assert_allclose(made.rotations, rotation, atol=1e-12)
+    made = keyframes(motion)
+    rows = np.searchsorted(made.times, motion.times - 1e-12)
+    np.testing.assert_allclose(made.times[rows], motion.times, atol=1e-12)
+    for shown, known in zip(made.poses[:2], motion.poses[:2], strict=True):
+        np.testing.assert_allclose(shown[rows], known, atol=1e-12)
 
 
 def test_motion_between_coarse_samples_is_that_of_fine_ones() -> None:
     coarse = simulate(Scenario(), np.linspace(0.0, 1.6, 33), tolerance=1e-6)
-    position, rotation, *_ = inversion().poses
-    shown = keyframes(coarse).at(inversion().times)
+    times, (position, rotation, *_) = inversion().times, inversion().poses
+    made = keyframes(coarse)
+    # In a picture, and in the player, which draws lines between the poses.
+    shown = between(made, times).poses
     np.testing.assert_allclose(shown.positions, position, atol=2e-4)
     np.testing.assert_allclose(shown.rotations, rotation, atol=6e-3)
+    for axis, values in enumerate(made.poses.positions.T):
+        line = np.interp(times, made.times, values)
+        np.testing.assert_allclose(line, position[:, axis], atol=2e-4)
 
 
 def test_contact_of_a_nearly_flat_disk_moves_little_between_keyframes() -> None:
@@ -98,7 +104,8 @@ def test_contact_of_a_nearly_flat_disk_moves_little_between_keyframes() -> None:
     wobbling = replace(
         inversion(), times=times, coordinates=places, rates=speeds, multipliers=np.zeros((21, 1))
     )
-    ways = np.linalg.norm(np.diff(keyframes(wobbling).contact_points, axis=0), axis=1)
+    points = keyframes(wobbling).contact_points[:, :2]
+    ways = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert 0.15 * radius < ways.max() < 0.21 * radius
 
 
@@ -108,44 +115,49 @@ def test_samples_some_turns_apart_are_refused() -> None:
 
 
 def test_marks_tell_the_phases_that_are_there() -> None:
-    ((name, time),) = keyframes(inversion()).marks
+    def marks(motion: StoredRun, end: float | None = None) -> Any:
+        return embedded(motion.animate(end=end).text)["marks"]
+
+    ((name, time),) = marks(inversion())
     assert name == "inversion"
     assert 0.45 < time < 0.52
-    assert ("rest", 0.75) in keyframes(resting()).marks
-    assert ("rest", 0.75) not in keyframes(resting(), 0.0, 0.5).marks
+    assert ["rest", 0.75] in marks(resting())
+    assert "rest" not in dict(marks(resting(), 0.5))
 
 
 def test_part_of_a_motion_begins_and_ends_where_asked() -> None:
-    whole = keyframes(inversion())
-    part = keyframes(inversion(), 0.1234, 0.4321)
+    whole, part = inversion(), keyframes(inversion(), 0.1234, 0.4321)
     assert part.times[[0, -1]].tolist() == [0.1234, 0.4321]
-    np.testing.assert_allclose(part.positions, whole.at(part.times).positions, atol=2e-5)
-    assert embedded(player(part, title="A").text)["times"][0] == 0.1234
+    positions = between(whole, part.times).poses.positions
+    np.testing.assert_allclose(part.poses.positions, positions, atol=2e-5)
+    assert embedded(whole.animate(begin=0.1234).text)["times"][0] == 0.1234
 
 
 def test_speed_lets_the_inversion_be_seen() -> None:
-    def shown(poses: Keyframes, speed: float | None = None) -> tuple[Any, Any]:
-        data = embedded(player(poses, title="A", speed=speed).text)
+    def shown(motion: StoredRun, **how: Any) -> tuple[Any, Any]:
+        data = embedded(motion.animate(**how).text)
         return data["speed"], data["slowUntil"]
 
-    short = keyframes(inversion())
-    lasting = replace(short, times=10.0 * short.times, marks=(("inversion", 5.0),))
+    short = inversion()
+    lasting = replace(short, times=10.0 * short.times, rates=0.1 * short.rates)
+    until = pytest.approx(not_none(lasting.inversion_time) + 0.2, abs=1e-12)
     assert shown(short) == (0.1, None)
-    assert shown(lasting) == (None, 5.2)
-    assert shown(lasting, 0.25) == (0.25, 5.2)
-    assert shown(replace(lasting, marks=())) == (1.0, None)
+    assert shown(lasting) == (None, until)
+    assert shown(lasting, speed=0.25) == (0.25, until)
+    assert shown(lasting, begin=10.0) == (1.0, None)
     # A GIF has one speed: the steps between its frames of 0.05 s.
-    for poses, speed in ((short, 0.1), (lasting, 1.0)):
-        moments, hundredths = drawing.frame_times(poses)
+    for end, speed in ((1.6, 0.1), (16.0, 1.0)):
+        moments, hundredths = drawing.frame_times(0.0, end)
         assert (hundredths, moments[1]) == (5, pytest.approx(0.05 * speed))
 
 
 def test_page_needs_nothing_from_elsewhere_and_no_text_breaks_it() -> None:
-    made = replace(keyframes(inversion()), marks=(("</script><b>", 0.1),), source="<i>")
-    page = player(made, title='"</canvas>', caption="<u>").text
-    assert embedded(page)["marks"] == [["</script><b>", 0.1]]
+    made = replace(inversion(), method={"formulation": "<i>"})
+    page = animate(made, title='"</canvas>', caption="<u>").text
+    data = render("player.html", data={"marks": "</script><b>"})
+    assert embedded(data)["marks"] == "</script><b>"
     for unwanted in ("</script><b>", "<i>", '"</canvas>"', "<u>"):
-        assert unwanted not in page
+        assert unwanted not in page + data
     assert not re.search(r"https?:|src=|href=|import|fetch\(|url\(", page)
 
 

@@ -1,6 +1,6 @@
 """The disk on its table, drawn: instants side by side, and the frames of an animated GIF."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
@@ -12,15 +12,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from PIL import Image
 
+from analysis import Body, StoredRun
 from analysis.problem.checks import Array, within
 from analysis.problem.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
-from validation.kit.animation.body import LOOK, circle, in_sight, outline, shape
-from validation.kit.animation.keyframes import Keyframes
+from validation.kit.animation.body import LOOK, Shape, circle, in_sight, outline, shape
+from validation.kit.animation.keyframes import between
 from validation.kit.progress import counted
 
 MOST_FRAMES = 2000
 FASTEST = 50.0
 """Frames per second above which browsers slow a GIF down."""
+
+Pose = tuple[Array, Array]
+"""Place of the geometric centre in m, shape (3,), and rotation of the body axes, shape (3, 3)."""
 
 _ELEVATION = np.radians(14.0)
 _DPI = 100
@@ -57,28 +61,28 @@ class Camera(NamedTuple):
         return (points - self.target) / self.radius @ self.axes[:2].T
 
 
-def draw(axes: Axes, pose: Keyframes, camera: Camera, trail: Array | None = None) -> None:
+def draw(axes: Axes, body: Body, pose: Pose, camera: Camera, trail: Array | None = None) -> None:
     """Draw one instant into axes of which nothing else is seen.
 
     Parameters
     ----------
     axes : Axes
-    pose : Keyframes
-        One alone.
+    body : Body
+    pose : Pose
     camera : Camera
-    trail : ndarray, shape (n, 2), optional
+    trail : ndarray, shape (n, 3), optional
         Contact points of the last moments in m.
     """
     axes.set_axis_off()
     axes.set(xlim=(-1.35, 1.35), ylim=(-0.95, 1.75), aspect="equal")
-    for order, artist in enumerate(_artists(pose, camera, trail)):
+    for order, artist in enumerate(_artists(shape(body), pose, camera, trail)):
         axes.add_artist(artist).set_zorder(order)
 
 
-def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[Artist]:
+def _artists(body: Shape, pose: Pose, camera: Camera, trail: Array | None) -> Iterator[Artist]:
     """What is seen of one instant, the farthest first."""
-    place, scale, body = pose.positions[0], camera.scale, shape(pose.disk)
-    turned, project, eye = pose.rotations[0].T, camera.project, camera.axes[2]
+    place, turned = pose[0], pose[1].T
+    scale, project, eye = camera.scale, camera.project, camera.axes[2]
 
     def placed(outline: Array) -> Array:
         return place + outline @ turned[: outline.shape[1]]
@@ -91,7 +95,7 @@ def _artists(pose: Keyframes, camera: Camera, trail: Array | None) -> Iterator[A
     for area in body.areas:
         yield _filled(covered(placed(area) * (1.0, 1.0, 0.0)), LOOK["shadow"])
     if trail is not None:
-        yield _line(project(np.pad(trail, ((0, 0), (0, 1)))), LOOK["path"], 1.6 * scale)
+        yield _line(project(trail * (1.0, 1.0, 0.0)), LOOK["path"], 1.6 * scale)
     light, heavy = LOOK["front" if body.solid or turned[2] @ eye > 0.0 else "back"]
     for areas, colour in ((body.areas, light), (body.heavy, heavy), (body.masses, LOOK["ink"])):
         for area in areas:
@@ -139,7 +143,7 @@ def _line(points: Array, colour: str, width: float) -> Artist:
 
 
 def frame_times(
-    poses: Keyframes, *, speed: float | None = None, fps: float = 20.0
+    begin: float, end: float, *, speed: float | None = None, fps: float = 20.0
 ) -> tuple[Array, int]:
     """Times of the frames in s, and how long each is shown in hundredths of a second.
 
@@ -148,7 +152,8 @@ def frame_times(
 
     Parameters
     ----------
-    poses : Keyframes
+    begin, end : float
+        Of the motion in s.
     speed : float, optional
         1 for real time; by default a tenth for up to 4 s, real time for longer motions.
     fps : float
@@ -160,7 +165,6 @@ def frame_times(
         If `speed` or `fps` is out of range, or these are more than `MOST_FRAMES`.
     """
     within("fps", fps, SLOWEST_FRAMES, FASTEST)
-    begin, end = float(poses.times[0]), float(poses.times[-1])
     if speed is None:
         speed = 0.1 if end - begin <= 4.0 else 1.0
     shown = max(2, round(100.0 / fps))
@@ -175,7 +179,7 @@ def frame_times(
 
 
 def write_gif(
-    poses: Keyframes,
+    motion: StoredRun,
     stream: BinaryIO,
     *,
     speed: float | None = None,
@@ -186,7 +190,8 @@ def write_gif(
 
     Parameters
     ----------
-    poses : Keyframes
+    motion : Trajectory or SpatialMotion
+        With enough samples for the path of its contact point.
     stream : file
         Open for writing bytes.
     speed, fps : float
@@ -200,53 +205,58 @@ def write_gif(
         If an argument is out of range.
     """
     within("width", width, 100, WIDEST_PICTURE)
-    times, shown = frame_times(poses, speed=speed, fps=fps)
-    low, high = poses.contact_points.min(axis=0), poses.contact_points.max(axis=0)
-    rolls_away = bool(np.max(high - low) > 1.5 * poses.disk.radius)
-    middle = None if rolls_away else 0.5 * (low + high)
-
-    figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-
-    def frame(time: float) -> Image.Image:
-        return Image.fromarray(_pixels(axes, poses, time, middle))
-
+    begin, end = motion.times[[0, -1]].tolist()
+    times, shown = frame_times(begin, end, speed=speed, fps=fps)
+    times = times.clip(max=end)
+    path = between(motion, np.union1d(motion.times, times))
+    frame = _pictures(path, width)
+    rows = np.searchsorted(path.times, times)
     # One palette for all frames, from a few of them, keeps the colours from flickering.
-    sample = [np.asarray(frame(time)) for time in np.linspace(times[0], times[-1], 8)]
-    palette = Image.fromarray(np.vstack(sample)).quantize(128)
+    some = np.linspace(0, rows.size - 1, 8).astype(int)
+    palette = Image.fromarray(np.vstack([frame(row) for row in rows[some]])).quantize(128)
     frames = (
-        frame(time).quantize(palette=palette, dither=Image.Dither.NONE)
-        for time in counted(times, "frames")
+        Image.fromarray(frame(row)).quantize(palette=palette, dither=Image.Dither.NONE)
+        for row in counted(rows, "frames")
     )
     how: dict[str, Any] = {"format": "GIF", "save_all": True, "duration": 10 * shown, "loop": 0}
     next(frames).save(stream, append_images=frames, **how)
     return times.size
 
 
-def _pixels(axes: Axes, poses: Keyframes, now: float, middle: Array | None) -> np.ndarray:
-    """Picture at a time in s, of a place or else of the disk, shape (width, width, 3)."""
-    for artist in (*axes.lines, *axes.patches, *axes.texts):
-        artist.remove()
-    figure: Any = axes.figure
+def _pictures(motion: StoredRun, width: int) -> Callable[[int], np.ndarray]:
+    """What draws a sample of a motion by its number, shape (width, width, 3).
+
+    The camera looks at one place, or at a disk that rolls away from there.
+    """
+    body, poses, contact = motion.scenario.disk, motion.poses, motion.contact_points
+    low, high = contact[:, :2].min(axis=0), contact[:, :2].max(axis=0)
+    rolls_away = np.max(high - low) > 1.5 * body.radius
+    scale, height = width / 480, LOOK["height"] * body.radius
+    figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     canvas: Any = FigureCanvasAgg(figure)  # its methods carry no types
-    radius, scale = poses.disk.radius, canvas.get_width_height()[0] / 480
-    before = poses.times[(poses.times > now - LOOK["trail"]) & (poses.times < now)]
-    pose, trail = poses.at(np.array([now])), poses.at(np.append(before, now)).contact_points
-    target = np.append(
-        pose.positions[0, :2] if middle is None else middle, LOOK["height"] * radius
-    )
-    draw(axes, pose, Camera(target, LOOK["azimuth"], 1.5 * radius, scale), trail)
-    axes.text(-1.25, 1.7, _readout(pose), va="top", fontsize=9.0 * scale)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3]
+
+    def pixels(row: int) -> np.ndarray:
+        for artist in (*axes.lines, *axes.patches, *axes.texts):
+            artist.remove()
+        pose, now = (poses.positions[row], poses.rotations[row]), motion.times[row]
+        middle = pose[0][:2] if rolls_away else 0.5 * (low + high)
+        camera = Camera(np.append(middle, height), LOOK["azimuth"], 1.5 * body.radius, scale)
+        trail = contact[(motion.times > now - LOOK["trail"]) & (motion.times <= now)]
+        draw(axes, body, pose, camera, trail)
+        told = _readout(now, pose[1], poses.angular_velocities[row, 2], body.eccentricity)
+        axes.text(-1.25, 1.7, told, va="top", fontsize=9.0 * scale)
+        canvas.draw()
+        return np.array(canvas.buffer_rgba())[:, :, :3]
+
+    return pixels
 
 
-def _readout(pose: Keyframes) -> str:
-    sine, cosine, up = pose.rotations[0, 2]
+def _readout(time: float, rotation: Array, spin: float, eccentricity: float) -> str:
+    sine, cosine, up = rotation[2]
     gamma = "–" if np.hypot(sine, cosine) < 1e-3 else f"{np.arctan2(sine, cosine):.2f} rad"
-    beta, lift = np.arccos(np.clip(up, -1.0, 1.0)), 1e3 * pose.disk.eccentricity * sine
+    beta, lift = np.arccos(np.clip(up, -1.0, 1.0)), 1e3 * eccentricity * sine
     return (
-        f"t = {pose.times[0]:.3f} s,  β = {beta:.2f} rad,  γ = {gamma},  "
-        f"spin {pose.table[0, -1]:.1f} rad/s\n"
+        f"t = {time:.3f} s,  β = {beta:.2f} rad,  γ = {gamma},  spin {spin:.1f} rad/s\n"
         f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
     )

@@ -15,7 +15,6 @@ from analysis.mechanics.recorder import Recorder, Symbol
 from analysis.problem.elementary import cos, sin
 from validation.kit.animation import player
 from validation.kit.animation.body import shape
-from validation.kit.animation.keyframes import COLUMNS
 
 TITLE = "The tippedisk, spun by hand"
 
@@ -90,7 +89,7 @@ def page() -> player.Page:
         "play.html",
         title=TITLE,
         start=Start(),
-        settings={"columns": COLUMNS, "gamma": Start().gamma, "disks": disks},
+        settings={"columns": player.COLUMNS, "gamma": Start().gamma, "disks": disks},
         equations=equations(),
     )
     return player.Page(title=TITLE, fragment=body, height=72.0)

@@ -11,15 +11,23 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader
 
 from analysis import StoredRun
+from analysis.motion import frames
 from analysis.motion.files import is_standard_output, whole_file
 from analysis.problem.checks import within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
 from validation.kit.animation.body import LOOK, shape
-from validation.kit.animation.keyframes import COLUMNS, Keyframes, keyframes
+from validation.kit.animation.keyframes import keyframes, phases, source
+
+COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
+"""Of the data of a page: position of the geometric centre G in m, inertial; attitude of the body
+frame as a quaternion of unit length, scalar part first, of the sign that is nearer to the one
+before; where the disk touches the table in m; vertical angular velocity in rad/s, which unlike
+the rate of alpha exists in every attitude."""
 
 DIGITS = 5
 """Decimal places of numbers in a page."""
@@ -70,13 +78,13 @@ class Animation(Page):
     ----------
     title, fragment, height
         As in `Page`.
-    poses : Keyframes
-        What it plays.
+    poses : Trajectory or SpatialMotion
+        What it plays, with few poses more than it needs.
     speed : float, optional
-        As in `player`.
+        As in `animate`.
     """
 
-    poses: Keyframes = field(repr=False)
+    poses: StoredRun = field(repr=False)
     speed: float | None = None
 
     def save(self, path: str | os.PathLike[str], **how: Any) -> str:
@@ -112,19 +120,22 @@ class Animation(Page):
             return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
 
 
-def animate(motion: StoredRun, begin: float | None, end: float | None, **how: Any) -> Animation:
-    """Player for a part of a motion; see its method `animate`."""
-    return player(keyframes(motion, begin, end), **how)
-
-
-def player(
-    poses: Keyframes, *, title: str, caption: str = "", speed: float | None = None
+def animate(
+    motion: StoredRun,
+    begin: float | None = None,
+    end: float | None = None,
+    *,
+    title: str,
+    caption: str = "",
+    speed: float | None = None,
 ) -> Animation:
     """Player for a motion.
 
     Parameters
     ----------
-    poses : Keyframes
+    motion : Trajectory or SpatialMotion
+    begin, end : float, optional
+        Part of it in s, by default all.
     title, caption : str
         Plain text.
     speed : float, optional
@@ -134,26 +145,32 @@ def player(
     Raises
     ------
     ValueError
-        If the speed is out of range.
+        If the speed is out of range; and see `keyframes`.
     """
+    shown, disk = keyframes(motion, begin, end), motion.scenario.disk
     if speed is not None:
         within("speed", speed, *PLAYBACK_SPEEDS)
+    first, last = shown.times[[0, -1]]
+    marks = {name: at for name, at in phases(motion).items() if first <= at <= last}
+    positions, rotations, _, turning = shown.poses
+    contact = shown.contact_points[:, :2]
+    table = np.column_stack((positions, frames.quaternions(rotations), contact, turning[:, 2]))
     fragment = render(
         "player.html",
         title=title,
         caption=caption,
-        source=poses.source,
-        is_heavy=bool(poses.disk.eccentricity),
+        source=source(motion),
+        is_heavy=bool(disk.eccentricity),
         data={
-            "times": poses.times,
-            "columns": dict(zip(COLUMNS, poses.table.T, strict=True)),
-            "radius": poses.disk.radius,
-            "shape": shape(poses.disk)._asdict(),
-            "marks": poses.marks,
-            **_playback(poses, speed),
+            "times": shown.times,
+            "columns": dict(zip(COLUMNS, table.T, strict=True)),
+            "radius": disk.radius,
+            "shape": shape(disk)._asdict(),
+            "marks": list(marks.items()),
+            **_playback(last - first, marks.get("inversion"), speed),
         },
     )
-    return Animation(title=title, fragment=fragment, poses=poses, speed=speed)
+    return Animation(title=title, fragment=fragment, poses=shown, speed=speed)
 
 
 def render(template: str, **values: Any) -> str:
@@ -173,10 +190,11 @@ def _script_data(value: Any) -> str:
     return text.replace("</", "<\\/")
 
 
-def _playback(poses: Keyframes, speed: float | None) -> dict[str, object]:
+def _playback(
+    duration: float, inversion: float | None, speed: float | None
+) -> dict[str, float | None]:
     """Speed at first, or None for the one that changes at the time `slowUntil`."""
-    inversion = dict(poses.marks).get("inversion")
-    short = poses.times[-1] - poses.times[0] <= SHORT
+    short = duration <= SHORT
     until = None if short or inversion is None else inversion + 0.2
     if speed is None and until is None:
         speed = SLOW if short else 1.0
