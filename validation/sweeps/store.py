@@ -14,6 +14,7 @@ from contextlib import closing, contextmanager
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from analysis.motion.outcomes import DONE
 from analysis.problem.user_modules import foreign_names
@@ -74,9 +75,9 @@ class Store:
     ) -> None:
         self.path = Path(path)
         self.sweep = sweep
-        self._code = json.dumps(sweep.code(), sort_keys=True)
+        self._code = sweep.code()
         # Commits of uncommitted changes are all alike.
-        identity = sha256(self._code.encode()).hexdigest()[:10]
+        identity = sha256(_json(self._code).encode()).hexdigest()[:10]
         self._code_name = ":".join(filter(None, (commit(), identity)))
         self._tables = tables(sweep)
         with plain_errors(self.path):
@@ -99,27 +100,27 @@ class Store:
         for table, kinds in {**self._tables, "sweep": pairs, "code": pairs}.items():
             columns = ", ".join(f'"{name}" {kind}' for name, kind in kinds.items())
             self._file.execute(f"CREATE TABLE {table} ({columns})")
-        about = {"format": str(FORMAT), "sweep": self.sweep.to_text()}
+        about = {"format": str(FORMAT), "sweep": _json(self.sweep.values())}
         self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
         self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
         self.commit()
 
     def _add_code(self) -> None:
-        self._file.execute("INSERT INTO code VALUES (?, ?)", (self._code_name, self._code))
+        self._file.execute("INSERT INTO code VALUES (?, ?)", (self._code_name, _json(self._code)))
 
     def _check(self, accepts: bool) -> None:
         # Nothing that it names is imported.
-        self._refuse("another sweep", _stored_sweep(self._file, self.path), self.sweep.to_text())
-        codes = [text for (text,) in self._file.execute("SELECT value FROM code")]
-        if json.loads(self._code) not in map(json.loads, codes):
+        self._refuse("another sweep", _stored_sweep(self._file, self.path), self.sweep.values())
+        codes = [json.loads(text) for (text,) in self._file.execute("SELECT value FROM code")]
+        if self._code not in codes:
             if not accepts:
                 self._refuse("other sources", codes[-1], self._code, ", or --accept-other-code")
             self._add_code()
 
-    def _refuse(self, what: str, there: str, here: str, besides: str = "") -> None:
+    def _refuse(self, what: str, there: Any, here: Any, besides: str = "") -> None:
         """Raise if plain data differ, naming the first difference."""
-        known, wanted = flat(json.loads(there)), flat(json.loads(here))
+        known, wanted = flat(there), flat(here)
         for key in {**known, **wanted}:
             if known.get(key) != wanted.get(key):
                 raise ValueError(
@@ -233,7 +234,7 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
     ):
         try:
             with foreign_names():
-                sweep = Sweep.from_text(_stored_sweep(file, place))
+                sweep = Sweep.from_values(_stored_sweep(file, place))
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
         yield file, sweep
@@ -247,15 +248,18 @@ def expected_size(sweep: Sweep) -> int:
     return sweep.design.size * (row + series)
 
 
-def _stored_sweep(file: sqlite3.Connection, path: Path) -> str:
-    """What a store says of the sweep that it belongs to, as JSON."""
+def _json(values: Any) -> str:
+    return json.dumps(values, sort_keys=True, allow_nan=False)
+
+
+def _stored_sweep(file: sqlite3.Connection, path: Path) -> Any:
+    """What a store says of the sweep that it belongs to, as plain data."""
     if file.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
         raise ValueError(f"{path} is no store of a sweep, but another SQLite file")
     about: dict[str, str] = dict(file.execute("SELECT name, value FROM sweep"))
     if about.get("format") != str(FORMAT):
         raise ValueError(f"{path} has format {about.get('format')}, this version reads {FORMAT}")
     try:
-        json.loads(about["sweep"])
+        return json.loads(about["sweep"])
     except (KeyError, ValueError, RecursionError) as error:
         raise ValueError(f"{path} is no readable store of a sweep: {error!r}") from error
-    return about["sweep"]

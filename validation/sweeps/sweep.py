@@ -1,7 +1,7 @@
 """A sweep as plain data, and a look ahead at what it takes."""
 
-import json
 import sys
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
@@ -67,26 +67,24 @@ class Sweep:
         size, count = self.design.size, self.plan.witnesses
         return count > 0 and bool(_spread(index) <= _spread_limit(size, min(count, size)))
 
-    def to_text(self) -> str:
-        """Plain data as JSON, by which two sweeps are the same."""
+    def values(self) -> dict[str, Any]:
+        """Plain data, by which two sweeps are the same."""
         # However long a run may take, it is the same.
-        values = {
+        return {
             "scenario": self.scenario.values(),
             "design": asdict(self.design),
             "plan": asdict(self.plan) | {"time_limit": None},
         }
-        return json.dumps(values, sort_keys=True, allow_nan=False)
 
     @classmethod
-    def from_text(cls, text: str) -> "Sweep":
-        """Sweep from what `to_text` has returned."""
-        values = json.loads(text)
-        design, plan = values["design"], values["plan"]
-        axes = tuple(Axis(**axis) for axis in design.pop("axes"))
+    def from_values(cls, values: Mapping[str, Any]) -> "Sweep":
+        """Sweep from what `values` has returned, or JSON of it."""
+        design, plan = values["design"], dict(values["plan"])
+        axes = tuple(Axis(**axis) for axis in design["axes"])
         del plan["time_limit"]
         return cls(
             scenario=Scenario.from_values(values["scenario"]),
-            design=Design(axes=axes, **design),
+            design=Design(**{**design, "axes": axes}),
             plan=Plan(**plan),
         )
 
