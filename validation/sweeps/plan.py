@@ -1,6 +1,5 @@
 """How each case of a sweep is run."""
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,30 +20,19 @@ from validation.run import rest_effort, run, run_effort, run_to_rest
 TIME = "time"
 """The series that goes with all others: times of the samples in s."""
 
-SERIES = tuple(name for columns in quantities(Trajectory).values() for name in columns)[1:]
-"""What can be kept of a trajectory; what a scenario does not have, such as a torque, is empty."""
-
-REST_SERIES = tuple(name for columns in quantities(SpatialMotion).values() for name in columns)[1:]
-"""What can be kept of a motion to rest."""
-
-GROUPS: Mapping[str, tuple[str, ...]] = {
-    name: tuple(quantities(Trajectory)[name]) for name in ("coordinates", "rates")
-}
+_TOGETHER = ("coordinates", "rates")
 """Names for several series of a trajectory."""
 
 
-def series_named(names: Iterable[str], *, to_rest: bool) -> tuple[str, ...]:
-    """Series by their names or those of `GROUPS`, each once.
+def series_known(*, to_rest: bool) -> dict[str, tuple[str, ...]]:
+    """Series that can be kept of a motion, by names that stand for one of them or for several.
 
-    Raises
-    ------
-    ValueError
-        If there is no such series.
+    What a scenario does not have, such as a torque, is empty.
     """
-    groups = {} if to_rest else GROUPS
-    known = (*groups, *(REST_SERIES if to_rest else SERIES))
-    chosen = [choice("keep", name, known) for name in names]
-    return tuple(dict.fromkeys(each for name in chosen for each in groups.get(name, (name,))))
+    held = quantities(SpatialMotion if to_rest else Trajectory)
+    found = {name: tuple(held[name]) for name in _TOGETHER if name in held}
+    each = (name for columns in held.values() for name in columns if name != TIME)
+    return found | {name: (name,) for name in each}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,8 +56,7 @@ class Plan(CaseOptions):
     witness_tolerance, witness_step : float, optional
         Of that other side, which otherwise runs to the tolerance; the step is the engine's.
     keep : tuple of str
-        Series that are kept of each motion, at its samples: of `SERIES` or, to rest, of
-        `REST_SERIES`; names of `GROUPS` stand for several.
+        Series that are kept of each motion, at its samples, as `series_known` names them.
 
     Raises
     ------
@@ -86,9 +73,9 @@ class Plan(CaseOptions):
             fault = f"must have spacing < end, got {self.spacing:g} s and {end:g} s"
             raise ArgumentError("spacing" if end == END else "end", fault)
         check_storage("spacing", end / self.spacing, 20)
-        for name in (*ACCURACIES, "witness_tolerance", "witness_step", "time_limit"):
-            if (value := getattr(self, name)) is not None:
-                positive(name, value)
+        numbers = (*ACCURACIES, "witness_tolerance", "witness_step", "time_limit")
+        for name, value in self.given(*numbers).items():
+            positive(name, value)
         if self.local_tolerance is not None:
             within("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE, 0.1)
         if self.method is not None:
@@ -98,8 +85,10 @@ class Plan(CaseOptions):
         if self.source == "engine" and self.witness_step is not None:
             raise ArgumentError("witness_step", "must be left out for source 'engine'")
         whole("witnesses", self.witnesses, least=0)
-        keep = series_named(several("keep", self.keep, "names"), to_rest=self.to_rest)
-        object.__setattr__(self, "keep", keep)
+        known = series_known(to_rest=self.to_rest)
+        names = [choice("keep", name, known) for name in several("keep", self.keep, "names")]
+        keep = dict.fromkeys(each for name in names for each in known[name])
+        object.__setattr__(self, "keep", tuple(keep))
         if not self.given(*ACCURACIES):
             object.__setattr__(self, "tolerance", 1e-3 if self.to_rest else 1e-6)
 

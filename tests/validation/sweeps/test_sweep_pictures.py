@@ -13,7 +13,7 @@ from tests.sweeps import sweep, swept
 from validation.maps.figures import check_drawable, draw_sweep
 from validation.run import run
 from validation.sweeps.case import COLUMNS, series
-from validation.sweeps.plan import REST_SERIES, SERIES, TIME, series_named
+from validation.sweeps.plan import TIME, series_known
 from validation.sweeps.results import Results
 from validation.sweeps.store import expected_size
 from validation.sweeps.sweep import Sweep
@@ -155,12 +155,14 @@ def motion(scenario: Scenario, **how: Any) -> Trajectory:
 def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     made = motion(REDUCED)
     rest = simulate_to_rest(Scenario.rest(start=Start(spin=5.0)), 0.02, local_tolerance=1e-3)
-    assert (TIME, *REST_SERIES) == tuple(rest.columns())
-    # The constraints that Model 4 does not have have these forces.
-    assert {TIME, *SERIES} - made.columns().keys() == {"lateral_force", "tilt_torque"}
-    assert made.columns().keys() <= {TIME, *SERIES}
+    known, known_to_rest = (series_known(to_rest=each) for each in (False, True))
+    assert [TIME, *known_to_rest] == list(rest.columns())
+    # The constraints that Model 4 does not have have these forces; the first two are groups.
+    absent = {"lateral_force", "tilt_torque", "coordinates", "rates"}
+    assert known.keys() - made.columns().keys() == absent
+    assert made.columns().keys() <= {TIME, *known}
     # They share a dataset.
-    assert not {"number", *COLUMNS} & {TIME, *SERIES, *REST_SERIES}
+    assert not {"number", *COLUMNS} & {TIME, *known, *known_to_rest}
 
 
 def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_none(
@@ -186,7 +188,7 @@ def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_n
 
 
 def test_groups_stand_for_their_series_and_absent_forces_are_left_out() -> None:
-    named = series_named(("gamma", "coordinates", "alpha_rate"), to_rest=False)
+    named = sweep("spin=1,2", keep=("gamma", "coordinates", "alpha_rate")).plan.keep
     assert named == ("gamma", "x", "y", "z", "alpha", "beta", "alpha_rate")
     pushed = motion(Scenario(), formulation="index-1")
     assert set(series(pushed, ("beta", "spin_torque"))) == {TIME, "beta"}
