@@ -39,7 +39,7 @@ function pen(drawn) {
 const bare = createContext({ atob });
 new Script(code).runInContext(bare);
 const pose = new Script("diskPoses").runInContext(bare)(JSON.parse(text));
-const area = JSON.parse(text).shape.areas[0].map(([x, y]) => [x, y]);
+const area = JSON.parse(text).shape.area.map(([x, y]) => [x, y]);
 const hull = new Script("hullOf").runInContext(bare)(area);
 const found = process.argv.slice(3).map((each) => {
   const drawn = [];

@@ -181,7 +181,7 @@ def test_shape_of_a_body_is_that_of_its_mass(disk: Body) -> None:
     areas = [_area(line) for line in body.lines]
     middles = [np.mean(line[:-1], axis=0) for line in body.lines]
     balance = sum(a * m for a, m in zip(areas, middles, strict=True)) / sum(areas)
-    assert _area(body.areas[0]) == pytest.approx(sum(areas))
+    assert _area(body.area) == pytest.approx(sum(areas))
     if len(areas) > 1:
         # What is drawn balances where the centre of gravity is drawn; 72 corners take 0.1 %.
         np.testing.assert_allclose(balance, body.cog, atol=1e-3 * disk.radius)
@@ -196,7 +196,7 @@ def test_lines_and_outline_of_a_solid_are_those_of_its_surface(solid: Body) -> N
     if isinstance(solid, Sphere):
         np.testing.assert_allclose(np.linalg.norm(points, axis=1), solid.radius)
     across = np.array([[0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
-    drawn = outline(body.areas[0] @ across.T)
+    drawn = outline(body.area @ across.T)
     for turn in np.linspace(0.0, 2.0 * np.pi, 50):
         sideways = np.array([np.cos(turn), np.sin(turn)])
         farthest = sideways @ across @ solid.lowest_point(sideways @ across)
@@ -229,7 +229,7 @@ def test_bodies_are_drawn_in_every_picture(body: Body) -> None:
 def test_player_draws_the_outline_of_a_solid() -> None:
     made = simulate(Scenario(disk=TIPPE_TOP), np.linspace(0.0, 0.05, 6)).animate()
     (shown,) = in_node("player_harness.js", made.text, "0.02")
-    expected = outline(np.array(embedded(made.text)["shape"]["areas"][0])[:, :2])
+    expected = outline(np.array(embedded(made.text)["shape"]["area"])[:, :2])
     assert {tuple(each) for each in shown["hull"]} == {tuple(each) for each in expected.tolist()}
     # Table, shadow, one surface, contact point, mark and centre of gravity.
     assert len(shown["drawn"]) == 6

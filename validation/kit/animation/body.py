@@ -43,7 +43,7 @@ class Shape(NamedTuple):
 
     Parameters
     ----------
-    areas : list of ndarray, shape (n, k)
+    area : ndarray, shape (n, k)
         What covers the body: the outline of a plate, counterclockwise, from which the eye goes to
         its holes and around them clockwise; of a solid, points in whose hull it is seen.
     lines : list of ndarray, shape (n, k)
@@ -58,7 +58,7 @@ class Shape(NamedTuple):
         Whether it has an outline that hides half of its lines, and no two faces.
     """
 
-    areas: list[Array]
+    area: Array
     lines: list[Array]
     cog: tuple[float, float]
     mark: tuple[float, float]
@@ -81,11 +81,11 @@ def shape(body: Body) -> Shape:
         edges = [straight @ np.array([[c, s], [-s, c]])]
     else:
         top = body.lowest_point((-1.0, 0.0, 0.0))
-        return Shape([_points(body)], surface(body), cog, mark=(top[0], top[1]), solid=True)
+        return Shape(_points(body), surface(body), cog, mark=(top[0], top[1]), solid=True)
     area = np.vstack([part for edge in edges for part in (edge, edges[0][:1])])
     heavy = [area.clip(min=(0.0, -np.inf))] if body.eccentricity else []
     mark = float(edges[0][0, 0]), float(edges[0][0, 1])
-    return Shape([area], edges, cog, mark, heavy, masses)
+    return Shape(area, edges, cog, mark, heavy, masses)
 
 
 def circle(radius: float, x: float = 0.0, y: float = 0.0) -> Array:

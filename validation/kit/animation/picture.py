@@ -92,16 +92,15 @@ def _artists(body: Shape, pose: Pose, camera: Camera, trail: Array | None) -> It
         return outline(seen) if body.solid else seen
 
     yield from _table(camera)
-    for area in body.areas:
-        yield _filled(covered(placed(area) * (1.0, 1.0, 0.0)), LOOK["shadow"])
+    yield _filled(covered(placed(body.area) * (1.0, 1.0, 0.0)), LOOK["shadow"])
     if trail is not None:
         yield _line(project(trail * (1.0, 1.0, 0.0)), LOOK["path"], 1.6 * scale)
     light, heavy = LOOK["front" if body.solid or turned[2] @ eye > 0.0 else "back"]
-    for areas, colour in ((body.areas, light), (body.heavy, heavy), (body.masses, LOOK["ink"])):
+    for areas, colour in (([body.area], light), (body.heavy, heavy), (body.masses, LOOK["ink"])):
         for area in areas:
             yield _filled(covered(placed(area)), colour)
     if body.solid:
-        yield _line(covered(placed(body.areas[0])), heavy, 1.2 * scale)
+        yield _line(covered(placed(body.area)), heavy, 1.2 * scale)
     for line in map(placed, body.lines):
         visible = in_sight(line, place, eye) if body.solid else line
         yield _line(project(visible), heavy, 1.2 * scale)

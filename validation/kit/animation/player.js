@@ -84,7 +84,7 @@ function diskPlayer(root, data) {
     const target = [centre[0], centre[1], LOOK.height * R];
     const [project, eye] = projection(target, 9 * R, width, height);
 
-    const { areas, heavy, masses, lines, solid, cog } = data.shape;
+    const { area, heavy, masses, lines, solid, cog } = data.shape;
     const trace = (points, hull) => {
       const seen = points.map(project);
       pen.beginPath();
@@ -122,8 +122,7 @@ function diskPlayer(root, data) {
         stroke(ends.map((end) => [end[axis], end[1 - axis], 0]), LOOK.grid, 1);
       }
     }
-    areas.forEach((area) =>
-      fill(area.map(placed).map(([x, y]) => [x, y, 0]), LOOK.shadow, solid));
+    fill(area.map(placed).map(([x, y]) => [x, y, 0]), LOOK.shadow, solid);
     const { contactX, contactY } = data.columns;
     stroke([...data.times.flatMap((each, i) =>
       each > t - LOOK.trail && each < t ? [[contactX[i], contactY[i], 0]] : []), now.contact],
@@ -131,9 +130,9 @@ function diskPlayer(root, data) {
 
     const front = solid || dot(now.ez, minus(eye, centre)) > 0;
     const [bright, dark] = front ? LOOK.front : LOOK.back;
-    [[areas, bright], [heavy, dark], [masses, LOOK.ink]].forEach(([outlines, colour]) =>
+    [[[area], bright], [heavy, dark], [masses, LOOK.ink]].forEach(([outlines, colour]) =>
       outlines.forEach((outline) => fill(outline.map(placed), colour, solid)));
-    if (solid) stroke(areas[0].map(placed), dark, 1.5, solid);
+    if (solid) stroke(area.map(placed), dark, 1.5, solid);
     const faces = (p) => !solid || dot(minus(p, centre), minus(eye, centre)) >= R * R;
     lines.map((line) => line.map(placed)).forEach((line) => line.slice(1).forEach((point, k) => {
       if (faces(point) && faces(line[k])) stroke([line[k], point], dark, 1.5);
