@@ -89,17 +89,14 @@ def open_pool(
     workers = whole("workers", given, 1, MOST_WORKERS)
     with ExitStack() as stack:
         if executor == "dask":
-            pool = _dask(workers, scheduler, stack)
+            yield _dask(workers, scheduler, stack)
         elif executor == "mpi":
-            pool = _mpi()
+            yield _mpi(stack)
         elif executor == "processes":
-            pool = Pool(Processes(workers), workers)
+            yield Pool(stack.enter_context(Processes(workers)), workers)
         else:
             make = partial(_user_executor, executor, stack)
-            pool = Pool(make(), workers, renewed=make)
-        if executor in ("processes", "mpi"):
-            stack.callback(pool.executor.shutdown, cancel_futures=True)
-        yield pool
+            yield Pool(make(), workers, renewed=make)
 
 
 def _user_executor(name: str, stack: ExitStack) -> Executor:
@@ -116,7 +113,7 @@ def _user_executor(name: str, stack: ExitStack) -> Executor:
     return executor
 
 
-def _mpi() -> Pool:
+def _mpi(stack: ExitStack) -> Pool:
     try:
         from mpi4py import MPI
         from mpi4py.futures import MPIPoolExecutor
@@ -132,6 +129,7 @@ def _mpi() -> Pool:
             "mpiexec -n 4 python -m mpi4py.futures -m validation sweep …"
         )
     executor = MPIPoolExecutor()
+    stack.callback(executor.shutdown, cancel_futures=True)
     return Pool(executor, executor.num_workers)
 
 
