@@ -153,13 +153,12 @@ class Group:
         _, self._meanings = described(Result.deliver)
         for each in reversed(getattr(whole, "__mro__", (whole,))):
             self._meanings |= described(each)[1]
-        self._parameters = [known[name] for name in names or known]
+        self._parts = [(known[name], _keywords(known[name].annotation)) for name in names or known]
 
     def add_to(self, parser: Parser, further: Mapping[str, str] = MappingProxyType({})) -> None:
         """Add the options; what a command says of one itself comes first."""
         meanings = {**self._meanings, **further}
-        for parameter in self._parameters:
-            how = _keywords(parameter.annotation)
+        for parameter, how in self._parts:
             if isinstance(how, OfScenario | Group):
                 how.add_to(parser, meanings)
             elif all(each.dest != parameter.name for each in parser.actions):
@@ -167,13 +166,11 @@ class Group:
 
     def value(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """What is given, by name."""
-        found = {}
-        for each in self._parameters:
-            how = _keywords(each.annotation)
-            value = how.value(given) if not isinstance(how, dict) else given[each.name]
-            if value is not None:
-                found[each.name] = value
-        return found
+        found = {
+            parameter.name: given[parameter.name] if isinstance(how, dict) else how.value(given)
+            for parameter, how in self._parts
+        }
+        return {name: value for name, value in found.items() if value is not None}
 
 
 def _add(parser: Parser, parameter: Parameter, how: dict[str, Any], meaning: str) -> None:
