@@ -61,8 +61,7 @@ def _bash() -> Iterator[str]:
 
 def _fish() -> Iterator[str]:
     for command in commands():
-        about = command.about.partition("\n")[0]
-        yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(about)}"
+        yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(command.title)}"
         for action in command.parser().actions:
             names = "".join(f" -l {each[2:]}" for each in action.option_strings if each[1] == "-")
             offered = _values(action)

@@ -17,9 +17,8 @@ from typing import Annotated, Any, Literal, NamedTuple, NoReturn, get_args, get_
 
 from analysis.problem.names import nearest
 from analysis.problem.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
+from validation import commands as package
 from validation.parser.files import Result, existing, file
-
-_FOLDER = Path(__file__).parent.parent / "commands"
 
 _MODULES = (
     *("studies", "simulate", "show", "scenario", "sweep", "maps", "stability", "nonlinear"),
@@ -215,6 +214,11 @@ class Command:
         found = _OUTPUTS if returned is Result else _keywords(returned)
         self._outputs = found if isinstance(found, Group) else None
 
+    @property
+    def title(self) -> str:
+        """What it does, in a line."""
+        return self.about.partition("\n")[0]
+
     def parser(self) -> Parser:
         """Parser of the command."""
         parser = Parser(prog=f"tippedisk {self.name}", description=self.about)
@@ -262,13 +266,9 @@ def commands() -> tuple[Command, ...]:
     return tuple(each for module in _MODULES for each in _declared(module))
 
 
-def _text(module: str) -> str:
-    return (_FOLDER / f"{module}.py").read_text(encoding="utf-8")
-
-
 def _declared(module: str) -> Iterator[Command]:
     """Commands of a module, of whose functions the names, parameters and docstrings are kept."""
-    tree = ast.parse(_text(module))
+    tree = ast.parse(Path(*package.__path__, f"{module}.py").read_text(encoding="utf-8"))
     functions = [each for each in tree.body if isinstance(each, ast.FunctionDef)]
     public = [each for each in functions if not each.name.startswith("_")]
     for each in public:
@@ -296,11 +296,12 @@ def parsed(words: Sequence[str]) -> tuple[Command, argparse.Namespace]:
 
 def _top(known: Mapping[str, Command]) -> Parser:
     """Parser of what stands before a command, or in its place."""
-    about = ast.get_docstring(ast.parse(_text("__init__"))) or ""
+    about = cleandoc(package.__doc__ or "")
+    lines = (f"  {name:16s}{_as_in_help(each.title)}" for name, each in known.items())
     top = Parser(
         prog="tippedisk",
         usage="tippedisk [-h] [--version] COMMAND ...",
-        description=about.format(commands="\n".join(map(_line, known.values()))),
+        description=about.format(commands="\n".join(lines)),
     )
     top.add_argument("--version", action=_Version, nargs=0, help="print the version")
     top.add_argument("command", choices=list(known), metavar="COMMAND")
@@ -315,11 +316,6 @@ class _Version(argparse.Action):
 
         print(f"tippedisk {version('tippedisk')}")
         parser.exit()
-
-
-def _line(command: Command) -> str:
-    first = command.about.partition("\n")[0].rstrip(".")
-    return f"  {command.name:16s}{first[0].lower()}{first[1:]}"
 
 
 def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
