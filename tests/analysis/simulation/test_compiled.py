@@ -2,6 +2,7 @@
 
 import math
 import sys
+from dataclasses import replace
 from functools import partial
 from math import pi
 from typing import Any
@@ -16,33 +17,26 @@ from analysis import (
     POSSIBLE_SETS,
     ConstraintSet,
     Ensemble,
-    Formulation,
     FrictionLaw,
     Level,
-    Load,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
     State,
+    Table,
     ToleranceError,
     Trajectory,
+    formulations,
     simulate,
     simulate_many,
 )
-from analysis.mechanics import reduced
-from analysis.mechanics.attitude import EulerTurning, paper_of
-from analysis.mechanics.dual import rate
-from analysis.mechanics.recorded import accelerations
-from analysis.problem.checks import Array
 from analysis.problem.quantities import LOADS
 from analysis.simulation import request
-from analysis.simulation.compiled import library, systems
+from analysis.simulation.compiled import library
 from analysis.simulation.compiled.ensemble import simulate_compiled
 from analysis.simulation.compiled.library import CannotCompileError
 from analysis.simulation.compiled.runs import integrate
-from analysis.simulation.compiled.systems import SIGN, Structure
-from analysis.simulation.formulations import pose
 from analysis.simulation.request import Request
 from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, TIPPE_TOP
@@ -52,112 +46,54 @@ from tests.helpers import (
     model,
     mostly_slow,
     not_none,
-    random_disk,
-    random_table,
+    random_scenario,
     refusals,
 )
 from tests.wayward_law import Answering
 from validation.kit.differences import ending_error
 
-heyoka = pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
+pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
 TIMES = np.linspace(0.0, 0.6, 121)
 TURNING = Start(beta=1.2, gamma=-0.8, spin=30.0, beta_rate=2.0)
 """Its slip soon changes sign in Model 4."""
 
 
-def values(symbols: list[Any], system: systems.System, scenario: Scenario, states: Array) -> Array:
-    """Values of symbols at states, shape (n, k), with the sign of the slip there."""
-    function = heyoka.cfunc([*symbols, *system.kinks], system.variables, opt_level=0)
-    numbers = np.array(systems.parameters(scenario, 0.0))[: function.nparams, None]
-    numbers = numbers * np.ones(len(states))
-    columns, time = np.ascontiguousarray(states.T), np.zeros(len(states))
-    if system.kinks:
-        numbers[SIGN] = np.sign(function(columns, pars=numbers, time=time)[-1])
-    found = function(columns, pars=numbers, time=time)
-    return np.asarray(found[: len(symbols)]).T
+def drawn(constraints: ConstraintSet, law: FrictionLaw, *, products: float = 0.0) -> Scenario:
+    """Start of a random disk on a leaning table."""
+    return random_scenario(constraints, 12, law, products)[0]
 
 
-def assert_rows_close(actual: Array, expected: Any, relative: float) -> None:
-    """No entry differs by more than `relative` times the largest of its row."""
-    expected = np.array(expected)
-    apart = np.max(np.abs(actual - expected), axis=1)
-    assert np.all(apart <= relative * np.max(np.abs(expected), axis=1))
+ROUGH = [SmoothCoulomb(load=load, coefficient=0.2, smoothing=0.5) for load in LOADS]
+REDUCED_OF = [replace(drawn(MODELS[4], law()), table=Table()) for law in LAWS.values()]
+SYSTEMS = [
+    *(each for each in REDUCED_OF if each.friction.is_simple),
+    drawn(MODELS[1], SmoothCoulomb(), products=0.1),
+    *(drawn(held, law) for held in POSSIBLE_SETS for law in ROUGH),
+]
+QUICK = [each for each in SYSTEMS if each.model in (1, 4)]
 
 
-SETS = mostly_slow(POSSIBLE_SETS, [MODELS[1], MODELS[4]])
+@pytest.mark.parametrize("scenario", mostly_slow(SYSTEMS, QUICK))
+def test_compiled_equations_are_the_pure_ones(scenario: Scenario) -> None:
+    # The reduced ones where there are any.
+    formulation = formulations(scenario)[-1]
+    run_of = partial(simulate, scenario, [0.0, 0.05, 0.1], formulation=formulation)
+    run, pure = run_of(method="taylor", local_tolerance=1e-11), run_of(local_tolerance=1e-13)
+    for name in ("coordinates", "rates", "multipliers"):
+        assert_close(getattr(run, name), getattr(pure, name), relative=1e-10)
+    assert "heyoka" in run.versions
+    assert run.method["method"] == "taylor"
 
 
-@pytest.mark.parametrize("constraints", SETS, ids="+".join)
-@pytest.mark.parametrize("load", LOADS)
-def test_compiled_and_pure_index_1_systems_are_the_same_at_1000_states(
-    constraints: ConstraintSet, load: Load
-) -> None:
-    random = np.random.default_rng(12)
-    given: Any = {"disk": random_disk(random), "table": random_table(random)}
-    friction = SmoothCoulomb(load=load, coefficient=0.2, smoothing=0.5)
-    scenario = Scenario(constraints=constraints, friction=friction, **given)
-    system = systems.build(Structure.of(scenario, "index-1", {}, allow_pulling=False))
-    states = random.normal(size=(1000, 12))
-    states[:, 4] = random.uniform(0.3, pi - 0.3, size=1000)
-    found = values(system.derivatives, system, scenario, states)
-    read = values(system.readings, system, scenario, states)
-
-    def told(moving: Any) -> list[Any]:
-        return [each for half in paper_of(scenario.disk, moving, EulerTurning) for each in half]
-
-    assert_rows_close(read[:, :12], np.transpose(told(states.T)), relative=1e-12)
-    changes = np.transpose(rate(told, states.T, found.T))
-    rows, pure = [], []
-    for row, values_there in enumerate(read):
-        try:
-            moved, forces = accelerations(scenario, *np.split(values_there[:12], 2))
-        except ArithmeticError:
-            continue
-        # A contact that pulls has no load for the pure system; a compiled run ends before.
-        if load == "weight" or forces[0] > 0.0:
-            rows.append(row)
-            pure.append((*values_there[6:12], *moved, *forces))
-    assert len(rows) == 1000 if load == "weight" else len(rows) > 100
-    assert_rows_close(changes[rows], np.array(pure)[:, :12], relative=1e-10)
-    assert_rows_close(read[rows, 12 : len(pure[0])], np.array(pure)[:, 12:], relative=1e-10)
-
-
-@pytest.mark.parametrize("law", [law for law in LAWS.values() if law().is_simple])
-def test_compiled_and_pure_reduced_systems_are_the_same_under_every_law(
-    law: type[FrictionLaw],
-) -> None:
-    random = np.random.default_rng(13)
-    start = Start(spin=3.0, alpha=0.5)
-    scenario = model(4, disk=random_disk(random), friction=law(), start=start)
-    system = systems.build(Structure.of(scenario, "reduced", {}, allow_pulling=False))
-    # From much slip to hardly any.
-    states = random.normal(size=(100, 3)) * 10.0 ** -np.linspace(0.0, 8.0, 100)[:, None]
-    states[:, 0] += pi / 2
-    symbols = [*system.derivatives, system.endings["contact would pull"]]
-    pure = [reduced.solver(scenario, 3.0)(*x)[:4] for x in states.tolist()]
-    assert_rows_close(values(symbols, system, scenario, states), pure, relative=1e-12)
-    read = np.hstack(pose(scenario, "reduced", {}).expand(np.zeros(100), states))
-    found = values(system.readings[:17], system, scenario, states)
-    assert_rows_close(found, read, relative=1e-12)
-
-
-COMPILED = (model(4, start=TURNING), model(1), model(1, disk=COMPOSED, start=TURNING))
-
-
-@pytest.mark.parametrize("scenario", COMPILED)
+@pytest.mark.parametrize("scenario", [model(4, start=TURNING), model(1)])
 def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(scenario: Scenario) -> None:
-    formulation: Formulation = "reduced" if scenario.model == 4 else "index-1"
-    run_of = partial(simulate, scenario, TIMES + 2.0, formulation=formulation)
+    run_of = partial(simulate, scenario, TIMES + 2.0, formulation=formulations(scenario)[-1])
     run, pure = run_of(method="taylor", tolerance=1e-8), run_of(local_tolerance=1e-13)
     assert angles_apart(run, pure) <= not_none(run.error_estimate) <= 1e-8
     # It is twice the difference to the run before.
     coarse = run_of(method="taylor", local_tolerance=1e-9)
     assert run.error_estimate == pytest.approx(2.0 * angles_apart(run, coarse), rel=1e-6)
-    for name in ("coordinates", "rates", "multipliers"):
-        assert_close(getattr(run, name), getattr(pure, name), relative=1e-9)
-    assert "heyoka" in run.versions
-    assert run.method["method"] == "taylor"
 
 
 def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
@@ -185,13 +121,22 @@ def turned(state: State) -> float:
     return -1.0 - state.coordinates[5]
 
 
+def spun(state: State) -> float:
+    return 39.0 - state.rates[3]
+
+
+def never(_: State) -> float:
+    return 1.0
+
+
 def test_compiled_run_ends_where_the_pure_one_does() -> None:
     pulling = model(1, start=Start(spin=200.0))
     for scenario, formulation, stop_when, reason in (
         (pulling, None, (), "contact would pull"),
         (model(4), "reduced", "inverted", "inverted"),
         (model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)), "reduced", (), "flat"),
-        (model(4), "reduced", turned, "turned"),
+        # What stays as it is, as the spin of the reduced system does, ends no run.
+        (model(4), "reduced", [spun, never, turned], "turned"),
     ):
         how: dict[str, Any] = {"formulation": formulation, "stop_when": stop_when}
         times = np.linspace(0.0, 2.0, 201)
@@ -202,19 +147,6 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         assert ending_error(run, pure) < 1e-10
         assert abs(ending.value) < 1e-8
         assert run.times.size == pure.times.size
-
-
-def test_what_stays_as_it_is_ends_no_compiled_run() -> None:
-    def fast(state: State) -> float:
-        return 39.0 - state.rates[3]
-
-    def never(_: State) -> float:
-        return 1.0
-
-    # The spin of the reduced system is a number of the scenario.
-    how: dict[str, Any] = {"formulation": "reduced", "method": "taylor", "local_tolerance": 1e-9}
-    run = simulate(model(4), TIMES, stop_when=[fast, never, turned], **how)
-    assert not_none(run.ending).reason == "turned"
 
 
 def branching(speed: float) -> float:
