@@ -1,6 +1,7 @@
 """The unilateral penalty contact, in the engine's formulations and in-house."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,8 +21,10 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
+    State,
 )
 from analysis.mechanics.recorded import accelerations
+from analysis.problem.checks import Array
 from mbs_models import Formulation
 from tests.scenes import scene_of
 
@@ -33,6 +36,20 @@ every_formulation = pytest.mark.parametrize(
 )
 
 
+def moved(
+    formulation: Formulation, sunk: float, falling: float = 0.0, **fields: Any
+) -> tuple[Array, float]:
+    """Accelerations and normal force of both sides, of an upright disk that slips and has sunk."""
+    x, y, z, *angles = replace(UPRIGHT, height=0.0).state(MODELS[1], STEEL_DISK).coordinates
+    place, rates = (x, y, z - sunk, *angles), (0.2, 0.0, -falling, 0.0, 0.0, 0.0)
+    scene = scene_of(1, formulation, start=State(coordinates=place, rates=rates), **fields)
+    found, (normal,) = mbs_models.acceleration(scene)
+    in_house, (force,) = accelerations(scene.scenario, place, rates)
+    np.testing.assert_allclose(found, in_house, rtol=1e-8, atol=1e-7)
+    assert normal == pytest.approx(force, rel=1e-9)
+    return found, normal
+
+
 @every_formulation
 @pytest.mark.parametrize("load", LOADS)
 @pytest.mark.parametrize("law", [SmoothCoulomb, AnisotropicCoulomb])
@@ -41,22 +58,11 @@ def test_in_the_air_a_bilateral_contact_alone_acts_and_rubs_under_the_weight_alo
     formulation: Formulation, load: Load, law: type[FrictionLaw], *, bilateral: bool
 ) -> None:
     # What falls onto the table feels no damper before it touches.
-    height, falling = 1e-5, 0.0 if bilateral else -1.0
-    start = replace(UPRIGHT, height=height).state(MODELS[1], STEEL_DISK)
-    scene = scene_of(
-        1,
-        formulation,
-        contact=replace(CONTACT, bilateral=bilateral),
-        friction=law(load=load),
-        start=replace(start, rates=(0.2, 0.0, falling, 0.0, 0.0, 0.0)),
-    )
-    found, force = mbs_models.acceleration(scene)
-    state = scene.scenario.initial_state
-    in_house, forces = accelerations(scene.scenario, state.coordinates, state.rates)
-    np.testing.assert_allclose(found, in_house, rtol=1e-8, atol=1e-7)
-    for each in (force, forces):
-        assert each[0] == pytest.approx(-CONTACT.stiffness * height * bilateral, rel=1e-9)
-    lifting = force[0] / STEEL_DISK.mass - GRAVITY
+    height, falling = 1e-5, 0.0 if bilateral else 1.0
+    contact = replace(CONTACT, bilateral=bilateral)
+    found, force = moved(formulation, -height, falling, friction=law(load=load), contact=contact)
+    assert force == pytest.approx(-CONTACT.stiffness * height * bilateral, rel=1e-9)
+    lifting = force / STEEL_DISK.mass - GRAVITY
     is_smooth = np.allclose(found, [0, 0, lifting, 0, 0, 0], rtol=1e-9, atol=1e-9)
     assert is_smooth == (not bilateral or load == "contact")
 
@@ -74,21 +80,15 @@ def test_in_the_air_a_bilateral_contact_alone_acts_and_rubs_under_the_weight_alo
 def test_friction_that_does_not_follow_the_force_of_the_contact_fades_with_its_last_hundredth(
     formulation: Formulation, law: FrictionLaw, *, fades: bool
 ) -> None:
-    pushed = []
+    pushed, weight = [], Scenario().weight
     for part in (1.0, 0.5):
-        scenario = Scenario(friction=law, contact=CONTACT, start=UPRIGHT)
-        force = 0.01 * part * scenario.weight
-        start = replace(UPRIGHT, height=0.0).state(MODELS[1], STEEL_DISK)
-        x, y, z, *angles = start.coordinates
-        sunk = replace(start, coordinates=(x, y, z - force / CONTACT.stiffness, *angles))
-        sunk = replace(sunk, rates=(0.2, 0.0, 0.0, 0.0, 0.0, 0.0))
-        scene = mbs_models.Scene(replace(scenario, start=sunk), formulation)
-        (x_second, *_), (normal,) = mbs_models.acceleration(scene)
-        in_house, _ = accelerations(scene.scenario, sunk.coordinates, sunk.rates)
-        assert x_second == pytest.approx(in_house[0], rel=1e-6)
+        force = 0.01 * part * weight
+        found, normal = moved(
+            formulation, force / CONTACT.stiffness, friction=law, contact=CONTACT
+        )
         assert normal == pytest.approx(force, rel=1e-6)
-        slipping = law.force(0.2, 0.0, scenario.weight if law.load == "weight" else force)[0]
-        pushed.append(x_second / (slipping * (part if fades else 1.0)))
+        slipping = law.force(0.2, 0.0, weight if law.load == "weight" else force)[0]
+        pushed.append(found[0] / (slipping * (part if fades else 1.0)))
     assert pushed[0] == pytest.approx(pushed[1], rel=1e-6)
 
 
