@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Body, Disk, Scenario, Start
+from analysis import Body, Disk, Start
 from analysis.problem.elementary import sqrt
 from validation.studies import crosscheck
 
@@ -67,9 +67,3 @@ def random_start(seed: int, pace: float = 1.0) -> Start:
         gamma_rate=pace * rng.uniform(-20.0, 20.0),
         **{name: rng.uniform(-1.0, 1.0) for name in ("x", "y", "x_rate", "y_rate")},
     )
-
-
-def spinning_top(coefficient: float = 0.3) -> Scenario:
-    """The tippe top, spun about its axis with the centre of gravity below, a little aslant."""
-    law: Any = crosscheck.SPUN.friction
-    return replace(crosscheck.SPUN, friction=replace(law, coefficient=coefficient))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analysis import LAWS, FrictionLaw
-from analysis.mechanics.dual import derivatives, of_duals, per_speed_and_slope, rate
+from analysis.mechanics.dual import derivatives, of_duals, per_speed_and_slope
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from tests.helpers import assert_close, derivative, jacobian
 from tests.wayward_law import Own
@@ -29,12 +29,6 @@ def test_derivatives_are_those_of_the_formula(name: str) -> None:
     place = np.array((0.7, 1.9))
     slopes = jacobian(lambda x: np.array(FORMULAS[name](x.tolist())), place)
     assert_close(derivatives(FORMULAS[name], place), slopes, relative=1e-11)
-
-
-def test_values_may_be_arrays_of_many_places() -> None:
-    x, y = np.linspace(0.1, 1.0, 5), np.linspace(2.0, 3.0, 5)
-    (found,) = rate(lambda z: [z[0] * sin(z[1])], (x, y), (np.ones(5), 2.0 * np.ones(5)))
-    np.testing.assert_allclose(found, np.sin(y) + 2.0 * x * np.cos(y), rtol=1e-14)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

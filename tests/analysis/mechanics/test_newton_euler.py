@@ -20,11 +20,7 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Table,
-    ViscousFriction,
-    energy_residual,
     multiplier_names,
-    simulate,
-    simulate_to_rest,
 )
 from analysis.mechanics import paper
 from analysis.mechanics.attitude import state_of
@@ -34,7 +30,7 @@ from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
 from analysis.problem.constraints import PRESCRIBED
-from tests.bodies import BODIES, random_start, spinning_top
+from tests.bodies import BODIES, random_start
 from tests.helpers import (
     OUTER_STEP,
     all_sets,
@@ -47,7 +43,6 @@ from tests.helpers import (
     jacobian,
     lagrange,
     more_sets,
-    not_none,
     random_scenario,
     rotation,
     second_derivative,
@@ -140,25 +135,6 @@ def test_jacobian_is_the_slope_of_the_time_derivative(
         assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)
 
 
-@all_sets
-@loads
-def test_every_law_of_one_slope_is_at_no_slip_as_the_viscous_one(
-    constraints: ConstraintSet, load: Load
-) -> None:
-    # Differences err by the kink of the law, however small their step.
-    upright = Scenario(constraints=constraints, start=Start(gamma=np.pi / 2, spin=30.0))
-    start = upright.initial_state
-    state = np.array(state_of(upright.disk, start.coordinates, start.rates))
-    for law in LAWS.values():
-        if law().is_simple:
-            slope = law().gradient
-            found, expected = (
-                exact_jacobian(replace(upright, friction=each))(state)
-                for each in (law(load=load), ViscousFriction(viscosity=slope))
-            )
-            assert_close(found, expected)
-
-
 def test_a_flat_disk_is_called_singular() -> None:
     centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
     with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
@@ -210,15 +186,3 @@ def test_forces_at_the_lowest_point_change_the_momenta(body: Body, seed: int, lo
     np.testing.assert_allclose(turning, torque, atol=1e-9 * size)
     rise = second_derivative(lambda t: lowest(body, path(t)))[2]
     assert abs(rise) < 1e-9 * scale
-
-
-def test_tippe_top_turns_over_by_friction_alone() -> None:
-    motion = simulate_to_rest(spinning_top(), 1.5, stop_when="inverted")
-    assert not_none(motion.ending).reason == "inverted"
-    assert motion.times[-1] == pytest.approx(1.228924, abs=2e-6)
-    ideal = replace(spinning_top(), contact=None)
-    run = simulate(ideal, np.linspace(0.0, 1.5, 601), stop_when="inverted")
-    assert run.times[-1] == pytest.approx(1.22861, abs=1e-5)
-    assert np.max(np.abs(energy_residual(run))) < 1e-4 * motion.energies[0].sum()
-    smooth = simulate_to_rest(spinning_top(0.0), 1.5)
-    assert smooth.cog_direction.max() < -0.9
