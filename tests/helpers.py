@@ -84,12 +84,11 @@ def jacobian(function: Callable[[Array], Array], place: Array, step: float = 4e-
 
 def second_derivative(function: Callable[[float], Array]) -> Array:
     """Second derivative at 0, good to about 1e-11 of the function's size."""
-    return derivative(lambda outer: slope(function, outer), OUTER_STEP)
 
+    def slope(time: float) -> Array:
+        return derivative(lambda inner: function(time + inner), OUTER_STEP)
 
-def slope(function: Callable[[float], Array], time: float) -> Array:
-    """Derivative at `time`, to be differentiated once more with `OUTER_STEP`."""
-    return derivative(lambda inner: function(time + inner), OUTER_STEP)
+    return derivative(slope, OUTER_STEP)
 
 
 def angles_apart(first: Trajectory, second: Trajectory) -> float:

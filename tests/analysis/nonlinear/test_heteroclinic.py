@@ -155,12 +155,10 @@ HERE = Connection(spin=1, below=1, above=1, growing=1, slow=-1, strong=-2)
 
 REFUSED: dict[str, Callable[[], object]] = {
     r"gradient of at most 100000 s/m .* got 300000": lambda: fall(with_smoothing(1e-6), 30.0),
-    "Model 4": lambda: fall(model(2), 30.0),
     "spin must be positive": lambda: fall(PAPER, -30.0),
     "friction law cannot give": lambda: slow_connection(LOOSE),
     "cycles must hold 4": lambda: period_growth([], HERE),
     "is no saddle with one growing": lambda: saddle(PAPER, 0.0),
-    "the reduced system is that of Model 4, got Model 2": lambda: saddle(model(2), 30.0),
 }
 
 test_what_there_is_not_is_refused = refusals(

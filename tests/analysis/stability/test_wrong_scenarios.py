@@ -66,11 +66,9 @@ SLIPPERY = replace(PAPER, friction=SmoothCoulomb(coefficient=0.0))
 REFUSED: dict[str, Callable[[], object]] = {
     "gradients must be one-dimensional": lambda: stability_chart(FULL, [1.0], []),
     "must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
-    "lowest < highest spin, got 5 to 1": lambda: hopf_curves(FULL, [1.0, 2.0], (5.0, 1.0)),
     "interval must have .* got 10 to 10": lambda: critical_speeds(FULL, (10.0, 10.0)),
     "interval must have .* got -5 to 10": lambda: critical_speeds(FULL, (-5.0, 10.0)),
     "interval must lie from -100000 to 100000": lambda: critical_speeds(FULL, (0.0, 1e6)),
-    "interval must be a finite number": lambda: critical_speeds(FULL, (0.0, np.nan)),
     "gradients must be two or more": lambda: hopf_curves(FULL, [1.0, 1.0]),
     "gradients must be positive": lambda: hopf_curves(FULL, [1.0, 0.0]),
     "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
