@@ -28,7 +28,7 @@ from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.disk import STEEL_RING
-from tests.helpers import jacobian, model, mostly_slow, not_none, refusals
+from tests.helpers import model, mostly_slow, not_none, refusals
 
 PAPER = model(4)
 WEAK = model(4, friction=SmoothCoulomb(coefficient=0.1, smoothing=0.4))
@@ -187,19 +187,6 @@ def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: F
     cycle = family.motions[1]
     with pytest.raises(NoCycleError, match="no symmetric motion of 1 rad found"):
         solve(replace(cycle, times=3.0 * cycle.times), cycle.place_with(spin=-10.0))
-
-
-def test_derivatives_of_the_flow_are_those_of_the_reduced_system() -> None:
-    x, spin = np.array(((0.3, -0.8), (1.0, 0.2), (-2.0, 0.7))), 29.0
-    right, slopes = (each(PAPER, spin, x) for each in (flow.right_hand_side, flow.jacobian))
-
-    def rates(moved: Array) -> Array:
-        return np.array(reduced.right_hand_side(PAPER, float(moved[3]))(0.0, moved[:3]))
-
-    for index, begin in enumerate(x.T + INVERTED):
-        place = np.append(begin, spin)
-        np.testing.assert_allclose(right[:, index], rates(place), rtol=1e-12)
-        np.testing.assert_allclose(slopes[index], jacobian(rates, place), rtol=1e-8, atol=1e-8)
 
 
 # --- Other kinds --------------------------------------------------------------------------------

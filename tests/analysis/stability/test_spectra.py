@@ -8,8 +8,6 @@ from analysis.problem.constraints import set_name
 from analysis.stability.spectra import System, branches, eigenvalues, follow, matrices_over_spin
 from validation.studies.stability.eigenvalue_check import distance
 
-PAPER = Scenario()
-
 
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize(("level", "system"), [(1, "full"), (1, "numeric"), (2, None), (4, None)])
@@ -30,18 +28,6 @@ def test_eigenvalues_and_branches_are_those_of_the_matrices(
     # The pair of the place on the table is exact.
     if level == 1:
         np.testing.assert_array_equal(followed[:, 2:4].T, [1j * spins, -1j * spins])
-
-
-def test_branches_carry_the_numbers_of_the_paper() -> None:
-    values = branches(PAPER, [0.0, 10.0, 20.0, 30.0])
-    real = [15.2627, 2.7996, 0.0, 0.0, -2.6297, -10.7108, -91.7299, -163.0212]
-    np.testing.assert_allclose(values[0], real, atol=5e-5)
-    np.testing.assert_array_equal(branches(PAPER, [0.0]), values[:1])
-    # red pair, green pair, blue pair, two fast ones, as in Fig. 6
-    np.testing.assert_allclose(values[3, :2], [0.0193 + 5.7511j, 0.0193 - 5.7511j], atol=5e-5)
-    np.testing.assert_array_equal(values[3, 2:4], [30j, -30j])
-    np.testing.assert_allclose(values[3, 4:6], [0.145 + 26.2758j, 0.145 - 26.2758j], atol=5e-5)
-    np.testing.assert_allclose(values[3, 6:], [-93.9395, -156.4183], atol=5e-5)
 
 
 SMOOTH = {f"smoothing {eps}": Scenario(friction=SmoothCoulomb(smoothing=eps)) for eps in (0.01, 1)}

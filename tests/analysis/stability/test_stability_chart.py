@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import MODELS, STEEL_DISK, Level, Scenario
+from analysis.mechanics.paper import critical_speed
 from analysis.stability.chart import stability_chart, static_gradient, with_gradient
 from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.sensitivities import POWERS, sensitivities
@@ -21,6 +22,7 @@ def test_noninverted_spinning_is_unstable_with_every_friction() -> None:
     chart = stability_chart(PAPER, np.linspace(0.0, 200.0, 60), gradients, "noninverted")
     assert np.all(chart % 2 == 1)
     assert np.all(np.isnan(static_gradient(PAPER, np.linspace(0, 200, 60), "noninverted")))
+    assert critical_speed(Scenario(constraints=MODELS[4]), "noninverted").kind == "saddle"
 
 
 def test_chart_counts_what_the_eigenvalues_of_the_whole_system_say() -> None:
