@@ -8,6 +8,7 @@ import pytest
 
 from analysis import (
     CENTRED_DISK,
+    MODELS,
     ConstraintSet,
     Scenario,
     SmoothCoulomb,
@@ -29,16 +30,10 @@ from tests.helpers import not_none, refusals
 HELD = Scenario(constraints=("contact", "constant-spin"))
 """At held spin a disk has tilted stationary motions."""
 
+ROLLING = ("contact", "no-slip-along", "no-slip-across")
 
-@pytest.mark.parametrize(
-    "constraints",
-    [
-        ("contact",),
-        ("contact", "constant-spin"),
-        ("contact", "fixed-cog"),
-        ("contact", "no-slip-along", "no-slip-across"),
-    ],
-)
+
+@pytest.mark.parametrize("constraints", [MODELS[1], MODELS[2], HELD.constraints, ROLLING])
 def test_an_eccentric_disk_spins_upright_or_not_at_all(constraints: ConstraintSet) -> None:
     inverted, noninverted = stationary_motions(Scenario(constraints=constraints), 28.0, starts=12)
     assert inverted.gamma == pytest.approx(np.pi / 2, abs=1e-8)
@@ -52,7 +47,7 @@ def test_an_eccentric_disk_spins_upright_or_not_at_all(constraints: ConstraintSe
 @pytest.mark.parametrize(
     ("constraints", "least"),
     [
-        (("contact", "constant-spin"), 49.373),
+        (HELD.constraints, 49.373),
         pytest.param(("contact", "fixed-cog", "constant-spin"), 47.895, marks=pytest.mark.slow),
     ],
 )
