@@ -55,8 +55,6 @@ from validation.kit.differences import ending_error
 pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 
 TIMES = np.linspace(0.0, 0.6, 121)
-TURNING = Start(beta=1.2, gamma=-0.8, spin=30.0, beta_rate=2.0)
-"""Its slip soon changes sign in Model 4."""
 
 
 def drawn(constraints: ConstraintSet, law: FrictionLaw, *, products: float = 0.0) -> Scenario:
@@ -78,22 +76,12 @@ QUICK = [each for each in SYSTEMS if each.model in (1, 4)]
 def test_compiled_equations_are_the_pure_ones(scenario: Scenario) -> None:
     # The reduced ones where there are any.
     formulation = formulations(scenario)[-1]
-    run_of = partial(simulate, scenario, [0.0, 0.05, 0.1], formulation=formulation)
+    run_of = partial(simulate, scenario, [2.0, 2.05, 2.1], formulation=formulation)
     run, pure = run_of(method="taylor", local_tolerance=1e-11), run_of(local_tolerance=1e-13)
     for name in ("coordinates", "rates", "multipliers"):
         assert_close(getattr(run, name), getattr(pure, name), relative=1e-10)
     assert "heyoka" in run.versions
     assert run.method["method"] == "taylor"
-
-
-@pytest.mark.parametrize("scenario", [model(4, start=TURNING), model(1)])
-def test_compiled_run_is_that_of_the_pure_path_within_its_estimate(scenario: Scenario) -> None:
-    run_of = partial(simulate, scenario, TIMES + 2.0, formulation=formulations(scenario)[-1])
-    run, pure = run_of(method="taylor", tolerance=1e-8), run_of(local_tolerance=1e-13)
-    assert angles_apart(run, pure) <= not_none(run.error_estimate) <= 1e-8
-    # It is twice the difference to the run before.
-    coarse = run_of(method="taylor", local_tolerance=1e-9)
-    assert run.error_estimate == pytest.approx(2.0 * angles_apart(run, coarse), rel=1e-6)
 
 
 def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
