@@ -82,15 +82,17 @@ def slow_rotation(scenario: Scenario, tilt: float) -> PeriodicMotion:
     )
 
 
-def solve(start: PeriodicMotion, place: Array, held: Array = VALUE) -> PeriodicMotion:
+def solve(
+    start: PeriodicMotion, place: Array | None = None, held: Array = VALUE
+) -> PeriodicMotion:
     """Find the periodic motion of the kind of another one at a place, or where it meets a plane.
 
     Parameters
     ----------
     start : PeriodicMotion
         To begin with, of the scenario that is looked at.
-    place : ndarray, shape (3,)
-        See `PeriodicMotion.place`.
+    place : ndarray, shape (3,), optional
+        See `PeriodicMotion.place`; by default where the motion is to begin with.
     held : ndarray, shape (3,)
         Of the deviations from there, each over what it deviates from, the combination that is
         zero: `VALUE`, `SPIN`, or the direction in which a family is followed.
@@ -101,6 +103,7 @@ def solve(start: PeriodicMotion, place: Array, held: Array = VALUE) -> PeriodicM
         If the iteration does not converge, or to something else.
     """
     scenario, ends, repeats = start.scenario, start.ends, 2.0 if start.ends.mirrored else 1.0
+    place = start.place if place is None else place
     found, unit = _collocated(start, place, held)
     speed, duration = found.p.tolist()
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED

@@ -27,7 +27,7 @@ from analysis.nonlinear.collocation import (
     slow_rotation,
     solve,
 )
-from analysis.nonlinear.following import Family, events, onward, through_folds
+from analysis.nonlinear.following import Family, events, onward
 from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     heteroclinic_connection,
@@ -110,9 +110,7 @@ def cycle_family(
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
     wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
-    found = onward(hopf_cycle(scenario), wanted.tolist())
-    if amplitudes is None:
-        found = through_folds(found)
+    found = onward(hopf_cycle(scenario), wanted.tolist(), through_folds=amplitudes is None)
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 
 
@@ -266,9 +264,7 @@ def asymmetric_family(
     # To the one side it then swings further than to the other.
     value, swings = born.value + _FIRST, states + _FIRST * np.eye(3)[1]
     start = replace(born, kind="asymmetric", value=value, times=times, states=swings)
-    found = onward(solve(start, start.place), wanted.tolist())
-    if amplitudes is None:
-        found = through_folds(found)
+    found = onward(solve(start), wanted.tolist(), through_folds=amplitudes is None)
     family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
     return replace(family, born=breaking)
 
@@ -336,11 +332,8 @@ def rotating_family(
     chosen = beyond[beyond <= TILTS[-1]] if tilts is None else tilts
     allowed = f"between {least:.6g}, the tilt of the connection, and pi/2"
     wanted = _rising("tilts", chosen, least, np.pi / 2, allowed)
-    begun = slow_rotation(scenario, _TILT)
-    first = solve(begun, begun.place)
+    first = solve(slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
     down, up = wanted[:split][::-1].tolist(), wanted[split:].tolist()
-    ways = onward(first, down), onward(first, up)
-    if tilts is None:
-        ways = ways[0], through_folds(ways[1])
+    ways = onward(first, down), onward(first, up, through_folds=tilts is None)
     return Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)

@@ -4,7 +4,6 @@ Where amplitude or tilt has a fold, a family is followed by pseudo-arclength: in
 the direction from the motion before the last to the last one.
 """
 
-from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -109,41 +108,35 @@ def continue_to(
     return continue_to(between, place, held, _gain(start, between), halvings - 1)
 
 
-def onward(start: PeriodicMotion, values: Iterable[float]) -> Iterator[PeriodicMotion]:
-    """Motions of values, each continued from the one before, the first one from `start`."""
-    before = last = start
-    for value in values:
-        before, last = (
-            last,
-            continue_to(last, last.place_with(value=value), VALUE, _gain(before, last)),
-        )
-        yield last
+def onward(
+    start: PeriodicMotion, values: Iterable[float], *, through_folds: bool = False
+) -> Iterator[PeriodicMotion]:
+    """Motions of values, each continued from the one before, the first one from `start`.
 
-
-def through_folds(way: Iterable[PeriodicMotion]) -> Iterator[PeriodicMotion]:
-    """Motions of a way, and, where it would end early, those beyond the fold of their value.
+    With `through_folds` those further along the family follow where that ends early.
 
     Raises
     ------
     NoCycleError
         Where nothing further is found, or the family goes on beyond `_MOST` motions.
     """
-    last = deque[PeriodicMotion](maxlen=2)
+    before = last = start
     try:
-        for each in way:
-            last.append(each)
-            yield each
+        for value in values:
+            found = continue_to(last, last.place_with(value=value), gained=_gain(before, last))
+            before, last = last, found
+            yield last
     except NoCycleError:
-        if len(last) < 2:
+        if before is last or not through_folds:
             raise
     else:
         return
     for _ in range(_MOST):
-        last.append(_ahead(*last))
-        yield last[-1]
+        before, last = last, _ahead(before, last)
+        yield last
     raise NoCycleError(
         f"the family goes on beyond {_MOST} motions after its first fold, the last of which has "
-        f"{last[-1].value:.9g} rad at a spin of {last[-1].spin:.9g} rad/s"
+        f"{last.value:.9g} rad at a spin of {last.spin:.9g} rad/s"
     )
 
 

@@ -160,7 +160,7 @@ def test_stability_changes_where_events_are_found_and_the_spin_is_extreme_in_a_f
 def test_a_cycle_at_a_spin_or_followed_over_a_parameter_is_that_of_the_family(spin: float) -> None:
     cycle = cycle_at(PAPER, spin)
     assert cycle.spin == spin
-    assert solve(cycle, cycle.place).spin == pytest.approx(spin, rel=1e-11)
+    assert solve(cycle).spin == pytest.approx(spin, rel=1e-11)
     softer = replace(PAPER, friction=SmoothCoulomb(smoothing=0.13))
     alone = cycle_family(softer, [cycle.value]).motions[0]
     followed = cycles_over([PAPER, softer], amplitude=cycle.value).motions[1]
