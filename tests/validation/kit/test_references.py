@@ -113,8 +113,12 @@ def test_an_ending_is_located_where_a_run_of_many_samples_has_it(inverted: Refer
 # --- Endings located apart ----------------------------------------------------------------------
 
 
-def made(height: float, *, contact: Callable[[Array], Array] = np.ones_like) -> Any:
-    """Runs of which gamma rises by 2 rad/s from -1 rad and the normal force is given."""
+def located(
+    height: float = 1.0,
+    stop_when: tuple[Any, ...] = (),
+    force: Callable[[Array], Array] = np.ones_like,
+) -> Ending | None:
+    """Ending of a run of which gamma rises by 2 rad/s from -1 rad, under a given normal force."""
 
     def plain(scenario: Scenario, times: Array) -> Trajectory:
         zeros = np.zeros(times.size)
@@ -123,16 +127,12 @@ def made(height: float, *, contact: Callable[[Array], Array] = np.ones_like) -> 
             times=times,
             coordinates=np.column_stack((zeros, zeros, zeros, *angles)),
             rates=np.tile((0.0, 0.0, 0.0, 0.0, 0.0, 2.0), (times.size, 1)),
-            multipliers=contact(times)[:, None],
+            multipliers=force(times)[:, None],
             scenario=scenario,
             source="in-house",
             method={},
         )
 
-    return plain
-
-
-def located(plain: Any, stop_when: tuple[Any, ...] = ()) -> Ending | None:
     found = up_to_ending(plain, Scenario(), np.array((0.0, 0.7, 2.0)), stop_when, 2e-4)
     rows = 3 if found.ending is None else 1 + int(np.searchsorted((0.0, 0.7), found.times[-1]))
     assert found.times.size == rows
@@ -148,35 +148,31 @@ def test_a_condition_is_located_where_it_is_met_first() -> None:
         ((passes_zero, "inverted"), "passes_zero", 0.0),
         (("inverted",), "inverted", asin(0.9)),
     ):
-        found = not_none(located(made(pi / 2), conditions))
+        found = not_none(located(pi / 2, conditions))
         assert found.reason == reason
         assert found.time == pytest.approx(0.5 + 0.5 * angle, abs=1e-12)
-    assert located(made(0.5), ("inverted",)) is None
+    assert located(0.5, ("inverted",)) is None
 
 
-@pytest.mark.parametrize(("middle", "half"), [(0.123456, 1e-6), (1.99, 1e-3)])
-def test_a_pull_shorter_than_the_samples_are_apart_is_found(middle: float, half: float) -> None:
-    def dip(depth: float) -> Any:
-        return made(1.0, contact=lambda times: ((times - middle) ** 2 - depth) * 1e4)
+PULLS: list[tuple[float, float, Callable[[Array], Array]]] = [
+    # Shorter than the samples are apart.
+    (0.123455, 1e-11, lambda t: ((t - 0.123456) ** 2 - 1e-12) * 1e4),
+    (1.989, 1e-11, lambda t: ((t - 1.99) ** 2 - 1e-6) * 1e4),
+    # With a kink: friction by the contact force is gone from there on.
+    (sqrt(0.5), 1e-11, lambda t: np.where(t <= sqrt(0.5), 1.0, 7.0) * (sqrt(0.5) - t)),
+    # Missed by little in a finer run.
+    (0.5, 2e-4, lambda t: 0.5 - t + (1e-3 if np.ptp(t) < 1e-3 else 0.0)),
+]
 
-    found = not_none(located(dip(half**2)))
+
+@pytest.mark.parametrize(("time", "within", "force"), PULLS)
+def test_a_pull_is_located_where_it_begins(
+    time: float, within: float, force: Callable[[Array], Array]
+) -> None:
+    found = not_none(located(force=force))
     assert found.reason == CONTACT_WOULD_PULL
-    assert found.time == pytest.approx(middle - half, abs=1e-11)
-    assert located(dip(-(half**2))) is None
+    assert found.time == pytest.approx(time, abs=within)
 
 
-def test_a_pull_with_a_kink_is_located_at_the_kink() -> None:
-    # Friction by the contact force is gone from there on.
-    def force(times: Array) -> Array:
-        left = 1.0 / sqrt(2.0) - times
-        return np.where(left >= 0.0, left, 7.0 * left)
-
-    found = not_none(located(made(1.0, contact=force)))
-    assert found.time == pytest.approx(1.0 / sqrt(2.0), abs=1e-11)
-
-
-def test_an_ending_that_a_finer_run_misses_by_little_is_not_lost() -> None:
-    def force(times: Array) -> Array:
-        return 0.5 - times + (1e-3 if np.ptp(times) < 1e-3 else 0.0)
-
-    assert not_none(located(made(1.0, contact=force))).time == pytest.approx(0.5, abs=2e-4)
+def test_a_force_that_nearly_vanishes_does_not_pull() -> None:
+    assert located(force=lambda t: ((t - 0.123456) ** 2 + 1e-12) * 1e4) is None
