@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis import MODELS, STEEL_DISK, Scenario, Table
+from analysis import MODELS, STEEL_DISK, Body, Scenario, Table
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from tests.bodies import ELLIPSE
@@ -20,7 +20,7 @@ from tests.helpers import not_none
 from tests.sweeps import direct, sweep
 from validation.maps import figures, problems
 from validation.maps import panel as room
-from validation.maps.panel import became, cell, refine, run_panel
+from validation.maps.panel import cell, refine, run_panel
 from validation.maps.problems import (
     DISTANCES,
     PROBLEMS,
@@ -34,7 +34,6 @@ from validation.sweeps.sweep import Sweep
 
 REDUCED = Scenario(constraints=MODELS[4])
 SIZE = 65
-BARRIER = 9.81 * STEEL_DISK.mass * (STEEL_DISK.radius - STEEL_DISK.eccentricity)
 
 
 def grid(name: str = "spin-friction", scenario: Scenario = REDUCED, **more: Any) -> Sweep:
@@ -69,41 +68,40 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
     assert len(refined(4, lambda *_: True)) == 25
 
 
-JUDGED: list[tuple[bool, dict[str, Any], str]] = [
-    (False, {"inversion": "inverted"}, "inverted"),
-    (False, {"inversion": "not inverted"}, "not inverted"),
-    (False, {"inversion": "not inverted", "ending": "flat"}, "flat"),
-    (False, {"inversion": "not inverted", "ending": "contact would pull"}, "pulls"),
-    (False, {"status": "crashed"}, "failed"),
-    (False, {"status": "refused"}, "refused"),
-    # Upright with the centre of gravity low, the disk has the least energy in which both faces
-    # meet.
-    (True, {"energy_end": 1.001 * BARRIER, "face_end": 0.9}, "not decided"),
-    (True, {"energy_end": 0.999 * BARRIER, "face_end": 0.9}, "upper face"),
-    (True, {"energy_end": 0.999 * BARRIER, "face_end": -0.9}, "lower face"),
+DONE: dict[str, Any] = {"number": 0, "status": "done", "ending": None, "seconds": 0.1}
+INVERSIONS: list[tuple[dict[str, Any], str]] = [
+    ({"inversion": "inverted", "inverted_at": 0.5}, "inverted"),
+    ({"inversion": "not inverted"}, "not inverted"),
+    ({"inversion": "not inverted", "ending": "flat"}, "flat"),
+    ({"inversion": "not inverted", "ending": "contact would pull"}, "pulls"),
+    ({"status": "crashed"}, "failed"),
+    ({"status": "refused"}, "refused"),
 ]
 
 
-@pytest.mark.parametrize(("to_rest", "row", "expected"), JUDGED)
-def test_outcomes_are_told_apart(to_rest: bool, row: dict[str, Any], expected: str) -> None:
-    done = {"status": "done", "ending": None}
-    assert became(Scenario(), done | row, to_rest=to_rest) == expected
+@pytest.mark.parametrize(("row", "expected"), INVERSIONS)
+def test_outcomes_are_told_apart(row: dict[str, Any], expected: str) -> None:
+    assert cell(grid(), DONE | row, to_rest=False)["outcome"] == expected
 
 
-def test_face_of_an_elliptic_disk_is_up_once_it_cannot_stand_on_its_flattest_side() -> None:
-    flat = replace(ELLIPSE, eccentricity=0.0)
-    row = {"status": "done", "ending": None, "face_end": 0.9}
-    for radius, expected in ((1.001, "not decided"), (0.999, "upper face")):
-        energy = {"energy_end": radius * 9.81 * flat.mass * flat.other_radius}
-        assert became(Scenario(disk=flat), row | energy, to_rest=True) == expected
+FLAT = replace(ELLIPSE, eccentricity=0.0)
+# Where both faces meet with the least energy, the centre of gravity is low or the side flattest.
+LEAST = {STEEL_DISK: STEEL_DISK.radius - STEEL_DISK.eccentricity, FLAT: FLAT.other_radius}
 
 
-def test_face_is_judged_by_the_barrier_of_its_own_case() -> None:
-    wanted = sweep("gravity=1.62,9.81", scenario=Scenario.rest(), to_rest=True, spacing=1e-2)
-    row = {"status": "done", "ending": None, "face_end": 0.9, "energy_end": 0.9 * BARRIER}
-    row |= {"seconds": 0.1}
-    told = [cell(wanted, {"number": n, **row}, to_rest=True)["outcome"] for n in (0, 1)]
-    assert told == ["not decided", "upper face"]
+@pytest.mark.parametrize("disk", LEAST, ids=["round", "elliptic"])
+def test_face_is_up_once_the_disk_cannot_stand_on_its_rim_in_its_own_case(disk: Body) -> None:
+    scenario = Scenario.rest(disk=disk)
+    wanted = sweep("gravity=1.62,9.81", scenario=scenario, to_rest=True, spacing=1e-2)
+    for number, gravity in enumerate((1.62, 9.81)):
+        for part, face, expected in (
+            (1.001, 0.9, "not decided"),
+            (0.999, 0.9, "upper face"),
+            (0.999, -0.9, "lower face"),
+        ):
+            energy = part * gravity * disk.mass * LEAST[disk]
+            row = DONE | {"number": number, "energy_end": energy, "face_end": face}
+            assert cell(wanted, row, to_rest=True)["outcome"] == expected
 
 
 def test_faces_are_not_decided_by_energy_on_a_leaning_table() -> None:
@@ -112,14 +110,13 @@ def test_faces_are_not_decided_by_energy_on_a_leaning_table() -> None:
 
 
 def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
-    row = {"number": 0, "status": "done", "inversion": "inverted", "inverted_at": 0.5}
-    row |= {"seconds": 0.1}
+    row = DONE | {"inversion": "inverted", "inverted_at": 0.5}
     told = [(None, False, False), ("inverted", True, True), ("failed", True, False)]
     for other, seen, alike in told:
         found = cell(grid(), row | {"other_inversion": other}, to_rest=False)
         assert (found["seen"], found["alike"]) == (seen, alike)
     # To rest, the face that is up in the end is compared.
-    row |= {"other_inversion": "failed", "face_end": 0.9, "energy_end": 0.0, "ending": None}
+    row |= {"other_inversion": "failed", "face_end": 0.9, "energy_end": 0.0}
     for face in (0.8, -0.8):
         found = cell(grid("rest", Scenario.rest()), row | {"other_face_end": face}, to_rest=True)
         assert found["alike"] == (face > 0.0)
