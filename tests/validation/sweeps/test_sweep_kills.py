@@ -46,13 +46,6 @@ def test_store_outlives_its_killed_writer(tmp_path: Path) -> None:
     assert len(ends) - int(said[-1]) in (0, 7)
 
 
-def test_store_killed_while_it_is_made_is_made_again(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    path.touch()
-    found = swept(sweep("spin=30:40:3"), path, numbers=[2])
-    assert found.columns["number"].tolist() == [2]
-
-
 def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> None:
     wanted, path = sweep("spin=30:40:30"), tmp_path / "a.db"
     done: list[int] = []

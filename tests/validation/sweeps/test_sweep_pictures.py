@@ -72,11 +72,6 @@ def test_names_are_drawn_at_their_places(tmp_path: Path) -> None:
     assert [each.get_text() for each in forces.get_xticklabels()] == ["4", "1"]
     np.testing.assert_array_equal(spins.lines[0].get_xdata(), [0, 1])
     np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
-    pairs = draw_sweep(swept(sweep("law=tanh,smooth-coulomb", "mu=0.1:0.3:3"), tmp_path / "b.db"))
-    below = pairs.axes[2]
-    assert [each.get_text() for each in below.get_xticklabels()] == ["tanh", "smooth-coulomb"]
-    points = np.asarray(below.collections[0].get_offsets())
-    assert {*points[:, 0]} == {0.0, 1.0}
 
 
 def test_pictures_of_pairs_have_no_text_over_or_outside_of_another(tmp_path: Path) -> None:
@@ -99,6 +94,8 @@ def test_sets_of_constraints_are_several_models_and_their_names_do_not_meet(
     figure, _ = drawn(wanted, tmp_path)
     assert figure.get_suptitle().startswith("Sweep of several models")
     figure.canvas.draw()
+    points = np.asarray(figure.axes[2].collections[0].get_offsets())
+    assert {*points[:, 0]} == {0.0, 1.0}
     first, second = figure.axes[2].get_xticklabels()
     assert (first.get_text(), second.get_text()) == names
     # Slanted, each ends at its own tick.
