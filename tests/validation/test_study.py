@@ -43,8 +43,8 @@ def make(results: Path, tmp_path: Path) -> Make:
     """Makes a report on the toy study in `tmp_path`."""
 
     def made(**how: Any) -> report.Report:
-        how = {"results": results, "workers": 0, **how}
-        return report.make(tmp_path, pages=PAGES, **how)
+        how = {"results": results, "workers": 0, "pages": PAGES, **how}
+        return report.make(tmp_path, **how)
 
     return made
 
@@ -176,11 +176,9 @@ def test_a_second_call_measures_and_draws_nothing(
     assert make().sections == first.sections
 
 
-def test_part_of_a_report_has_the_sections_that_are_asked_for(
-    results: Path, tmp_path: Path
-) -> None:
-    how: Any = {"results": results, "workers": 0, "only": ("tests.toy_section",)}
-    made = report.make(tmp_path, pages=(("other.html", "Other", ("modelled",)), *PAGES), **how)
+def test_part_of_a_report_has_the_sections_that_are_asked_for(make: Make, tmp_path: Path) -> None:
+    others = ("other.html", "Other", ("modelled",))
+    made = make(pages=(others, *PAGES), only=("tests.toy_section",))
     assert [section.name for section in made.sections] == ["toy-section"]
     assert made.page == tmp_path / "report.html"
     assert not (tmp_path / "other.html").exists()
