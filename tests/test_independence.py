@@ -61,7 +61,6 @@ IN_HOUSE = "validation.run.run(analysis.Scenario(), [0.0, 0.01], source='in-hous
 ABSENT = {
     "analysis": ("exudyn", "heyoka", "matplotlib", "pandas", "xarray"),
     "mbs_models": ("matplotlib",),
-    "validation.cli": ("numpy", "exudyn", "matplotlib"),
     "validation.commands.stability": ("exudyn", "matplotlib", "pandas"),
     "validation.nonlinear.tables": ("exudyn", "matplotlib", "pandas"),
     "validation.nonlinear.passage": ("exudyn", "matplotlib", "pandas"),

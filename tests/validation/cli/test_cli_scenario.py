@@ -65,9 +65,7 @@ def test_options_change_what_they_name_and_nothing_else(words: str) -> None:
     assert printed("scenario", words) == scenario_text(TOLD[words])
 
 
-def test_of_a_file_and_options_the_one_that_is_wrong_is_blamed() -> None:
-    said = refusal("scenario state.toml --spin 30")
-    assert "--spin: spin cannot change: the start is told by its coord" in said
+def test_no_option_is_blamed_for_what_a_file_tells() -> None:
     said = refusal("scenario rolling.toml --model 3")
     assert "error: gamma_rate must be 0 in Model 3" in said
 

@@ -18,7 +18,6 @@ STUDY = "validation.studies.stability.eigenvalue_check"
 SIZES = {
     "--system full": 8,
     "--system reduced --mu 0.2": 3,
-    "--system numeric --model 3": 3,
     "--constraints contact,no-slip-along": 7,
 }
 

@@ -295,7 +295,6 @@ def test_gif_has_the_frames_asked_for_and_shows_the_heavy_half_low_and_then_high
 
 CHOICES = [
     {"spin": 40.0, "beta": 1.57, "coefficient": 0.3, "smoothing": 0.1, "hole": 20},
-    {"spin": 25.0, "beta": 1.0, "coefficient": 0.8, "smoothing": 0.02, "hole": 12},
     {"spin": 60.0, "beta": 0.3, "coefficient": 0.02, "smoothing": 0.5, "hole": 28},
 ]
 
