@@ -19,15 +19,12 @@ WRITER = """
 import sys
 from tests.sweeps import sweep
 from validation.sweeps.store import Store
-wanted = sweep("spin=0:60:1000000")
-with Store(sys.argv[1], wanted) as kept:
-    number = kept.count()
-    while True:
-        new = range(number, number + 7)
+with Store(sys.argv[1], sweep("spin=0:60:1000000")) as kept:
+    for first in range(0, 1_000_000, 7):
+        new = range(first, first + 7)
         kept.add({"number": n, "status": "done", "end": float(n)} for n in new)
         kept.commit()
-        number += 7
-        print(number, flush=True)
+        print(first + 7, flush=True)
 """
 
 
