@@ -295,6 +295,8 @@ def test_gif_has_the_frames_asked_for_and_shows_the_heavy_half_low_and_then_high
 
 CHOICES = [
     {"spin": 40.0, "beta": 1.57, "coefficient": 0.3, "smoothing": 0.1, "hole": 20},
+    # Friction as stiff as the page lets it be.
+    {"spin": 25.0, "beta": 1.0, "coefficient": 1.0, "smoothing": 0.01, "hole": 12},
     {"spin": 60.0, "beta": 0.3, "coefficient": 0.02, "smoothing": 0.5, "hole": 28},
 ]
 
@@ -323,6 +325,10 @@ def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -
     assert angles.max() < 1e-3
     centres = np.column_stack([columns[name] for name in "xyz"])
     np.testing.assert_allclose(centres, positions, atol=1e-3 * scenario.disk.radius)
+    contact = np.column_stack([columns[name] for name in ("contactX", "contactY")])
+    np.testing.assert_allclose(
+        contact, run.contact_points[:, :2], atol=1e-3 * scenario.disk.radius
+    )
     turning = run.poses.angular_velocities[:, 2]
     np.testing.assert_allclose(columns["spin"], turning, atol=1e-3 * chosen["spin"])
     assert times.size > 100
