@@ -23,8 +23,15 @@ _HALVINGS = 5
 _LONGEST, _SHORTEST = 0.05, 1e-3
 """Step of pseudo-arclength at most and at least, in parts of value, spin and duration."""
 
+_BEND = 2.0
+"""Steps by which a motion may lie beside where it was looked for: the family may turn sharply."""
+
 _MOST = 100
 """Motions of a family beyond its first fold, at most."""
+
+_ARRIVED = 1e-7
+"""Part of value and spin by which neighbours differ at a connection, where the period alone grows;
+a family may wind into it, with folds without end."""
 
 _SLOW = 1e-2
 """Part of the largest speed below which all is equally slow."""
@@ -118,7 +125,7 @@ def onward(
     Raises
     ------
     NoCycleError
-        Where nothing further is found, or the family goes on beyond `_MOST` motions.
+        Where nothing further is found, or the period alone grows.
     """
     before = last = start
     try:
@@ -134,23 +141,26 @@ def onward(
     for _ in range(_MOST):
         before, last = last, _ahead(before, last)
         yield last
-    raise NoCycleError(
-        f"the family goes on beyond {_MOST} motions after its first fold, the last of which has "
-        f"{last.value:.9g} rad at a spin of {last.spin:.9g} rad/s"
-    )
+        if np.max(np.abs(last.place / before.place - 1.0)[:2]) < _ARRIVED:
+            why = "its period alone grows, towards a connection"
+            break
+    else:
+        why = f"it goes on, {_MOST} motions after its first fold"
+    raise NoCycleError(f"at {last.value:.9g} rad and {last.spin:.9g} rad/s {why}")
 
 
 def _ahead(before: PeriodicMotion, last: PeriodicMotion) -> PeriodicMotion:
     """The next motion in the direction from one to another, as far as it does not bend away."""
     chord = last.place / before.place - 1.0
     length = float(np.linalg.norm(chord))
-    step, why = min(1.5 * length, _LONGEST), "it bends away"
+    step = min(1.5 * length, _LONGEST)
+    why = f"the family bends away at {last.value:.9g} rad and {last.spin:.9g} rad/s"
     while step > _SHORTEST:
         place = last.place * (1.0 + step / length * chord)
         longer = _lingering(last, max(0.0, float(place[2] - last.place[2])))
         try:
             found = solve(longer, place, chord / length)
-            if np.linalg.norm((found.place - place) / last.place) < step:
+            if np.linalg.norm((found.place - place) / last.place) < _BEND * step:
                 return found
         except NoCycleError as error:
             why = str(error)

@@ -23,7 +23,11 @@ from analysis.nonlinear.families import (
     rotating_family,
 )
 from analysis.nonlinear.following import Family, events
-from analysis.nonlinear.heteroclinic import heteroclinic_connection, least_tilt
+from analysis.nonlinear.heteroclinic import (
+    heteroclinic_connection,
+    last_amplitude,
+    least_tilt,
+)
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
 from analysis.problem.checks import Array
@@ -243,6 +247,18 @@ def test_cycles_without_symmetry_pass_the_fold_of_their_amplitude_to_other_symme
     assert -last.lowest == pytest.approx(last.value, abs=0.02)
     assert last.multiplier == pytest.approx(1.0, abs=0.01)
     assert [each.kind for each in events(family)[1:]] == ["period-doubling"] * 2
+
+
+@pytest.mark.slow
+def test_cycles_of_weak_friction_wind_through_folds_into_the_connection() -> None:
+    scenario = model(4, friction=SmoothCoulomb(coefficient=0.05, smoothing=0.4))
+    family, connection = cycle_family(scenario), heteroclinic_connection(scenario)
+    last, spins = family.motions[-1], [each.spin for each in family.motions]
+    assert not_none(family.reason).endswith("its period alone grows, towards a connection")
+    # That is found from runs alone.
+    assert last.spin == pytest.approx(connection.spin, abs=1e-7)
+    assert last.value == pytest.approx(last_amplitude(scenario, connection), abs=1e-5)
+    assert np.sum(np.diff(np.sign(np.diff(spins))) != 0.0) > 5
 
 
 @pytest.mark.slow
