@@ -1,5 +1,6 @@
 """What each of many motions came to: whether the disk was inverted, forces, energies, endings."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -11,17 +12,19 @@ from analysis.motion.inversion import STAYING, inversions
 from analysis.motion.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.spatial_motion import SpatialMotion
-from analysis.motion.trajectory import Samples, Trajectory
+from analysis.motion.stored_runs import StoredRun
+from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, instance, several
 from analysis.problem.constraints import multiplier_names, prescribed
 from analysis.problem.contact import CAUSES
 from analysis.problem.start import COORDINATES
 from analysis.simulation.energies import energies_of
+from analysis.simulation.samples import Samples
 from analysis.simulation.trajectories import Trajectories
 
 
 def outcomes(
-    motions: Trajectories | Iterable[Trajectory | SpatialMotion | Exception],
+    motions: Trajectories | Iterable[StoredRun | BaseException],
 ) -> OutcomeTable:
     """Outcomes of many motions, as a sweep keeps them.
 
@@ -46,7 +49,7 @@ def outcomes(
     >>> bool(table.columns["taken_sliding"][1] > 0.0), table.units["taken_sliding"]
     (True, 'J')
     """
-    alone: Mapping[int, Trajectory | SpatialMotion | Exception]
+    alone: Mapping[int, StoredRun | BaseException]
     if isinstance(motions, Trajectories):
         table = OutcomeTable.empty(motions.ensemble.fields, len(motions))
         for rows, samples in motions.blocks():
@@ -61,23 +64,27 @@ def outcomes(
     else:
         alone = dict(enumerate(several("motions", motions, "motions and errors")))
         table = OutcomeTable.empty({}, len(alone))
+    alike: defaultdict[Any, dict[int, Trajectory]] = defaultdict(dict)
     for member, motion in alone.items():
-        if not isinstance(motion, Exception):
-            instance(f"motions[{member}]", motion, SampledMotion)
-        row = failure(motion) if isinstance(motion, Exception) else _row(motion)
+        if isinstance(motion, BaseException):
+            row: Mapping[str, Any] = failure(motion)
+        else:
+            row = _row(instance(f"motions[{member}]", motion, SampledMotion))
         table.put(slice(member, member + 1), row)
+        if isinstance(motion, Trajectory):
+            is_ideal = motion.scenario.contact is None
+            alike[motion.scenario.constraints, is_ideal][member] = motion
+    for members in alike.values():
+        table.put([*members], _ideal(Samples.of([*members.values()])))
     return table
 
 
-def _row(motion: Trajectory | SpatialMotion) -> Mapping[str, Any]:
+def _row(motion: SampledMotion) -> Mapping[str, Any]:
+    """What a motion tells beside what it does together with others like it."""
     is_slow = motion.ending is not None and motion.ending.reason == TIME_LIMIT
-    if isinstance(motion, SpatialMotion):
-        found = _to_rest(motion)
-    else:
-        found = _ideal(Samples.of(motion, motion.times.size))
     return {
         **(failed("too slow", str(motion.ending)) if is_slow else {"status": DONE}),
-        **found,
+        **(_to_rest(motion) if isinstance(motion, SpatialMotion) else {}),
         "ending": None if motion.ending is None else motion.ending.reason,
         "end": motion.times[-1],
         "error_estimate": motion.error_estimate,

@@ -10,11 +10,12 @@ import numpy as np
 from analysis.motion.files import AnyArray
 from analysis.motion.inversion import Inversions, inversions
 from analysis.motion.quantities import InCoordinates, lowest
-from analysis.motion.trajectory import Samples, Trajectory
+from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.problem.variations import Ensemble
 from analysis.simulation.compiled.ensemble import CompiledRuns
+from analysis.simulation.samples import Samples
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -157,7 +158,7 @@ class Trajectories(InCoordinates):
             for some, samples in each.blocks():
                 yield each.group.rows[some], samples
         for row, motion in self.alone.items():
-            yield np.array([row]), Samples.of(motion, self.times.size + 1)
+            yield np.array([row]), Samples.of([motion], self.times.size + 1)
 
     @cached_property
     def _ended(self) -> tuple[Array, Array, AnyArray]:

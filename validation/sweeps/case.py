@@ -11,6 +11,7 @@ import numpy as np
 
 from analysis import Ensemble, StoredRun, outcomes, simulate_many
 from analysis.motion.outcomes import DONE, OUTCOMES, Row, failure
+from analysis.problem.variations import changed
 from validation.kit.differences import deviation
 from validation.sweeps.plan import TIME
 from validation.sweeps.sweep import Sweep
@@ -49,7 +50,7 @@ TIMERS = tuple(
 
 
 def run_chunk(sweep: Sweep, numbers: Sequence[int], hanging: float) -> list[CaseRow]:
-    """Rows of some cases.
+    """Rows of some cases: their numbers, values and outcomes, or why there is none.
 
     Parameters
     ----------
@@ -59,14 +60,18 @@ def run_chunk(sweep: Sweep, numbers: Sequence[int], hanging: float) -> list[Case
         Processor time in s after which a case that does not look at its limit, such as an endless
         loop of a friction law of one's own, ends the process.
     """
-    if sweep.plan.runs_in_batches and len(numbers) > 1:
-        # A case of a chunk that takes too long is found when its cases run alone.
-        with _ended_after(hanging):
-            return run_batch(sweep, numbers)
-    rows = []
-    for number in numbers:
-        with _ended_after(hanging):
-            rows.append(run_case(sweep, number))
+    cases = [sweep.design.values_of(number) for number in numbers]
+    run = _together if sweep.plan.runs_in_batches and len(cases) > 1 else _one_by_one
+    runs, seconds = run(sweep, cases, hanging)
+    told = zip(outcomes(runs).rows(), numbers, cases, seconds, strict=True)
+    rows: list[CaseRow] = [
+        {**row, "number": number, **case, "seconds": taken} for row, number, case, taken in told
+    ]
+    for place, row in enumerate(rows):
+        # A motion of a batch is worked out where it is asked for.
+        if row["status"] == DONE and (sweep.plan.keep or sweep.has_witness(row["number"])):
+            with _ended_after(hanging):
+                rows[place] = _with_the_rest(sweep, row, runs[place])
     return rows
 
 
@@ -90,48 +95,43 @@ def _ended_after(seconds: float) -> Iterator[None]:
             faulthandler.cancel_dump_traceback_later()
 
 
-def run_case(sweep: Sweep, index: int) -> CaseRow:
-    """Row of a case: its number, its values and its outcome, or why there is none."""
-    begin = time.process_time()
-    row: CaseRow = {"number": index, **sweep.design.values_of(index)}
-    try:
-        motion = sweep.plan.motion(sweep.scenario_of(index))
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - a law of one's own may raise any
-        return {**row, **failure(error), "seconds": time.process_time() - begin}
-    row |= outcome(motion)
-    row["seconds"] = time.process_time() - begin
-    return _with_the_rest(sweep, row, motion)
+Values = Mapping[str, Any]
+"""Of a case, by the names of the axes."""
 
 
-def run_batch(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
-    """Rows of several cases that are compiled and run together; the plan's method is "taylor".
+def _one_by_one(sweep: Sweep, cases: Sequence[Values], hanging: float) -> tuple[Any, list[float]]:
+    """Motions of cases, or the errors that ended them, and the processor time of each in s."""
+    motions: list[StoredRun | BaseException] = []
+    seconds = []
+    for case in cases:
+        begin = time.process_time()
+        with _ended_after(hanging):
+            try:
+                motions.append(sweep.plan.motion(changed(sweep.scenario, case)))
+            except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
+                motions.append(error)
+        seconds.append(time.process_time() - begin)
+    return motions, seconds
+
+
+def _together(sweep: Sweep, cases: Sequence[Values], hanging: float) -> tuple[Any, list[float]]:
+    """The same of cases that are compiled and run together; the plan's method is "taylor".
 
     The time limit of their runs is left to whoever calls this.
     """
-    begin, plan = time.process_time(), sweep.plan
-    cases = [sweep.design.values_of(number) for number in numbers]
+    plan = sweep.plan
     fields = {name: np.array([case[name] for case in cases]) for name in cases[0]}
     ensemble = Ensemble(scenario=sweep.scenario, fields=fields, check=False)
     how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
-    runs = simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
-    found = list(outcomes(runs).rows())
-    each = (time.process_time() - begin) / len(cases)
-    rows: list[CaseRow] = [
-        {**row, "number": number, **case, "seconds": each}
-        for row, number, case in zip(found, numbers, cases, strict=True)
-    ]
-    for place, row in enumerate(rows):
-        # A motion of a batch is worked out where it is asked for.
-        if row["status"] == DONE and (plan.keep or sweep.has_witness(row["number"])):
-            rows[place] = _with_the_rest(sweep, row, runs[place])
-    return rows
+    # A case of a chunk that takes too long is found when its cases run alone.
+    with _ended_after(hanging):
+        runs = simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
+    return runs, runs.seconds.tolist()
 
 
 def _with_the_rest(sweep: Sweep, row: CaseRow, motion: StoredRun) -> CaseRow:
     """Row with series of its motion and what its witness says, where they are asked for."""
     plan = sweep.plan
-    if row["status"] != DONE:
-        return row
     if plan.keep:
         row["series"] = series(motion, plan.keep)
     if not sweep.has_witness(row["number"]):

@@ -41,8 +41,8 @@ GRACE = 10.0
 LARGEST_SERIES = 16_000_000
 """Bytes of series that a chunk may come back with."""
 
-LARGEST_BATCH = 100_000_000
-"""Bytes of samples of cases that run together; some three times as much is held."""
+LARGEST_SAMPLES = 100_000_000
+"""Bytes of samples of the cases of a chunk; some three times as much is held."""
 
 
 def run_cases(
@@ -191,10 +191,9 @@ def _incoming(
 
 def _largest_chunk(plan: Plan) -> int:
     """Cases of a chunk whose series and samples can be held."""
-    held = LARGEST_SERIES // max(1, plan.series_bytes)
-    if plan.runs_in_batches:
-        held = min(held, LARGEST_BATCH // (16 * len(COORDINATES) * plan.times.size))
-    return max(1, min(LARGEST_CHUNK, held))
+    series = LARGEST_SERIES // max(1, plan.series_bytes)
+    samples = LARGEST_SAMPLES // (16 * len(COORDINATES) * plan.times.size)
+    return max(1, min(LARGEST_CHUNK, series, samples))
 
 
 def _ended(sweep: Sweep, number: int, hanging: float, error: BaseException) -> CaseRow:

@@ -5,12 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
-from types import SimpleNamespace
 
 import numpy as np
 
-from analysis.mechanics import recorded
-from analysis.motion.trajectory import Samples, Trajectory
+from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows, in_columns
 from analysis.problem.scenario import Scenario
@@ -21,6 +19,7 @@ from analysis.simulation.compiled.runs import Group, integrate
 from analysis.simulation.compiled.systems import SIGN
 from analysis.simulation.formulations import check_formulation, default_formulation, pose
 from analysis.simulation.request import Request, trajectory
+from analysis.simulation.samples import Samples, stand_in
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import pulls_at_start
 from analysis.solve.to_tolerance import Runs, agree, estimated_errors
@@ -55,14 +54,9 @@ class CompiledRuns:
         size = max(1, _BLOCK // self.runs.times.size)
         for first in range(0, len(self.group), size):
             some = slice(first, first + size)
-            constants = self.group.numbers[some].T[systems.CONSTANTS, :, None]
-            scenario = SimpleNamespace(
-                constraints=self.group.code.structure.equations.constraints,
-                contact=None,
-                disk=recorded.disk_of(constants),
-                table=SimpleNamespace(vector=constants[9:]),
-            )
-            yield some, Samples(scenario, *self._sampled(some))
+            constraints = self.group.code.structure.equations.constraints
+            numbers = self.group.numbers[some, systems.CONSTANTS]
+            yield some, Samples(stand_in(constraints, None, numbers), *self._sampled(some))
 
     def _sampled(self, some: slice) -> tuple[Array, Array, Array, Array]:
         """Times, coordinates, rates and constraint forces of some."""

@@ -23,7 +23,7 @@ from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.sources import digest
 from validation.run import run
 from validation.sweeps import runner
-from validation.sweeps.case import COLUMNS, run_case
+from validation.sweeps.case import COLUMNS, run_chunk
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
@@ -41,7 +41,7 @@ REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tole
 
 
 def test_row_holds_what_the_run_itself_says() -> None:
-    row = run_case(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), 0)
+    (row,) = run_chunk(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), [0], 60.0)
     motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 2.0, 2001), **REDUCED)
     assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
     assert row["inverted_at"] == motion.inversion.time
@@ -60,7 +60,7 @@ def test_failed_case_is_a_row_with_its_reason(
     coefficient: float, limit: float, status: str, reason: str
 ) -> None:
     how: dict[str, Any] = {"end": 5.0, "tolerance": 1e-3, "time_limit": limit}
-    row = run_case(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), 1)
+    (row,) = run_chunk(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), [1], 60.0)
     assert (row["status"], row["number"]) == (status, 1)
     assert reason in str(row["reason"])
 
@@ -69,7 +69,7 @@ def test_failed_case_is_a_row_with_its_reason(
 
 
 def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
-    row = run_case(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), 1)
+    (row,) = run_chunk(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), [1], 60.0)
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
