@@ -266,7 +266,7 @@ def asymmetric_family(
     start = replace(born, kind="asymmetric", value=value, times=times, states=swings)
     found = onward(solve(start), wanted.tolist(), through_folds=amplitudes is None)
     family = Family.of(born.spin, found, progress=progress, wanted=wanted.size)
-    return replace(family, born=breaking)
+    return replace(family, born=Event(breaking.kind, born))
 
 
 def first_asymmetric_family(family: Family, *, progress: Progress | None = None) -> Family:
@@ -302,6 +302,8 @@ def rotating_family(
 ) -> Family:
     """Follow the rotating motions that begin in the heteroclinic connection.
 
+    Where friction is weak and smooth, it may be a connection of inverted spinning with itself.
+
     Parameters
     ----------
     scenario : Scenario
@@ -335,5 +337,5 @@ def rotating_family(
     first = solve(slow_rotation(scenario, _TILT))
     split = int(np.searchsorted(wanted, first.value))
     down, up = wanted[:split][::-1].tolist(), wanted[split:].tolist()
-    ways = onward(first, down), onward(first, up, through_folds=tilts is None)
+    ways = (onward(first, way, through_folds=tilts is None) for way in (down, up))
     return Family.of(connection.spin, *ways, progress=progress, wanted=wanted.size)

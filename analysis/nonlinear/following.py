@@ -112,7 +112,8 @@ def continue_to(
         if not halvings:
             raise
     between = continue_to(start, (start.place + place) / 2.0, held, gained / 2.0, halvings - 1)
-    return continue_to(between, place, held, _gain(start, between), halvings - 1)
+    gained = float(between.times[-1] - start.times[-1])
+    return continue_to(between, place, held, gained, halvings - 1)
 
 
 def onward(
@@ -130,7 +131,8 @@ def onward(
     before = last = start
     try:
         for value in values:
-            found = continue_to(last, last.place_with(value=value), gained=_gain(before, last))
+            gained = float(last.times[-1] - before.times[-1])
+            found = continue_to(last, last.place_with(value=value), gained=gained)
             before, last = last, found
             yield last
     except NoCycleError:
@@ -142,7 +144,9 @@ def onward(
         before, last = last, _ahead(before, last)
         yield last
         if np.max(np.abs(last.place / before.place - 1.0)[:2]) < _ARRIVED:
-            why = "its period alone grows, towards a connection"
+            state = last.states[np.argmin(_speeds(last))]
+            saddle = "inverted" if np.sin(state[1]) > 0.0 else "noninverted"
+            why = f"its period alone grows, towards a connection of {saddle} spinning with itself"
             break
     else:
         why = f"it goes on, {_MOST} motions after its first fold"
@@ -157,9 +161,8 @@ def _ahead(before: PeriodicMotion, last: PeriodicMotion) -> PeriodicMotion:
     why = f"the family bends away at {last.value:.9g} rad and {last.spin:.9g} rad/s"
     while step > _SHORTEST:
         place = last.place * (1.0 + step / length * chord)
-        longer = _lingering(last, max(0.0, float(place[2] - last.place[2])))
         try:
-            found = solve(longer, place, chord / length)
+            found = solve(_lingering(last, place[2] - last.times[-1]), place, chord / length)
             if np.linalg.norm((found.place - place) / last.place) < _BEND * step:
                 return found
         except NoCycleError as error:
@@ -168,21 +171,21 @@ def _ahead(before: PeriodicMotion, last: PeriodicMotion) -> PeriodicMotion:
     raise NoCycleError(why)
 
 
-def _gain(first: PeriodicMotion, last: PeriodicMotion) -> float:
-    return max(0.0, float(last.times[-1] - first.times[-1]))
-
-
 def _lingering(motion: PeriodicMotion, gained: float) -> PeriodicMotion:
-    """A motion to begin with that takes so much longer in s where it is slowest.
+    """A motion to begin with that takes so much longer in s, if at all, where it is slowest.
 
     Towards a connection each step adds as much time, all of it beside the saddle. If the whole
     motion took longer by it, the iteration would often diverge.
     """
-    rates = np.gradient(motion.states, motion.times, axis=0)
-    speeds = np.linalg.norm(rates / np.max(np.abs(rates), axis=0), axis=1)
-    slow = 1.0 / (speeds + _SLOW) ** 2
+    slow = 1.0 / (_speeds(motion) + _SLOW) ** 2
     spent = cumulative_trapezoid(slow, motion.times, initial=0.0)
-    return replace(motion, times=motion.times + gained * spent / spent[-1])
+    return replace(motion, times=motion.times + max(0.0, gained) * spent / spent[-1])
+
+
+def _speeds(motion: PeriodicMotion) -> Array:
+    """Speed in each state, shape (n,), of numbers over the largest speed of each."""
+    rates = np.gradient(motion.states, motion.times, axis=0)
+    return np.linalg.norm(rates / np.max(np.abs(rates), axis=0), axis=1)
 
 
 def events(family: Family) -> tuple[Event, ...]:
@@ -198,16 +201,18 @@ def events(family: Family) -> tuple[Event, ...]:
     """
     changes = instance("family", family, Family).motions[0].ends.changes.items()
     found = (
-        Event(name, _between(first, last, multiplier))
-        for first, last in pairwise(family.motions)
+        Event(name, *_between(number, first, last, multiplier))
+        for number, (first, last) in enumerate(pairwise(family.motions))
         for name, multiplier in changes
         if first.characteristic(multiplier) * last.characteristic(multiplier) < 0.0
     )
     return (*found,) if family.born is None else (family.born, *found)
 
 
-def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> PeriodicMotion:
-    """Motion between two neighbours that has a multiplier."""
+def _between(
+    number: int, first: PeriodicMotion, last: PeriodicMotion, multiplier: float
+) -> tuple[PeriodicMotion, float]:
+    """Motion that has a multiplier between neighbours, the first of this number, and its place."""
     known, chord = {0.0: first, 1.0: last}, last.place - first.place
 
     def at(part: float) -> PeriodicMotion:
@@ -219,4 +224,5 @@ def _between(first: PeriodicMotion, last: PeriodicMotion, multiplier: float) -> 
             known[part] = continue_to(nearest, place, held / np.linalg.norm(held))
         return known[part]
 
-    return at(brentq(lambda part: at(part).characteristic(multiplier), 0.0, 1.0, xtol=1e-9))
+    part = brentq(lambda part: at(part).characteristic(multiplier), 0.0, 1.0, xtol=1e-9)
+    return at(part), number + part

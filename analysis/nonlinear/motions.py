@@ -216,7 +216,17 @@ def is_stable(multiplier: float) -> bool | None:
 
 
 class Event(NamedTuple):
-    """A motion of a family at which something happens, such as a fold of the spin."""
+    """A motion of a family at which something happens, such as a fold of the spin.
+
+    Parameters
+    ----------
+    kind : str
+    motion : PeriodicMotion
+    place : float
+        Along the family: from 3 to 4 between motions 3 and 4, counted from 0. Below 0 it is where
+        the family is born.
+    """
 
     kind: str
     motion: PeriodicMotion
+    place: float = -1.0

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict
 from math import pi
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -94,7 +95,7 @@ def cycles(
 
 
 def _motions(rows: Sequence[Motion], family: Family | None = None, **shown: Any) -> Result:
-    """What is told of periodic motions, or of a family of them and why it ends early.
+    """What is told of periodic motions, or of a family of them and why it ends.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def _motions(rows: Sequence[Motion], family: Family | None = None, **shown: Any)
     reason = None if family is None else family.reason
     ends = dict.fromkeys(("hopf", "growth", "connection"))
     values = {"motions": rows, "events": [], "reason": reason, **ends} | shown.pop("values", {})
-    notes = [f"The family ends early: {reason}."] if reason else []
+    notes = [f"The family ends: {reason}."] if reason else []
     return Result(**shown, values=values, notes=notes)
 
 
@@ -115,7 +116,7 @@ def _whole(family: Family) -> Result:
     rows, kind = [each.as_row() for each in family.motions], family.motions[0].kind
     found = events(family)
     shown = [tables.motion_table(rows, kind), tables.event_table(found, family.motions)]
-    more: dict[str, Any] = {"events": [{"kind": what, **each.as_row()} for what, each in found]}
+    more: dict[str, Any] = {"events": [{"kind": what, **each.as_row()} for what, each, _ in found]}
     if kind == "rotating":
         more["connection"] = family.begins
     elif kind == "symmetric":
@@ -126,9 +127,15 @@ def _whole(family: Family) -> Result:
         more["growth"] = None if growth is None else growth._asdict()
 
     def draw() -> Any:
-        near = figures.near(rows, family.begins)
-        marks = {"the family begins": family.begins}
-        return figures.diagram(near, (*_DRAWN[kind], *_ALWAYS), marks=marks)
+        placed: list[tuple[float, Motion]] = [
+            *enumerate(rows),
+            # Neighbours tell the stability.
+            *((place, {**each.as_row(), "stable": None}) for _, each, place in found),
+        ]
+        drawn = [row for place, row in sorted(placed, key=itemgetter(0)) if place >= 0.0]
+        mark = "heteroclinic connection" if kind == "rotating" else "the family begins"
+        near = figures.near(drawn, family.begins)
+        return figures.diagram(near, (*_DRAWN[kind], *_ALWAYS), marks={mark: family.begins})
 
     return _motions(rows, family, tables=shown, values=more, draw=draw)
 

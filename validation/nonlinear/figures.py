@@ -4,7 +4,7 @@ Motions are rows as in `tables`.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import cycle
+from itertools import cycle, pairwise
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,9 @@ STABLE, UNSTABLE = 1, 2
 
 _SHOWN = 1.0
 """In rad/s."""
+
+_TICKS = 8
+"""Of a logarithmic axis at most, so that their numbers stay apart."""
 
 
 def _values(motions: Sequence[Motion], name: str) -> Array:
@@ -39,18 +42,20 @@ def lines(axes: Any, motions: Sequence[Motion], values: Array, parameter: str = 
         Name of what they are drawn over.
     """
     places = _values(motions, parameter)
-    stable = np.array([each["stable"] is None or bool(each["stable"]) for each in motions])
+    told = [each["stable"] for each in motions]
+    # A piece takes the kind of its farther end, if that has one, so that the curve has no gaps.
+    pieces = [first if last is None else last for first, last in pairwise(told)] or told
+    stable = np.array([piece is None or bool(piece) for piece in pieces])
     for wanted, style, word in ((True, "-", "stable"), (False, "--", "unstable")):
-        # A piece takes the kind of its farther end, so that the curve has no gaps.
-        shown = np.append(stable[1:] == wanted, False) | np.append(False, stable[1:] == wanted)
-        if stable.size == 1:
-            shown = stable == wanted
+        shown = stable == wanted
+        if len(told) > 1:
+            shown = np.append(shown, False) | np.append(False, shown)
         if np.any(shown):
             axes.plot(
                 np.where(shown, places, np.nan),
                 np.where(shown, values, np.nan),
                 style,
-                marker="o" if stable.size == 1 else None,
+                marker="o" if len(told) == 1 else None,
                 color=figures.COLOURS[STABLE if wanted else UNSTABLE],
                 label=word,
             )
@@ -98,8 +103,12 @@ def diagram(
                 each.axhline(bound, color=GREY, linewidth=0.8, zorder=0)
             if np.max(np.abs(values)) > 10.0:
                 # Between -1 and 1 it is linear where some are negative.
-                scale = "log" if np.min(values) > 0.0 else "symlog"
-                each.set(yscale=scale, ylabel=f"{HEADS[name]}, logarithmic")
+                if np.min(values) > 0.0:
+                    each.set_yscale("log")
+                else:
+                    each.set_yscale("symlog", linscale=2.0)
+                each.set(ylabel=f"{HEADS[name]}, logarithmic")
+                each.yaxis.get_major_locator().set_params(numticks=_TICKS)
     panels[-1].set(xlabel=parameter[1], xscale="log" if log else "linear")
     figures.legend_above(panels[0], columns=3)
     return figure

@@ -104,7 +104,7 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
     return Table(
         title="Bifurcations along the family",
         columns=("kind", HEADS[ends.columns[0]], "spin in rad/s", "period in s"),
-        rows=[(each, at.value, at.spin, at.period) for each, at in found],
+        rows=[(each, at.value, at.spin, at.period) for each, at, _ in found],
         note=f"{none}The larger multiplier{stretch} lies between {min(values):.4g} and "
         f"{max(values):.4g}; {meaning}.",
     )

@@ -24,6 +24,7 @@ from analysis.nonlinear.families import (
 )
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import (
+    Connection,
     heteroclinic_connection,
     last_amplitude,
     least_tilt,
@@ -32,6 +33,7 @@ from analysis.nonlinear.hopf import fitted_growth, hopf_type
 from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.disk import STEEL_RING
+from analysis.stability.spectra import matrices_over_spin
 from tests.helpers import model, mostly_slow, not_none, refusals
 
 PAPER = model(4)
@@ -150,6 +152,8 @@ def test_stability_changes_where_events_are_found_and_the_spin_is_extreme_in_a_f
     assert [each.kind for each in found] == ["symmetry-breaking", "symmetry-breaking", "fold"]
     for each, multiplier in zip(found, (-1.0, -1.0, 1.0), strict=True):
         assert each.motion.larger == pytest.approx(multiplier, abs=1e-6)
+        low, high = weak.motions[int(each.place) :][:2]
+        assert low.value < each.motion.value < high.value
     lost, regained, folded = (each.motion.value for each in found)
     for cycle in weak.motions:
         assert cycle.stable is not (lost < cycle.value < regained or cycle.value > folded)
@@ -221,7 +225,7 @@ def test_cycles_without_symmetry_leave_symmetric_ones_until_their_period_doubles
     asymmetric: Family,
 ) -> None:
     assert [each.stable for each in asymmetric.motions] == [True, True, False]
-    born, (kind, cycle) = events(asymmetric)
+    born, (kind, cycle, _) = events(asymmetric)
     assert (born.kind, kind) == ("symmetry-breaking", "period-doubling")
     near = asymmetric_family(born, (born.motion.value + 0.02,)).motions[0]
     # Growing with the amplitude, the asymmetry begins in the bifurcation.
@@ -250,15 +254,54 @@ def test_cycles_without_symmetry_pass_the_fold_of_their_amplitude_to_other_symme
 
 
 @pytest.mark.slow
-def test_cycles_of_weak_friction_wind_through_folds_into_the_connection() -> None:
+@pytest.mark.parametrize(
+    ("follow", "end", "value"),
+    [(cycle_family, -1, last_amplitude), (rotating_family, 0, least_tilt)],
+)
+def test_motions_of_weak_friction_wind_through_folds_into_the_connection(
+    follow: Callable[[Scenario], Family],
+    end: int,
+    value: Callable[[Scenario, Connection], float],
+) -> None:
     scenario = model(4, friction=SmoothCoulomb(coefficient=0.05, smoothing=0.4))
-    family, connection = cycle_family(scenario), heteroclinic_connection(scenario)
-    last, spins = family.motions[-1], [each.spin for each in family.motions]
-    assert not_none(family.reason).endswith("its period alone grows, towards a connection")
+    family, connection = follow(scenario), heteroclinic_connection(scenario)
+    last, spins = family.motions[end], [each.spin for each in family.motions]
+    assert not_none(family.reason).endswith(" of noninverted spinning with itself")
     # That is found from runs alone.
     assert last.spin == pytest.approx(connection.spin, abs=1e-7)
-    assert last.value == pytest.approx(last_amplitude(scenario, connection), abs=1e-5)
+    assert last.value == pytest.approx(value(scenario, connection), abs=2e-5)
     assert np.sum(np.diff(np.sign(np.diff(spins))) != 0.0) > 5
+
+
+@pytest.mark.slow
+def test_motions_of_weaker_friction_rotate_from_a_connection_of_inverted_spinning_on() -> None:
+    family = rotating_family(WEAKEST)
+    assert not_none(family.reason).endswith(" of inverted spinning with itself")
+
+    def passes(spin: float) -> float:
+        """To which side a motion leaves inverted spinning a turn before, backwards in time."""
+        (matrix,) = matrices_over_spin(WEAKEST, "reduced")(np.array([spin]))
+        values, vectors = np.linalg.eig(matrix)
+        strong = vectors[:, np.argmin(values.real)].real
+        rates = reduced.right_hand_side(WEAKEST, spin)
+
+        def left(time: float, state: Array) -> float:
+            return abs(state[1] + 1.5 * np.pi) - 1.0 if time > 2.1 else -1.0
+
+        left.terminal = True  # type: ignore[attr-defined]
+        found = solve_ivp(
+            lambda time, state: -np.array(rates(time, state)),
+            (0.0, 10.0),
+            INVERTED - 1e-6 * strong / strong[1],
+            method="DOP853",
+            rtol=1e-13,
+            atol=1e-15,
+            events=left,
+        )
+        return float(found.y[1, -1] + 1.5 * np.pi)
+
+    spin = family.motions[0].spin
+    assert [passes(spin + side) for side in (-1e-6, 1e-6)] == pytest.approx([-1.0, 1.0])
 
 
 @pytest.mark.slow
@@ -266,7 +309,7 @@ def test_rotating_motions_begin_in_the_connection_and_fold(rotating: Family) -> 
     assert rotating.reason is None
     assert rotating.motions[0].spin == pytest.approx(rotating.begins, abs=1e-6)
     assert [each.stable for each in rotating.motions] == [True, True, True, True, False, False]
-    ((kind, fold),) = events(rotating)
+    ((kind, fold, _),) = events(rotating)
     assert kind == "fold"
     assert fold.multiplier == pytest.approx(1.0, abs=1e-6)
     assert fold.spin == pytest.approx(30.0820066, abs=1e-6)

@@ -67,7 +67,7 @@ def _swinging() -> list[Row]:
 
 def _rotating() -> list[Row]:
     found = rotating_family(PAPER)
-    return _whole(found) + [{"kind": kind, **each.as_row()} for kind, each in events(found)]
+    return _whole(found) + [{"kind": kind, **each.as_row()} for kind, each, _ in events(found)]
 
 
 def _slow() -> list[Row]:
