@@ -93,7 +93,7 @@ def cycle_family(
     scenario : Scenario
         Of Model 4 with friction that knows the weight, and an eccentricity.
     amplitudes : array_like, shape (n,), optional
-        Amplitudes of gamma about pi/2 in rad, rising, between 0 and 3 pi/2; by default up to
+        Amplitudes of gamma about pi/2 in rad, rising, between 0 and 2 pi; by default up to
         the heteroclinic connection, which lies at pi or beyond; see `last_amplitude`.
     progress : callable, optional
         Called after each cycle with how many there are and how many are wanted.
@@ -109,7 +109,7 @@ def cycle_family(
         function("progress", progress)
     flow.require_cycles(scenario, STEEPEST)
     wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
-    wanted = _rising("amplitudes", wanted, 0.0, 1.5 * np.pi, "between 0 and 3 pi/2")
+    wanted = _rising("amplitudes", wanted, 0.0, 2.0 * np.pi, "between 0 and 2 pi")
     found = onward(hopf_cycle(scenario), wanted.tolist(), through_folds=amplitudes is None)
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
 

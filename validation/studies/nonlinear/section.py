@@ -56,8 +56,6 @@ def present(rows: Rows) -> Content:
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(HELD_NAMES)]
-    columns = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
-    words = held.assign(stable=held.stable.map(tables.WORDS))
     stable = sum(bool(each["stable"]) for each in cycles)
     late = followed.lost - followed.crossing
     return Content(
@@ -83,7 +81,7 @@ def present(rows: Rows) -> Content:
             "some-cycles": _frame(tables.motion_table(cycles[::5])),
             "rotations": _frame(tables.motion_table(rotations, "rotating")),
             "some-rotations": _frame(tables.motion_table(rotations[::5], "rotating")),
-            "held": words[["case", *columns]].rename(columns=tables.HEADS),
+            "held": _held_table(held),
             "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
             "connections": _connection_table(connections),
             "passages": _frame(passage.passage_table(_named(passages))),
@@ -151,6 +149,12 @@ def _apart(engine: pd.DataFrame) -> pd.DataFrame:
     """Cycles of the engine less those found in-house, not a number where one is missing."""
     values = engine.set_index(["source", "case"])[[*SAME_CYCLE]]
     return values.loc["engine"] - values.loc["in-house"]
+
+
+def _held_table(found: pd.DataFrame) -> pd.DataFrame:
+    columns = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
+    words = found.assign(stable=found.stable.map(tables.WORDS))
+    return words[["case", *columns]].rename(columns=tables.HEADS)
 
 
 def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
