@@ -125,7 +125,7 @@ class AccelerationProblem:
             endings,
             self._angles,
             self._slip_of_one_direction(),
-            float(np.clip(BENDING * scenario.friction.finest_speed, *DIFFERENCES)),
+            float(np.clip(BENDING * scenario.finest_slip, *DIFFERENCES)),
         )
 
     def samples(self, states: Array) -> Array:
@@ -352,8 +352,9 @@ def _step(name: str, scenario: Scenario, turning: float) -> float:
     kink at zero slip, and below 3e-4 of the size of the disk and of a turn. Shorter ones would
     lose digits to the engine's rounding.
     """
-    radius, slip = scenario.disk.radius, 3e-3 * scenario.friction.finest_speed
-    step = slip if name.endswith("_rate") else min(3e-4 * radius, slip / turning)
+    radius = scenario.disk.radius
+    speed = min(3e-3 * scenario.finest_slip, 3e-4 * radius * turning)
+    step = speed if name.endswith("_rate") else speed / turning
     return step if name[0] in "xy" else step / radius
 
 

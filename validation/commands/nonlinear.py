@@ -25,7 +25,7 @@ from validation.kit.tables import Table
 from validation.nonlinear import figures, tables
 from validation.nonlinear.tables import Motion
 from validation.parser.files import Result
-from validation.parser.kinds import AnyProblem, Axis, PlainProblem, SomeSpins
+from validation.parser.kinds import AnyProblem, Axis, ReducedProblem, SomeSpins
 
 _DRAWN = {
     "symmetric": ("amplitude",),
@@ -44,7 +44,7 @@ _SIDE = 0.05
 
 def cycles(
     *,
-    problem: PlainProblem,
+    problem: ReducedProblem,
     spin: SomeSpins = None,
     rotating: bool = False,
     asymmetric: bool = False,
@@ -173,7 +173,7 @@ def _cycles_over(
 # --- The connection -----------------------------------------------------------------------------
 
 
-def heteroclinic(*, problem: PlainProblem, over: Axis = None) -> Result:
+def heteroclinic(*, problem: ReducedProblem, over: Axis = None) -> Result:
     """The heteroclinic connection in which the cycles end.
 
     Find the spin at which the motion that leaves noninverted spinning ends in it again, to 1e-9

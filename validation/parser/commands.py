@@ -113,10 +113,13 @@ class OfScenario(NamedTuple):
         Of the scenario whose quantities are options.
     flag : str
         Of its file.
+    model : int
+        That is taken where neither a file nor options tell one.
     """
 
     tables: tuple[str, ...]
     flag: str = "--scenario"
+    model: int = 1
 
     def add_to(self, parser: Parser, _: Mapping[str, str]) -> None:
         """Add the options for the file and for the quantities, a group for each table."""
@@ -126,7 +129,8 @@ class OfScenario(NamedTuple):
         for table in self.tables:
             group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
             for quantity in of_table(table).values():
-                group.add_argument(quantity.flag, **_how(quantity))
+                usual = self.model if quantity.key == "model" else quantity.default
+                group.add_argument(quantity.flag, **_how(quantity._replace(default=usual)))
 
     def value(self, given: Mapping[str, Any]) -> Any:
         """What is told of the scenario."""

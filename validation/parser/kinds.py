@@ -21,8 +21,12 @@ AnyProblem = Annotated["Problem", OfScenario(tuple(SECTIONS))]
 NamedProblem = Annotated["Problem", OfScenario(tuple(SECTIONS), "scenario")]
 """With its file as an argument."""
 
-PlainProblem = Annotated["Problem", OfScenario(("", "disk", "friction", "table"))]
+_PLAIN = ("", "disk", "friction", "table")
+PlainProblem = Annotated["Problem", OfScenario(_PLAIN)]
 """On the ideal contact, from whatever start."""
+
+ReducedProblem = Annotated["Problem", OfScenario(_PLAIN, model=4)]
+"""The same of Model 4."""
 
 Numbers = Annotated[Result, Group(Result.deliver, "json", "csv")]
 """A result without a picture."""

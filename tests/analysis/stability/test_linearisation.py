@@ -16,7 +16,6 @@ from analysis import (
     STEEL_DISK,
     AnisotropicCoulomb,
     ConstraintSet,
-    Load,
     Motion,
     PenaltyContact,
     Scenario,
@@ -24,6 +23,7 @@ from analysis import (
     Start,
     Table,
 )
+from analysis.mechanics.constraints import SLIPS
 from analysis.mechanics.paper import first_order, paper_numbers, printed_matrices
 from analysis.problem.checks import Array
 from analysis.problem.constraints import set_name
@@ -135,13 +135,21 @@ def test_friction_may_bend_as_finely_as_it_likes(smoothing: float) -> None:
     assert error(scenario, "inverted") < 1e-15 / smoothing
 
 
+TOPS = [
+    Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(smoothing=0.01, load=load)) for load in LOADS
+]
+# Where nothing rubs, it does not matter how finely friction would bend.
+ROLLING = Scenario(constraints=("contact", *SLIPS), friction=SmoothCoulomb(smoothing=1e-5))
+
+
 @pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("load", LOADS)
-def test_tippe_top_is_linearised_as_in_the_engine(motion: Motion, load: Load) -> None:
-    law = SmoothCoulomb(coefficient=0.3, smoothing=0.01, load=load)
-    spun = Scenario(disk=TIPPE_TOP, friction=law, start=Start.stationary(150.0, motion))
+@pytest.mark.parametrize("scenario", [*TOPS, ROLLING])
+def test_tops_and_rolling_disks_are_linearised_as_in_the_engine(
+    motion: Motion, scenario: Scenario
+) -> None:
+    spun = replace(scenario, start=Start.stationary(150.0, motion))
     found = eigenvalues(spun, [150.0], motion=motion)[0]
-    engine = mbs_models.eigenvalues(mbs_models.Scene(spun))
+    engine = mbs_models.eigenvalues(mbs_models.Scene(spun, "floating"))
     apart = np.abs(found[:, None] - engine).min(axis=1)
     assert found.size == engine.size
     assert np.max(apart) < 1e-6 * np.max(np.abs(engine))
