@@ -11,7 +11,7 @@ other side each becomes a rotating motion of its own (a gluing bifurcation).
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import accumulate, chain, pairwise
+from itertools import accumulate
 
 import numpy as np
 import numpy.typing as npt
@@ -147,19 +147,31 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     low, high = 0.5 * born.spin, 1.5 * born.spin
     why = "within half the critical speed of it, where cycles are looked for"
     within("spin", spin, low, high, is_above=True, is_below=True, why=why)
-    spins = [born.spin]
-    for before, cycle in pairwise(chain((born,), onward(born, _amplitudes(scenario)))):
-        fraction = (spin - before.spin) / (cycle.spin - before.spin)
-        if 0.0 < fraction <= 1.0:
-            # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
-            low, high = before.value**2, cycle.value**2
-            value = float(np.sqrt(low + fraction * (high - low)))
-            return solve(cycle, cycle.place_with(value=value, spin=spin), SPIN)
-        spins.append(cycle.spin)
-    raise ValueError(
-        f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
-        f"cycles, got {spin:.9g}"
-    )
+
+    def upto() -> Iterator[PeriodicMotion]:
+        """Cycles from the Hopf point to the first one beyond the spin."""
+        yield born
+        before = born.spin
+        for each in onward(born, _amplitudes(scenario), through_folds=True):
+            yield each
+            if min(before, each.spin) <= spin <= max(before, each.spin):
+                return
+            before = each.spin
+
+    family = Family.of(born.spin, upto())
+    spins = [each.spin for each in family.motions]
+    if not min(spins) <= spin <= max(spins):
+        ends = f"; the family ends: {family.reason}" if family.reason else ""
+        raise ValueError(
+            f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
+            f"cycles, got {spin:.9g}{ends}"
+        )
+    before, cycle = family.motions[-2:]
+    fraction = (spin - before.spin) / (cycle.spin - before.spin)
+    # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
+    low, high = before.value**2, cycle.value**2
+    value = float(np.sqrt(low + fraction * (high - low)))
+    return solve(cycle, cycle.place_with(value=value, spin=spin), SPIN)
 
 
 def cycles_over(
