@@ -26,7 +26,7 @@ from mbs_models.effort import stepping_integrator
 from mbs_models.endings import LOCAL
 from mbs_models.friction import slip_velocity
 from mbs_models.probe import Probe
-from mbs_models.scene import Scene, build
+from mbs_models.scene import CLASSES, Scene, build
 from mbs_models.solving import solving
 
 _NAMES = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
@@ -44,6 +44,9 @@ DIFFERENCES = (1e-12, 1e-8)
 
 ComplexArray = npt.NDArray[np.complex128]
 
+TINY = 1e-12
+"""Part of a slip at which friction has its slope at no slip alone."""
+
 NEUTRAL = ("alpha", "alpha_rate")
 """What stationary motions exist for any value of."""
 
@@ -59,6 +62,8 @@ class AccelerationProblem:
     scene : Scene
     conditions : mapping
         From reasons to functions of a `State` that end the motion where they turn negative.
+    slip_part : float
+        See `free_slip_force`.
 
     Raises
     ------
@@ -78,10 +83,12 @@ class AccelerationProblem:
     probe : Probe
     """
 
-    def __init__(self, scene: Scene, conditions: Mapping[str, Condition]) -> None:
+    def __init__(
+        self, scene: Scene, conditions: Mapping[str, Condition], slip_part: float = 1.0
+    ) -> None:
         self.quick = True
         self.scenario = scenario = scene.scenario
-        self.scene, self.model = scene, build(scene)
+        self.scene, self.model = scene, CLASSES[scene.built_as](scenario, slip_part)
         self.system = self.model.system
         self.probe = Probe(self.model)
         self.probe.check_start()
@@ -296,27 +303,18 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     require_level(scenario, "the linearisation of a spinning motion")
     if scenario.contact is not None:
         raise ValueError("contact must be left out: a penalty contact is not linearised")
-    motion = AccelerationProblem(scene, {})
-    motion.quick = False
-    problem = motion.starting_at(scenario.initial_state.vector)
-    places = [number for number, name in enumerate(motion.names) if name not in NEUTRAL]
-    turning = abs(scenario.initial_state.rates[3]) + 1.0
-
-    def rates(state: Array) -> Array:
-        return np.asarray(problem.right_hand_side(0.0, state))[places]
-
-    with solving(motion.system):
-        largest = float(np.max(np.abs(rates(problem.start))))
-        if largest > 1e-6 * turning**2:
-            raise ValueError(
-                "start must be a stationary motion to linearise about, got one with rates or "
-                f"accelerations of up to {largest:.3g}"
-            )
-        columns = [
-            _derivative(rates, problem.start, each, _step(motion.names[each], scenario, turning))
-            for each in places
-        ]
-    return np.column_stack(columns)
+    # Where the disk slides, friction has another slope than at no slip.
+    for part in (TINY, 1.0):
+        motion = AccelerationProblem(scene, {}, part)
+        motion.quick = False
+        with solving(motion.system):
+            matrix, largest = _linearised(motion, part)
+        if matrix is not None:
+            return matrix
+    raise ValueError(
+        "start must be a stationary motion to linearise about, got one with rates or "
+        f"accelerations of up to {largest:.3g}"
+    )
 
 
 def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
@@ -345,27 +343,44 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     return result
 
 
-def _step(name: str, scenario: Scenario, turning: float) -> float:
+def _linearised(motion: AccelerationProblem, part: float) -> tuple[Array | None, float]:
+    """State matrix, shape (n, n), or None if the start is not stationary; what it moves by.
+
+    By central differences, extrapolated: at a tiny part of the slip, friction has no kink.
+    """
+    scenario, places = (
+        motion.scenario,
+        [number for number, name in enumerate(motion.names) if name not in NEUTRAL],
+    )
+    problem = motion.starting_at(scenario.initial_state.vector)
+    turning = abs(scenario.initial_state.rates[3]) + 1.0
+
+    def rates(change: Array) -> Array:
+        return np.asarray(problem.right_hand_side(0.0, problem.start + change))[places]
+
+    largest = float(np.max(np.abs(rates(0.0 * problem.start))))
+    if largest > 1e-6 * turning**2:
+        return None, largest
+    columns = []
+    for place in places:
+        step = _step(motion.names[place], scenario, turning, part)
+        change = step * np.eye(problem.start.size)[place]
+        whole, half = (
+            (rates(length * change) - rates(-length * change)) / (2.0 * length * step)
+            for length in (1.0, 0.5)
+        )
+        columns.append((4.0 * half - whole) / 3.0)
+    return np.column_stack(columns), largest
+
+
+def _step(name: str, scenario: Scenario, turning: float, part: float) -> float:
     """Step of the differences by a coordinate or rate, of a disk that turns at this rate in 1/s.
 
-    It keeps the slip below 0.3 % of its finest speed, since the friction law's derivative has a
-    kink at zero slip, and below 3e-4 of the size of the disk and of a turn. Shorter ones would
-    lose digits to the engine's rounding.
+    It keeps the slip that a law is asked for below 0.3 % of its finest speed, and all changes
+    below 3e-4 of the size of the disk and of a turn. Shorter ones would lose digits to the
+    engine's rounding.
     """
     radius = scenario.disk.radius
-    speed = min(3e-3 * scenario.finest_slip, 3e-4 * radius * turning)
+    speed = min(3e-3 * scenario.finest_slip / part, 3e-4 * radius * turning)
     step = speed if name.endswith("_rate") else speed / turning
     return step if name[0] in "xy" else step / radius
-
-
-def _derivative(rates: Callable[[Array], Array], origin: Array, index: int, step: float) -> Array:
-    """Derivative by one coordinate: central differences, extrapolated in powers 1 and 2.
-
-    Odd powers appear because the friction law's kink sits at the origin.
-    """
-
-    def slope(length: float) -> Array:
-        change = length * np.eye(origin.size)[index]
-        return (rates(origin + change) - rates(origin - change)) / (2.0 * length)
-
-    return (slope(step) - 6.0 * slope(step / 2.0) + 8.0 * slope(step / 4.0)) / 3.0

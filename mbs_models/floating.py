@@ -116,7 +116,7 @@ class Floating(Model):
         whose second is its elevation; they are regular unless the disk lies flat. Below a sphere's
         middle, all level directions are alike. The connector wants the force on the table.
         """
-        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario, self.slip_part)
         is_sphere = isinstance(self.scenario.disk, Sphere)
 
         def force(

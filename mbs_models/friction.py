@@ -115,9 +115,23 @@ _WRITTEN: dict[type[FrictionLaw], Callable[[Any], LawForce]] = {
 """Laws written a second time. What derives from one of them may differ, so it is not of it."""
 
 
-def free_slip_force(scenario: Scenario) -> LawForce:
-    """The scenario's friction law without the slip that its constraints hold at zero."""
-    law = law_force(scenario.friction)
+def free_slip_force(scenario: Scenario, part: float) -> LawForce:
+    """The scenario's friction law without the slip that its constraints hold at zero.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    part : float
+        Of a slip at which the law is asked, for as large a part of the force: of a law that is
+        asked for a tiny one, only the slope at no slip is left.
+    """
+    law = whole = law_force(scenario.friction)
+    if part != 1.0:
+
+        def law(along: float, across: float, load: float) -> tuple[float, float]:
+            x, y = whole(part * along, part * across, load)
+            return x / part, y / part
+
     if "no-slip-along" in scenario.constraints:
         return lambda _, across, load: (0.0, law(0.0, across, load)[1])
     if "no-slip-across" in scenario.constraints:

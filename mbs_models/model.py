@@ -35,10 +35,13 @@ class Model(ABC):
     ----------
     scenario : Scenario
         One that meets no `obstacle`.
+    slip_part : float
+        See `free_slip_force`.
 
     Attributes
     ----------
     scenario : Scenario
+    slip_part : float
     start : State
         That of the scenario.
     assembly : Assembly
@@ -80,8 +83,9 @@ class Model(ABC):
         is_held = scenario.contact is None and not cls.closes_contact
         return is_held or bool(cls.node_equations)
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, slip_part: float = 1.0) -> None:
         self.scenario, self.start = scenario, scenario.initial_state
+        self.slip_part = slip_part
         self.assembly = Assembly()
         self.system = self.assembly.system
         self.joints = Joints(self.assembly, scenario)

@@ -115,7 +115,7 @@ class EulerTree(_Tree):
 
     def friction(self, load: Load) -> Force:
         """Generalised force on the joints (alpha, x, y, z, beta, gamma)."""
-        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario, self.slip_part)
 
         def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
             x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
@@ -192,7 +192,7 @@ class ContactTree(_Tree):
         The contact point moves with the joints before gamma, so the slip velocity is the velocity
         of that point plus the rim speed r gamma'.
         """
-        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario)
+        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario, self.slip_part)
         # That of the weight alone, which stays.
         weight = load()
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import mbs_models
 from analysis import (
     CENTRED_DISK,
     MODELS,
@@ -112,6 +113,18 @@ def test_stationary_motions_of_every_body_stay_where_they_are(name: str) -> None
         run = simulate(replace(scenario, start=start), np.array((0.0, 0.01, 0.02)))
         for which, value in place.items():
             assert run.coordinate(which) == pytest.approx(value, abs=1e-7)
+
+
+def test_a_disk_that_slides_on_a_circle_is_linearised_as_in_the_engine() -> None:
+    tilted = stationary_motions(HELD, 60.0, starts=20)[1]
+    place = {which: getattr(tilted, which) for which in ("x", "y", "beta", "gamma")}
+    start = Start(spin=60.0, **place, x_rate=0.0, y_rate=0.0, beta_rate=0.0, gamma_rate=0.0)
+    assert tilted.is_tilted
+    engine = mbs_models.eigenvalues(replace(HELD, start=start))
+    # Those about the vertical and of the place are neutral ones of its neighbours.
+    assert tilted.eigenvalues.size == engine.size - 2
+    apart = np.abs(tilted.eigenvalues[:, None] - engine).min(axis=1)
+    assert np.max(apart) < 1e-6
 
 
 def test_motions_of_other_bodies_are_followed_in_the_spin() -> None:

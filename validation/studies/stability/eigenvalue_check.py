@@ -12,7 +12,7 @@ from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation, Scene
 from validation.kit.limits import largest
 
-EIGENVALUE_LIMIT = 1e-5
+EIGENVALUE_LIMIT = 1e-6
 """Largest difference that passes, relative to the larger of |lambda| and 1."""
 
 
