@@ -44,8 +44,13 @@ DIFFERENCES = (1e-12, 1e-8)
 
 ComplexArray = npt.NDArray[np.complex128]
 
-TINY = 1e-12
-"""Part of a slip at which friction has its slope at no slip alone."""
+CHANGE = 1e-3
+"""Part of the size of a disk, and of its turning, by which differences change its motion: by less
+they would lose digits to the engine's rounding."""
+
+AT_NO_SLIP, SLIDING = 1e-5, 3e-3
+"""Parts of the finest speed of friction: at which the slope at no slip is taken, where it hardly
+bends, and by which that of a disk that slides may be changed."""
 
 NEUTRAL = ("alpha", "alpha_rate")
 """What stationary motions exist for any value of."""
@@ -303,12 +308,17 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     require_level(scenario, "the linearisation of a spinning motion")
     if scenario.contact is not None:
         raise ValueError("contact must be left out: a penalty contact is not linearised")
-    # Where the disk slides, friction has another slope than at no slip.
-    for part in (TINY, 1.0):
+    turning = abs(scenario.initial_state.rates[3]) + 1.0
+    speed, bending = CHANGE * scenario.disk.radius * turning, scenario.finest_slip
+    # A disk that slides is linearised there, where friction has another slope than at no slip.
+    for part, rim_speed in (
+        (min(1.0, AT_NO_SLIP * bending / speed), speed),
+        (1.0, min(SLIDING * bending, speed)),
+    ):
         motion = AccelerationProblem(scene, {}, part)
         motion.quick = False
         with solving(motion.system):
-            matrix, largest = _linearised(motion, part)
+            matrix, largest = _linearised(motion, turning, rim_speed)
         if matrix is not None:
             return matrix
     raise ValueError(
@@ -343,17 +353,25 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     return result
 
 
-def _linearised(motion: AccelerationProblem, part: float) -> tuple[Array | None, float]:
+def _linearised(
+    motion: AccelerationProblem, turning: float, speed: float
+) -> tuple[Array | None, float]:
     """State matrix, shape (n, n), or None if the start is not stationary; what it moves by.
 
-    By central differences, extrapolated: at a tiny part of the slip, friction has no kink.
+    By central differences, extrapolated in powers 1 and 2: odd ones appear because friction has a
+    kink at no slip.
+
+    Parameters
+    ----------
+    motion : AccelerationProblem
+    turning : float
+        Rate in 1/s at which the disk turns.
+    speed : float
+        By which the rim is moved in m/s; by the way that it turns through by that, too.
     """
-    scenario, places = (
-        motion.scenario,
-        [number for number, name in enumerate(motion.names) if name not in NEUTRAL],
-    )
+    scenario = motion.scenario
+    places = [number for number, name in enumerate(motion.names) if name not in NEUTRAL]
     problem = motion.starting_at(scenario.initial_state.vector)
-    turning = abs(scenario.initial_state.rates[3]) + 1.0
 
     def rates(change: Array) -> Array:
         return np.asarray(problem.right_hand_side(0.0, problem.start + change))[places]
@@ -363,24 +381,13 @@ def _linearised(motion: AccelerationProblem, part: float) -> tuple[Array | None,
         return None, largest
     columns = []
     for place in places:
-        step = _step(motion.names[place], scenario, turning, part)
+        name = motion.names[place]
+        step = speed if name.endswith("_rate") else speed / turning
+        step /= 1.0 if name[0] in "xy" else scenario.disk.radius
         change = step * np.eye(problem.start.size)[place]
-        whole, half = (
-            (rates(length * change) - rates(-length * change)) / (2.0 * length * step)
-            for length in (1.0, 0.5)
-        )
-        columns.append((4.0 * half - whole) / 3.0)
+        slopes = [
+            (rates(part * change) - rates(-part * change)) / (2.0 * part * step)
+            for part in (1.0, 0.5, 0.25)
+        ]
+        columns.append(np.dot((1.0, -6.0, 8.0), slopes) / 3.0)
     return np.column_stack(columns), largest
-
-
-def _step(name: str, scenario: Scenario, turning: float, part: float) -> float:
-    """Step of the differences by a coordinate or rate, of a disk that turns at this rate in 1/s.
-
-    It keeps the slip that a law is asked for below 0.3 % of its finest speed, and all changes
-    below 3e-4 of the size of the disk and of a turn. Shorter ones would lose digits to the
-    engine's rounding.
-    """
-    radius = scenario.disk.radius
-    speed = min(3e-3 * scenario.finest_slip / part, 3e-4 * radius * turning)
-    step = speed if name.endswith("_rate") else speed / turning
-    return step if name[0] in "xy" else step / radius
