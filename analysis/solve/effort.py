@@ -44,6 +44,13 @@ STIFF = 2.0
 """Times what implicit steps should take at which explicit ones are estimated where they begin to
 take longer: motions pass the finest speed of friction only now and then."""
 
+LOW = 0.1
+"""Sine of the inclination at the start below which a disk soon falls, passes nearly flat and rises
+again,"""
+
+_PER_FALL = 16.0
+"""and steps that each such fall takes, to an accuracy of a radian."""
+
 _SECONDS = 1.2e-5
 """Processor time in s that goes with one evaluation of the equations, the solver's included,"""
 
@@ -140,6 +147,9 @@ def simulation_effort(
         (scenario.slip_decay / used.stable, "friction", f"gradient {gradient:g} s/m "),
         (turning / abs(sin(beta)), "beta", f"{beta:g} rad "),
     ]
+    if (low := sin(beta)) < LOW:
+        falls = sqrt(scenario.fall / (2.0 * low)) / 2.0
+        rates.append((_PER_FALL * falls * sharpness, "beta", f"{beta:g} rad "))
     seconds = _SECONDS
     if scenario.contact is not None:
         seconds = _FREE_BODY_SECONDS

@@ -34,6 +34,10 @@ FIRST = 1e-6
 SHORTENED = 16
 """Times that a step is taken a tenth as long before its error is believed."""
 
+ITERATED = 1e-3
+"""Part of the error in a step that Newton's iteration may leave where the Jacobian is one of
+differences."""
+
 _EXPLICIT = solvers.RK23, solvers.RK45, solvers.DOP853
 
 _IMPLICIT = ("Radau", "BDF")
@@ -233,6 +237,9 @@ def _made_by(
             # To guess a first step, SciPy takes one that may lead to where there is no solution.
             little = min(FIRST * problem.longest_step, span[2] - span[0])
             made.append(make(*span, first_step=little))
+        if method in _IMPLICIT and problem.jacobian is None:
+            # Rounding in a right-hand side of others is in the way of all that SciPy would have.
+            made[-1].newton_tol = max(made[-1].newton_tol, ITERATED)
         return made[-1]
 
     return solver

@@ -148,6 +148,17 @@ def test_a_nearly_flat_start_is_a_free_body_which_keeps_its_tolerance(level: Lev
     assert np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-7
 
 
+@pytest.mark.slow
+def test_a_fall_under_stiff_friction_does_not_iterate_on_rounding() -> None:
+    held: ConstraintSet = ("contact", "constant-spin")
+    start, law = Start(spin=-4.4, beta=1.44, gamma=0.724), SmoothCoulomb(smoothing=4e-3)
+    scene = Scene(Scenario(constraints=held, friction=law, start=start), "floating")
+    run = mbs_models.simulate(scene, [0.0, 0.3], tolerance=1e-8, integrator="Radau")
+    assert not_none(run.ending).reason == "flat"
+    # Iterated to the end it takes three times as many.
+    assert run.counts["right_hand_sides"] < 60_000
+
+
 def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digits() -> None:
     proposals = [advice(Scene(), Integrator(name="RK67"), leaning) for leaning in (1e-3, 1.0)]
     assert ["formulation 'floating'" in each for each in proposals] == [True, False]
