@@ -42,10 +42,11 @@ def test_sweep_is_timed_against_its_runs(monkeypatch: pytest.MonkeyPatch) -> Non
         """Times in ms of a slow machine on which all goes evenly."""
         for call in calls:
             call()
-        alone = len(calls) - 1
-        return [6.0 * repeats, *[5.0 * repeats / alone] * alone]
+        alone = len(calls) - 2
+        return [6.0 * repeats, 20.0 * repeats, *[5.0 * repeats / alone] * alone]
 
     monkeypatch.setattr(benchmark, "milliseconds", timed)
+    monkeypatch.setattr(benchmark, "slowness", lambda: 1.0)
     over, beside = islice(benchmark.sweeps(1), 2)
     assert (over.value, over.limit) == (pytest.approx(1.2), 1.2)
     assert beside.value == pytest.approx(1.0 / benchmark.CASES)
