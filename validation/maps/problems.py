@@ -213,7 +213,7 @@ def shifted_sweeps(
         As in `quickest_plan`.
     """
     plan = quickest_plan(scenario, 0, **how)
-    first, last = (float(problem.right.between(part)) for part in (0.0, 1.0))
+    first, last = (float(problem.right.draw(part)) for part in (0.0, 1.0))
     sweeps = []
     for distance in (0.0, *DISTANCES) if number else ():
         # The same random numbers between shifted ends are the same starts, shifted.

@@ -28,7 +28,7 @@ _LABELS = {
 """What stands at the axis of a field, where that is not its name."""
 
 _BLOCK = 4096
-"""Cases that are drawn at once; a power of 2, as Sobol points want it."""
+"""Cases that are drawn at once, where they can be; a power of 2, as Sobol points want it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,14 +94,13 @@ class Axis:
         object.__setattr__(self, "last", ends[1])
 
     @property
-    def size(self) -> int | None:
-        """Number of values; None for a range without count."""
-        return len(self.values) or self.count
+    def size(self) -> int:
+        """Number of values; 0 for a range without count."""
+        return len(self.values) or self.count or 0
 
     def at(self, index: int) -> Value:
         """Value of an index on a grid."""
-        last = (self.size or 1) - 1
-        return self.values[index] if self.values else self.between(index / max(1, last))
+        return self.values[index] if self.values else self.draw(index / max(1, self.size - 1))
 
     @property
     def label(self) -> str:
@@ -112,26 +111,18 @@ class Axis:
     @property
     def grid(self) -> list[Any]:
         """All values on a grid."""
-        return [self.at(index) for index in range(self.size or 0)]
+        return [self.at(index) for index in range(self.size)]
 
     def draw(self, part: float) -> Value:
-        """Value of a random number from 0 to 1; each of a list is as probable."""
-        if not self.values:
-            return self.between(part)
-        return self.values[min(int(part * len(self.values)), len(self.values) - 1)]
-
-    def between(self, part: float) -> float:
-        """Value on a range, of which the ends are exact."""
+        """Value of a number from 0 to 1: of a list, each as probable; of a range, exact ends."""
+        if self.values:
+            return self.values[min(int(part * len(self.values)), len(self.values) - 1)]
         first, last = self.first, self.last
         assert first is not None
         assert last is not None
-        if part == 1.0:
-            return last
-        if not self.log:
-            return first + part * (last - first)
-        if 1e-300 < last / first < 1e300:
-            return float(first * (last / first) ** part)
-        return float(first ** (1.0 - part) * last**part)
+        if self.log:
+            return float(first ** (1.0 - part) * last**part)
+        return last if part == 1.0 else first + part * (last - first)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,21 +167,21 @@ class Design:
         elif self.number is not None:
             raise ValueError(f"number belongs to drawn points, not to a grid, got {self.number}")
         for axis in self.axes:
-            if is_grid and axis.size is None:
+            if is_grid and not axis.size:
                 raise ValueError(f"axis {axis.field} needs a count on a grid: first:last:count")
             if not is_grid and axis.count is not None:
                 fault = "takes no count where points are drawn: first:last"
                 raise ValueError(f"axis {axis.field} {fault}")
-        # A Latin hypercube is drawn as a whole; the others go block by block.
-        if self._is_whole and 8 * self.size * len(names) > LARGEST_STORAGE:
+        if 8 * self._block * len(names) > LARGEST_STORAGE:
             raise ValueError(
                 f"number of points of a Latin hypercube is limited by memory, got {self.number}; "
                 "sobol is not"
             )
 
     @property
-    def _is_whole(self) -> bool:
-        return self.layout == "latin-hypercube"
+    def _block(self) -> int:
+        """Cases that are drawn at once: of a Latin hypercube all."""
+        return self.size if self.layout == "latin-hypercube" else _BLOCK
 
     @property
     def size(self) -> int:
@@ -200,38 +191,34 @@ class Design:
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of values along each axis of a grid."""
-        return tuple(axis.size or 0 for axis in self.axes)
+        return tuple(axis.size for axis in self.axes)
 
     def values_of(self, index: int) -> dict[str, Value]:
         """Values of the axes in a case, from 0 to `size` - 1, by the names of their fields."""
         if self.layout == "grid":
             found: dict[str, Value] = {}
             for axis in reversed(self.axes):
-                index, place = divmod(index, axis.size or 1)
+                index, place = divmod(index, axis.size)
                 found[axis.field] = axis.at(place)
             return dict(reversed(found.items()))
-        block, row = (0, index) if self._is_whole else divmod(index, _BLOCK)
-        parts = _drawn(self, block)[row].tolist()
+        block, row = divmod(index, self._block)
+        parts = _drawn(self, block, self._block)[row].tolist()
         return {axis.field: axis.draw(part) for axis, part in zip(self.axes, parts, strict=True)}
 
 
 @lru_cache(maxsize=2)
-def _drawn(design: Design, block: int) -> Array:
-    """Random numbers from 0 to 1 of a block of cases, shape (n, axes)."""
+def _drawn(design: Design, block: int, size: int) -> Array:
+    """Random numbers from 0 to 1 of a block of cases, shape (size, axes)."""
     axes, seed = len(design.axes), design.seed
     if design.layout == "random":
-        return np.random.default_rng([seed, block]).random((_BLOCK, axes))
+        return np.random.default_rng([seed, block]).random((size, axes))
     from scipy.stats import qmc  # noqa: PLC0415 - a third of what a worker would take to start
 
-    drawn: Array
-    if design.layout == "latin-hypercube":
-        drawn = qmc.LatinHypercube(axes, rng=seed).random(design.size)
-        return drawn
-    sobol = qmc.Sobol(axes, rng=seed)
+    kinds: Any = {"latin-hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}
+    points = kinds[design.layout](axes, rng=seed)
     if block:
-        sobol.fast_forward(block * _BLOCK)
-    drawn = sobol.random(_BLOCK)
-    return drawn
+        points.fast_forward(block * size)
+    return points.random(size)
 
 
 def axis_from_text(text: str) -> Axis:
