@@ -182,7 +182,7 @@ def sweeps(repeats: int) -> Iterator[Check]:
 
             def swept(sweep: Sweep, times: int, store: Store = store) -> None:
                 for _ in range(times):
-                    store.add(run_chunk(sweep, range(CASES), 200.0))
+                    store.add(run_chunk(sweep, range(CASES)))
 
             # Some clocks do not tell a few milliseconds.
             ways = partial(swept, sweep, 1), partial(swept, replace(sweep, plan=known), 20)

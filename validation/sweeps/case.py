@@ -49,20 +49,15 @@ TIMERS = tuple(
 """Which ends a process after so many times a limit, and by which signal; none on Windows."""
 
 
-def run_chunk(sweep: Sweep, numbers: Sequence[int], hanging: float) -> list[CaseRow]:
+def run_chunk(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     """Rows of some cases: their numbers, values and outcomes, or why there is none.
 
-    Parameters
-    ----------
-    sweep : Sweep
-    numbers : sequence of int
-    hanging : float
-        Processor time in s after which a case that does not look at its limit, such as an endless
-        loop of a friction law of one's own, ends the process.
+    A case that does not look at its time limit, such as an endless loop of a friction law of one's
+    own, ends the process; see `Plan.hanging`.
     """
     cases = [sweep.design.values_of(number) for number in numbers]
     run = _together if sweep.plan.runs_in_batches and len(cases) > 1 else _one_by_one
-    runs, seconds = run(sweep, cases, hanging)
+    runs, seconds = run(sweep, cases)
     told = zip(outcomes(runs).rows(), numbers, cases, seconds, strict=True)
     rows: list[CaseRow] = [
         {**row, "number": number, **case, "seconds": taken} for row, number, case, taken in told
@@ -70,7 +65,7 @@ def run_chunk(sweep: Sweep, numbers: Sequence[int], hanging: float) -> list[Case
     for place, row in enumerate(rows):
         # A motion of a batch is worked out where it is asked for.
         if row["status"] == DONE and (sweep.plan.keep or sweep.has_witness(row["number"])):
-            with _ended_after(hanging):
+            with _ended_after(sweep.plan.hanging):
                 rows[place] = _with_the_rest(sweep, row, runs[place])
     return rows
 
@@ -99,13 +94,13 @@ Values = Mapping[str, Any]
 """Of a case, by the names of the axes."""
 
 
-def _one_by_one(sweep: Sweep, cases: Sequence[Values], hanging: float) -> tuple[Any, list[float]]:
+def _one_by_one(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
     """Motions of cases, or the errors that ended them, and the processor time of each in s."""
     motions: list[StoredRun | BaseException] = []
     seconds = []
     for case in cases:
         begin = time.process_time()
-        with _ended_after(hanging):
+        with _ended_after(sweep.plan.hanging):
             try:
                 motions.append(sweep.plan.motion(changed(sweep.scenario, case)))
             except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
@@ -114,7 +109,7 @@ def _one_by_one(sweep: Sweep, cases: Sequence[Values], hanging: float) -> tuple[
     return motions, seconds
 
 
-def _together(sweep: Sweep, cases: Sequence[Values], hanging: float) -> tuple[Any, list[float]]:
+def _together(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
     """The same of cases that are compiled and run together; the plan's method is "taylor".
 
     The time limit of their runs is left to whoever calls this.
@@ -124,7 +119,7 @@ def _together(sweep: Sweep, cases: Sequence[Values], hanging: float) -> tuple[An
     ensemble = Ensemble(scenario=sweep.scenario, fields=fields, check=False)
     how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
     # A case of a chunk that takes too long is found when its cases run alone.
-    with _ended_after(hanging):
+    with _ended_after(plan.hanging):
         runs = simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
     return runs, runs.seconds.tolist()
 

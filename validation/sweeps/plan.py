@@ -20,6 +20,9 @@ from validation.run import rest_effort, run, run_effort, run_to_rest
 TIME = "time"
 """The series that goes with all others: times of the samples in s."""
 
+_GRACE = 10.0
+"""Processor time in s beyond three time limits for a case that does not look at its own."""
+
 _TOGETHER = ("coordinates", "rates")
 """Names for several series of a trajectory."""
 
@@ -96,6 +99,11 @@ class Plan(CaseOptions):
     def runs_in_batches(self) -> bool:
         """Whether cases run faster together."""
         return self.method == "taylor" and not self.to_rest
+
+    @property
+    def hanging(self) -> float:
+        """Processor time in s after which a case, two runs if it has a witness, is ended."""
+        return 3.0 * self.time_limit + _GRACE
 
     @property
     def series_bytes(self) -> int:

@@ -35,9 +35,6 @@ LARGEST_CHUNK = 1000
 FIRST_BATCH = 32
 """Cases in the first chunks that run together; how long one takes is not known then."""
 
-GRACE = 10.0
-"""Processor time in s beyond three time limits after which a case that does not look is ended."""
-
 LARGEST_SERIES = 16_000_000
 """Bytes of series that a chunk may come back with."""
 
@@ -153,8 +150,6 @@ def _incoming(
     Where a chunk is lost, with a worker, nobody knows over which case: those it holds run again
     one by one, apart, in processes of this machine, where a worker that ends has one case alone.
     """
-    # A case is two runs if it has a witness.
-    hanging = 3.0 * sweep.plan.time_limit + GRACE
     chunk_time, largest = max(CHUNK_TIME, pool.workers / MOST_CHUNKS), _largest_chunk(sweep.plan)
     # Of a case; the first chunk tells how long one takes.
     seconds = CHUNK_TIME / (FIRST_BATCH if sweep.plan.runs_in_batches else 1)
@@ -165,7 +160,7 @@ def _incoming(
         # Where chunk after chunk is lost, those to be run alone must not become all cases.
         room = 2 * pool.workers if len(alone) < LARGEST_CHUNK else 0
         while len(chunks) < room and (chunk := list(islice(todo, size))):
-            chunks[pool.submit(run_chunk, sweep, chunk, hanging)] = chunk
+            chunks[pool.submit(run_chunk, sweep, chunk)] = chunk
         if not (running := chunks | alone):
             return
         rows: list[CaseRow] = []
@@ -176,12 +171,12 @@ def _incoming(
             if error is None:
                 rows += future.result()
             elif is_alone:
-                rows.append(_ended(sweep, chunk[0], hanging, error))
+                rows.append(_ended(sweep, chunk[0], error))
             else:
                 if isinstance(pool.executor, Processes):
                     pool.executor.check_begun()
                 for number in chunk:
-                    alone[apart.submit(run_chunk, sweep, [number], hanging)] = [number]
+                    alone[apart.submit(run_chunk, sweep, [number])] = [number]
         if rows:
             names = ("seconds", "other_seconds")
             taken = sum(row.get(name) or 0.0 for row in rows for name in names)
@@ -196,12 +191,13 @@ def _largest_chunk(plan: Plan) -> int:
     return max(1, min(LARGEST_CHUNK, series, samples))
 
 
-def _ended(sweep: Sweep, number: int, hanging: float, error: BaseException) -> CaseRow:
+def _ended(sweep: Sweep, number: int, error: BaseException) -> CaseRow:
     """Row of a case that has ended its process; any other error is raised."""
     if not isinstance(error, ProcessExpired):
         raise error
     if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
-        end = failed("too slow", f"no result within {hanging:g} s of processor time")
+        within = f"{sweep.plan.hanging:g} s of processor time"
+        end = failed("too slow", f"no result within {within}")
     else:
         end = failed("crashed", f"its process ended with code {error.exitcode}")
     return {"number": number, **sweep.design.values_of(number), **end}

@@ -63,7 +63,7 @@ def test_a_law_that_exits_where_the_disk_slips_is_no_success(
 
 def test_a_case_whose_law_exits_is_a_row_that_says_so() -> None:
     law = Wayward(coefficient=EXITS)
-    (row,) = run_chunk(sweep("spin=30,31", scenario=Scenario(friction=law)), [0], 60.0)
+    (row,) = run_chunk(sweep("spin=30,31", scenario=Scenario(friction=law)), [0])
     assert (row["status"], row["reason"]) == ("failed", "SystemExit 3")
 
 

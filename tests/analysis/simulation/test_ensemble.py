@@ -224,8 +224,8 @@ def test_rows_of_a_batch_are_those_of_its_cases() -> None:
     axes = ("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30")
     wanted = sweep(*axes, method="taylor", tolerance=1e-6, end=1.5, keep=("beta",))
     numbers = range(wanted.design.size)
-    for number, row in zip(numbers, run_chunk(wanted, numbers, 60.0), strict=True):
-        (alone,) = run_chunk(wanted, [number], 60.0)
+    for number, row in zip(numbers, run_chunk(wanted, numbers), strict=True):
+        (alone,) = run_chunk(wanted, [number])
         assert row["number"] == number
         kept, expected = (each.pop("series", {}) for each in (row, alone))
         assert kept.keys() == expected.keys()

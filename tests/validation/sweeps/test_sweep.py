@@ -5,6 +5,7 @@ import sqlite3
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import asdict, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
@@ -24,6 +25,7 @@ from validation.kit.sources import digest
 from validation.run import run
 from validation.sweeps import runner
 from validation.sweeps.case import COLUMNS, run_chunk
+from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
@@ -41,7 +43,7 @@ REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tole
 
 
 def test_row_holds_what_the_run_itself_says() -> None:
-    (row,) = run_chunk(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), [0], 60.0)
+    (row,) = run_chunk(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), [0])
     motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 2.0, 2001), **REDUCED)
     assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
     assert row["inverted_at"] == motion.inversion.time
@@ -60,7 +62,7 @@ def test_failed_case_is_a_row_with_its_reason(
     coefficient: float, limit: float, status: str, reason: str
 ) -> None:
     how: dict[str, Any] = {"end": 5.0, "tolerance": 1e-3, "time_limit": limit}
-    (row,) = run_chunk(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), [1], 60.0)
+    (row,) = run_chunk(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), [1])
     assert (row["status"], row["number"]) == (status, 1)
     assert reason in str(row["reason"])
 
@@ -69,7 +71,7 @@ def test_failed_case_is_a_row_with_its_reason(
 
 
 def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
-    (row,) = run_chunk(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), [1], 60.0)
+    (row,) = run_chunk(sweep("spin=40:44:2", witnesses=2, tolerance=1e-6), [1])
     assert row["other_inversion"] == "not inverted"
     assert 0.0 < float(row["difference"] or 0.0) < 2e-6
     assert float(row["other_seconds"] or 0.0) > 0.0
@@ -274,12 +276,16 @@ def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
 # --- Workers -------------------------------------------------------------------------------------
 
 
+class Impatient(Plan):
+    """Grants nothing beyond three time limits."""
+
+    hanging = 0.9
+
+
 @pytest.mark.slow
-def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(runner, "GRACE", 0.0)
+def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(tmp_path: Path) -> None:
     wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02, time_limit=0.3)
+    wanted = replace(wanted, plan=Impatient(**asdict(wanted.plan)))
     with open_pool("processes", workers=1) as pool:
         table = swept(wanted, tmp_path / "a.db", pool).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
