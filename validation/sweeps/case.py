@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Ensemble, StoredRun, outcomes, simulate_many
-from analysis.motion.outcomes import DONE, OUTCOMES, Row, failure
+from analysis import Ensemble, Scenario, StoredRun, outcomes, simulate_many
+from analysis.motion.outcomes import DONE, OUTCOMES, Row
 from analysis.problem.variations import changed
 from validation.kit.differences import deviation
-from validation.sweeps.plan import TIME
+from validation.sweeps.plan import TIME, Plan
 from validation.sweeps.sweep import Sweep
 
 COLUMNS: Mapping[str, str | None] = {
@@ -55,18 +55,23 @@ def run_chunk(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     A case that does not look at its time limit, such as an endless loop of a friction law of one's
     own, ends the process; see `Plan.hanging`.
     """
+    plan, rows = sweep.plan, []
     cases = [sweep.design.values_of(number) for number in numbers]
-    run = _together if sweep.plan.runs_in_batches and len(cases) > 1 else _one_by_one
+    run = _together if plan.runs_in_batches and len(cases) > 1 else _one_by_one
     runs, seconds = run(sweep, cases)
     told = zip(outcomes(runs).rows(), numbers, cases, seconds, strict=True)
-    rows: list[CaseRow] = [
-        {**row, "number": number, **case, "seconds": taken} for row, number, case, taken in told
-    ]
-    for place, row in enumerate(rows):
-        # A motion of a batch is worked out where it is asked for.
-        if row["status"] == DONE and (sweep.plan.keep or sweep.has_witness(row["number"])):
-            with _ended_after(sweep.plan.hanging):
-                rows[place] = _with_the_rest(sweep, row, runs[place])
+    for place, (found, number, case, taken) in enumerate(told):
+        row: CaseRow = {**found, "number": number, **case, "seconds": taken}
+        has_witness = sweep.has_witness(number)
+        if row["status"] == DONE and (plan.keep or has_witness):
+            with _ended_after(plan.hanging):
+                # A motion of a batch is worked out where it is asked for.
+                motion = runs[place]
+                if plan.keep:
+                    row["series"] = series(motion, plan.keep)
+                if has_witness:
+                    row |= _told_by_witness(plan.witness, motion)
+        rows.append(row)
     return rows
 
 
@@ -96,17 +101,23 @@ Values = Mapping[str, Any]
 
 def _one_by_one(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
     """Motions of cases, or the errors that ended them, and the processor time of each in s."""
-    motions: list[StoredRun | BaseException] = []
-    seconds = []
+    motions, seconds = [], []
     for case in cases:
-        begin = time.process_time()
         with _ended_after(sweep.plan.hanging):
-            try:
-                motions.append(sweep.plan.motion(changed(sweep.scenario, case)))
-            except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
-                motions.append(error)
-        seconds.append(time.process_time() - begin)
+            motion, taken = _run(sweep.plan, sweep.scenario, case)
+        motions.append(motion)
+        seconds.append(taken)
     return motions, seconds
+
+
+def _run(plan: Plan, scenario: Scenario, case: Values) -> tuple[Any, float]:
+    """Motion of a case, or the error that ended it, and its processor time in s."""
+    begin = time.process_time()
+    try:
+        motion: Any = plan.motion(changed(scenario, case))
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
+        motion = error
+    return motion, time.process_time() - begin
 
 
 def _together(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
@@ -124,27 +135,17 @@ def _together(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
     return runs, runs.seconds.tolist()
 
 
-def _with_the_rest(sweep: Sweep, row: CaseRow, motion: StoredRun) -> CaseRow:
-    """Row with series of its motion and what its witness says, where they are asked for."""
-    plan = sweep.plan
-    if plan.keep:
-        row["series"] = series(motion, plan.keep)
-    if not sweep.has_witness(row["number"]):
-        return row
-    begin = time.process_time()
-    try:
-        other = plan.witness.motion(motion.scenario)
-        found = outcome(other)
-    except (ValueError, ArithmeticError) as error:
-        found = failure(error)
+def _told_by_witness(plan: Plan, motion: StoredRun) -> Row:
+    """Columns of the run of the other side of the same scenario."""
+    other, seconds = _run(plan, motion.scenario, {})
+    (found,) = outcomes([other]).rows()
     if found["status"] != DONE:
-        return {**row, "other_inversion": "failed", "reason": found["reason"]}
+        return {"other_inversion": "failed", "reason": found["reason"]}
     return {
-        **row,
         "other_inversion": found["inversion"],
         "other_face_end": found["face_end"],
         "other_error_estimate": found["error_estimate"],
-        "other_seconds": time.process_time() - begin,
+        "other_seconds": seconds,
         "difference": deviation(motion, other),
     }
 

@@ -90,6 +90,16 @@ def test_witness_goes_on_where_the_contact_pulls_if_the_case_does() -> None:
     assert sweep("spin=1,2", allow_pulling=True).plan.witness.allow_pulling
 
 
+def test_witness_that_fails_in_any_way_is_told_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object, **__: object) -> None:
+        raise LookupError("no such friction")
+
+    monkeypatch.setattr("mbs_models.simulate", fails)
+    (row,) = run_chunk(sweep("spin=40", witnesses=1), [0])
+    assert (row["status"], row["other_inversion"]) == (DONE, "failed")
+    assert row["reason"] == "no such friction"
+
+
 def test_witnesses_are_spread_evenly() -> None:
     none, chosen, every = (
         [number for number in range(400) if wanted.has_witness(number)]
