@@ -106,11 +106,6 @@ class Plan(CaseOptions):
         return 3.0 * self.time_limit + _GRACE
 
     @property
-    def series_bytes(self) -> int:
-        """Largest size of the series of a case."""
-        return 8 * self.times.size * (1 + len(self.keep)) if self.keep else 0
-
-    @property
     def times(self) -> Array:
         """Times of the samples in s."""
         return np.linspace(0.0, self.end, max(2, round(self.end / self.spacing) + 1))

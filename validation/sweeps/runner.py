@@ -14,11 +14,9 @@ from pebble import ProcessExpired
 
 from analysis.motion.outcomes import DONE, failed
 from analysis.problem.checks import instance
-from analysis.problem.start import COORDINATES
 from validation.kit.processes import Processes
 from validation.kit.progress import bar
 from validation.sweeps.case import TIMERS, CaseRow, run_chunk
-from validation.sweeps.plan import Plan
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store
 from validation.sweeps.sweep import Sweep, look_ahead
@@ -35,11 +33,9 @@ LARGEST_CHUNK = 1000
 FIRST_BATCH = 32
 """Cases in the first chunks that run together; how long one takes is not known then."""
 
-LARGEST_SERIES = 16_000_000
-"""Bytes of series that a chunk may come back with."""
-
-LARGEST_SAMPLES = 100_000_000
-"""Bytes of samples of the cases of a chunk; some three times as much is held."""
+LARGEST_SAMPLES = 1_000_000
+"""Samples of the cases of a chunk, once for each motion and for each series that comes back; some
+300 bytes of each are held."""
 
 
 def run_cases(
@@ -150,13 +146,14 @@ def _incoming(
     Where a chunk is lost, with a worker, nobody knows over which case: those it holds run again
     one by one, apart, in processes of this machine, where a worker that ends has one case alone.
     """
-    chunk_time, largest = max(CHUNK_TIME, pool.workers / MOST_CHUNKS), _largest_chunk(sweep.plan)
+    chunk_time, plan = max(CHUNK_TIME, pool.workers / MOST_CHUNKS), sweep.plan
+    fitting = LARGEST_SAMPLES // (plan.times.size * (1 + len(plan.keep)))
     # Of a case; the first chunk tells how long one takes.
-    seconds = CHUNK_TIME / (FIRST_BATCH if sweep.plan.runs_in_batches else 1)
+    seconds = CHUNK_TIME / (FIRST_BATCH if plan.runs_in_batches else 1)
     chunks: dict[Future[Any], list[int]] = {}
     alone: dict[Future[Any], list[int]] = {}
     while True:
-        size = max(1, min(int(chunk_time / seconds), largest))
+        size = max(1, min(int(chunk_time / seconds), fitting, LARGEST_CHUNK))
         # Where chunk after chunk is lost, those to be run alone must not become all cases.
         room = 2 * pool.workers if len(alone) < LARGEST_CHUNK else 0
         while len(chunks) < room and (chunk := list(islice(todo, size))):
@@ -182,13 +179,6 @@ def _incoming(
             taken = sum(row.get(name) or 0.0 for row in rows for name in names)
             seconds = max(0.5 * seconds + 0.5 * taken / len(rows), 1e-6)
         yield rows
-
-
-def _largest_chunk(plan: Plan) -> int:
-    """Cases of a chunk whose series and samples can be held."""
-    series = LARGEST_SERIES // max(1, plan.series_bytes)
-    samples = LARGEST_SAMPLES // (16 * len(COORDINATES) * plan.times.size)
-    return max(1, min(LARGEST_CHUNK, series, samples))
 
 
 def _ended(sweep: Sweep, number: int, error: BaseException) -> CaseRow:

@@ -242,10 +242,11 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
 
 def expected_size(sweep: Sweep) -> int:
     """Bytes that a store of the whole sweep takes, generously."""
-    row = _BYTES + 8 * len(sweep.design.axes)
-    # What is longer than a page of the file takes whole pages.
-    series = sweep.plan.series_bytes + _PAGE if sweep.plan.keep else 0
-    return sweep.design.size * (row + series)
+    row, plan = _BYTES + 8 * len(sweep.design.axes), sweep.plan
+    if plan.keep:
+        # What is longer than a page of the file takes whole pages.
+        row += 8 * plan.times.size * (1 + len(plan.keep)) + _PAGE
+    return sweep.design.size * row
 
 
 def _json(values: Any) -> str:
