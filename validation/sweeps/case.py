@@ -41,12 +41,12 @@ _IDLE = 20
 CaseRow = dict[str, Any]
 """Cells by the names of their columns, and under "series" the bytes of series by theirs."""
 
-TIMERS = tuple(
-    (getattr(signal, f"ITIMER_{name}"), times, getattr(signal, signal_name))
-    for name, times, signal_name in (("PROF", 1, "SIGPROF"), ("REAL", _IDLE, "SIGALRM"))
+TIMERS = (
+    {signal.SIGPROF: (signal.ITIMER_PROF, 1), signal.SIGALRM: (signal.ITIMER_REAL, _IDLE)}
     if hasattr(signal, "setitimer")
+    else {}
 )
-"""Which ends a process after so many times a limit, and by which signal; none on Windows."""
+"""By the signal that ends a process: its timer, after so many times a limit; none on Windows."""
 
 
 def run_chunk(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
@@ -82,14 +82,14 @@ def _ended_after(seconds: float) -> Iterator[None]:
     That needs nothing of the interpreter, whose lock the engine holds: a signal that nobody
     handles ends a process.
     """
-    for timer, times, _ in TIMERS:
+    for timer, times in TIMERS.values():
         signal.setitimer(timer, times * seconds)
     if not TIMERS:
         faulthandler.dump_traceback_later(_IDLE * seconds, exit=True)
     try:
         yield
     finally:
-        for timer, *_ in TIMERS:
+        for timer, _ in TIMERS.values():
             signal.setitimer(timer, 0.0)
         if not TIMERS:
             faulthandler.cancel_dump_traceback_later()

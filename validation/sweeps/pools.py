@@ -14,9 +14,6 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import error_text, is_user_name, user_object
 from validation.kit.processes import Processes
 
-KINDS = ("processes", "dask", "mpi")
-"""Executors by name; others by `module:function`."""
-
 _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""
 
@@ -82,7 +79,7 @@ def open_pool(
         If there is no such executor, or what it needs is not installed or not started.
     """
     if not is_user_name(executor):
-        choice("executor", executor, (*KINDS, "module:function"))
+        choice("executor", executor, ("processes", "dask", "mpi", "module:function"))
     if scheduler is not None and executor != "dask":
         raise ArgumentError("scheduler", f"needs --executor dask, got {executor}")
     given = os.cpu_count() or 1 if workers is None else workers

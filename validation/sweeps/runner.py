@@ -185,7 +185,7 @@ def _ended(sweep: Sweep, number: int, error: BaseException) -> CaseRow:
     """Row of a case that has ended its process; any other error is raised."""
     if not isinstance(error, ProcessExpired):
         raise error
-    if error.exitcode in (1, *(-int(each) for _, _, each in TIMERS)):
+    if error.exitcode in (1, *(-each for each in TIMERS)):
         within = f"{sweep.plan.hanging:g} s of processor time"
         end = failed("too slow", f"no result within {within}")
     else:
