@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
-from scipy.interpolate import griddata
 from scipy.spatial import QhullError
 
 from analysis.problem.checks import Array
@@ -131,12 +130,11 @@ def _times(panel: Panel) -> Array:
     timed = panel.cells.dropna(subset="time")
     result = np.full(panel.shape, np.nan)
     if not timed.empty:
-        places, values = panel.places(timed), timed["time"].to_numpy(float)
-        whole = tuple(np.indices(panel.shape))
+        values = timed["time"].to_numpy(float)
         # There is nothing between places on a line.
         with suppress(QhullError):
-            result = griddata(places, values, whole)
-        nearest = griddata(places, values, whole, "nearest")
+            result = panel.spread(timed, values, "linear")
+        nearest = panel.spread(timed, values, "nearest")
         result = np.where(np.isfinite(result), result, nearest)
     return np.where(panel.outcomes == "inverted", result, np.nan)
 
@@ -156,14 +154,11 @@ def _fill(panel: Panel, times: Array, norm: Any, axes: Axes) -> None:
 def _mark(panel: Panel, axes: Axes) -> None:
     """Cases that the other side has seen, and critical speeds."""
     up, right = panel.values
-    seen, alike = panel.places(panel.seen), panel.seen["alike"].to_numpy(bool)
-    points = [
-        np.column_stack((right[each[:, 1]], up[each[:, 0]]))
-        for each in (seen[alike], seen[~alike])
-    ]
+    rows, columns = panel.places(panel.seen).T
+    seen, alike = np.column_stack((right[columns], up[rows])), panel.seen["alike"].to_numpy(bool)
+    points = (seen[alike], seen[~alike], critical_points(panel.sweep))
     rim = [withStroke(linewidth=2.5, foreground="white")]
-    points.append(critical_points(panel.sweep))
-    for (name, look), places in zip(MARKS.items(), points, strict=False):
+    for (name, look), places in zip(MARKS.items(), points, strict=True):
         if len(places):
             axes.plot(*places.T, label=name, path_effects=rim, **look)
     axes.grid(visible=False)
@@ -217,12 +212,9 @@ def draw_sweep(results: Results) -> Figure:
     if len(axes) > 2 or sweep.design.layout != "grid" or any(map(_is_named, axes)):
         return _pairs(sweep, table)
     figure = draw({"": Panel(sweep=sweep, cells=cells)})
-    figure.axes[0].set(xscale=_scale(axes[1]), yscale=_scale(axes[0]))
+    for way, axis in zip("yx", axes, strict=True):
+        _mark_values(figure.axes[0], way, axis)
     return figure
-
-
-def _scale(axis: Axis) -> str:
-    return "log" if axis.log else "linear"
 
 
 def _is_named(axis: Axis) -> bool:
@@ -232,7 +224,7 @@ def _is_named(axis: Axis) -> bool:
 
 def _mark_values(axes: Axes, way: str, axis: Axis) -> None:
     """Mark the values of an axis along "x" or "y"."""
-    axes.set(**{f"{way}scale": _scale(axis)})
+    axes.set(**{f"{way}scale": "log" if axis.log else "linear"})
     if _is_named(axis):
         ticks, names = range(len(axis.values)), list(map(str, axis.values))
         axes.set(**{f"{way}ticks": ticks, f"{way}ticklabels": names})

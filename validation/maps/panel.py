@@ -65,8 +65,7 @@ class Panel:
     def outcomes(self) -> AnyArray:
         """Outcome of every cell of the finest grid: that of the nearest one that was run."""
         codes, names = pd.factorize(self.cells["outcome"])
-        whole = tuple(np.indices(self.shape))
-        nearest = griddata(self.places(self.cells), codes, whole, "nearest")
+        nearest = self.spread(self.cells, codes, "nearest")
         return np.asarray(names, dtype=object)[nearest.astype(int)]
 
     @property
@@ -90,6 +89,10 @@ class Panel:
             "median difference in rad": median,
             "largest difference in rad": largest,
         }
+
+    def spread(self, cells: pd.DataFrame, values: Any, method: str) -> Array:
+        """Values of some cells over the finest grid, as `scipy.interpolate.griddata` calls it."""
+        return griddata(self.places(cells), values, tuple(np.indices(self.shape)), method)
 
     def places(self, cells: pd.DataFrame) -> AnyArray:
         """Row and column of some cells on the finest grid, shape (n, 2)."""
