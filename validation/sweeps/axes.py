@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from analysis.problem.checks import Array, choice, instance, several, whole
-from analysis.problem.limits import LARGEST_STORAGE
+from analysis.problem.limits import check_storage
 from analysis.problem.names import full_name
 from analysis.problem.quantities import declared
 from analysis.problem.values import Value, read_value
@@ -135,7 +135,7 @@ class Design:
     layout : {"grid", "random", "latin-hypercube", "sobol"}
         All combinations, the last axis fastest; or points of `scipy.stats.qmc` between the ends.
     number : int, optional
-        Of points, where they are drawn.
+        Of points, where they are drawn; a Latin hypercube is held as a whole, others are not.
     seed : int
         Of the drawing.
 
@@ -172,11 +172,7 @@ class Design:
             if not is_grid and axis.count is not None:
                 fault = "takes no count where points are drawn: first:last"
                 raise ValueError(f"axis {axis.field} {fault}")
-        if 8 * self._block * len(names) > LARGEST_STORAGE:
-            raise ValueError(
-                f"number of points of a Latin hypercube is limited by memory, got {self.number}; "
-                "sobol is not"
-            )
+        check_storage("number", self._block, len(names))
 
     @property
     def _block(self) -> int:
