@@ -121,7 +121,7 @@ def panels(
     within("levels", levels, 0, 12)
     whole("witnesses", witnesses, least=0)
     count = cells * 2**levels + 1
-    witnesses = min(round(witnesses * count**2 / (cells + 1) ** 2), count**2)
+    witnesses = round(witnesses * count**2 / (cells + 1) ** 2)
     axes = tuple(replace(axis, count=count) for axis in (problem.up, problem.right))
     models = MODELS.values() if problem.basins else [scenario.constraints]
     sweeps = []

@@ -62,10 +62,15 @@ class Sweep:
         """Scenario of a case; `ValueError` if its values do not fit."""
         return changed(self.scenario, self.design.values_of(index))
 
+    @property
+    def witnesses(self) -> int:
+        """Number of cases that the other side runs as well."""
+        return min(self.plan.witnesses, self.design.size)
+
     def has_witness(self, index: int) -> bool:
         """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
-        size, count = self.design.size, self.plan.witnesses
-        return count > 0 and bool(_spread(index) <= _spread_limit(size, min(count, size)))
+        count = self.witnesses
+        return count > 0 and bool(_spread(index) <= _spread_limit(self.design.size, count))
 
     def values(self) -> dict[str, Any]:
         """Plain data, by which two sweeps are the same."""
@@ -149,7 +154,7 @@ def look_ahead(sweep: Sweep) -> tuple[float, str]:
         seconds.append(effort.seconds)
         # A case that the other side cannot run takes it no time.
         with suppress(ValueError):
-            if part := sweep.plan.witnesses / size:
+            if part := sweep.witnesses / size:
                 seconds[-1] += part * sweep.plan.witness.effort(scenario).seconds
     if not seconds:
         raise errors[0]

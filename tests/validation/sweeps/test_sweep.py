@@ -370,5 +370,6 @@ def test_look_ahead_refuses_what_cannot_run_and_reckons_with_witnesses() -> None
         look_ahead(sweep("spin=30,40", scenario=Scenario(), source="engine", witness_step=1e-3))
     with pytest.raises(ValueError, match=r"^stop_when .* must say a number of a State"):
         look_ahead(sweep("spin=30,40", stop_when="os:getcwd"))
-    alone, seen = (look_ahead(sweep("mu=0.2,0.3", witnesses=each))[0] for each in (0, 2))
-    assert seen > 1.5 * alone
+    seconds = [look_ahead(sweep("mu=0.2,0.3", witnesses=each))[0] for each in (0, 2, 200)]
+    assert seconds[1] > 1.5 * seconds[0]
+    assert seconds[2] == seconds[1]
