@@ -13,6 +13,7 @@ import pytest
 
 from analysis import MODELS, STEEL_DISK, Body, Scenario, Table
 from analysis.mechanics.paper import critical_speed
+from analysis.motion.files import AnyArray
 from analysis.problem.checks import Array
 from tests.bodies import ELLIPSE
 from tests.calls import answer, printed
@@ -189,21 +190,15 @@ def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
 
 
 def test_uncertainty_exponent_of_a_cantor_set_is_1_less_its_dimension() -> None:
-    def measure(x: Array) -> Array:
-        """Cantor's function, which rises on the set alone."""
-        x, value, weight = np.clip(x, 0.0, 1.0 - 1e-12), np.zeros_like(x), 0.5
-        stopped = np.zeros(x.shape, dtype=bool)
-        for _ in range(40):
-            digit = np.floor(3.0 * x)
-            value += np.where(stopped, 0.0, weight * (digit > 0.0))
-            stopped |= digit == 1.0
-            x, weight = 3.0 * x - digit, weight / 2.0
-        return value
+    def gap(x: AnyArray) -> AnyArray:
+        """Which gap of the set numbers of 20 digits lie in: digits to base 3 up to the first 1."""
+        first = np.argmax(x[:, None] // 3 ** np.arange(20)[::-1] % 3 == 1, axis=1)
+        return (3**20 + x) // 3 ** (19 - first)
 
-    starts = np.random.default_rng(2).random(20_000)
-    distances = 3.0 ** -np.arange(4.0, 9.0)
-    outcomes = [measure(starts + each) for each in (0.0, *distances)]
-    found = not_none(uncertainty(np.array(outcomes).astype(str), distances.tolist()))
+    starts = np.random.default_rng(2).integers(3**20, size=20_000)
+    shifts = 3 ** np.arange(16, 11, -1)
+    outcomes = [gap(np.minimum(starts + each, 3**20 - 1)) for each in (0, *shifts)]
+    found = not_none(uncertainty(np.array(outcomes).astype(str), (shifts / 3**20).tolist()))
     assert abs(found.exponent - (1.0 - log(2.0) / log(3.0))) < 3.0 * found.error < 0.03
 
 
