@@ -168,10 +168,9 @@ def _incoming(
             if error is None:
                 rows += future.result()
             elif is_alone:
+                apart.check_begun()
                 rows.append(_ended(sweep, chunk[0], error))
             else:
-                if isinstance(pool.executor, Processes):
-                    pool.executor.check_begun()
                 for number in chunk:
                     alone[apart.submit(run_chunk, sweep, [number])] = [number]
         if rows:
