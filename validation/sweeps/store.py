@@ -85,15 +85,17 @@ class Store:
             try:
                 # A transaction is always open: its lock keeps a second process from writing.
                 self._file.execute("BEGIN IMMEDIATE")
+                self._file.execute(f"PRAGMA busy_timeout = {round(1000 * _PATIENCE)}")
                 if self._file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     self._check(accept_other_code)
                 else:
                     self._create()
-                self._file.execute(f"PRAGMA busy_timeout = {round(1000 * _PATIENCE)}")
+                code = self._code_name, _json(self._code)
+                self._file.execute("INSERT OR IGNORE INTO code VALUES (?, ?)", code)
+                self.commit()
             except BaseException:
                 self._file.close()
                 raise
-        self._committed = time.monotonic()
 
     def _create(self) -> None:
         pairs = {"name": "TEXT PRIMARY KEY", "value": "TEXT"}
@@ -102,21 +104,14 @@ class Store:
             self._file.execute(f"CREATE TABLE {table} ({columns})")
         about = {"format": str(FORMAT), "sweep": _json(self.sweep.values())}
         self._file.executemany("INSERT INTO sweep VALUES (?, ?)", about.items())
-        self._add_code()
         self._file.execute(f"PRAGMA application_id = {APPLICATION}")
-        self.commit()
-
-    def _add_code(self) -> None:
-        self._file.execute("INSERT INTO code VALUES (?, ?)", (self._code_name, _json(self._code)))
 
     def _check(self, accepts: bool) -> None:
         # Nothing that it names is imported.
         self._refuse("another sweep", _stored_sweep(self._file, self.path), self.sweep.values())
         codes = [json.loads(text) for (text,) in self._file.execute("SELECT value FROM code")]
-        if self._code not in codes:
-            if not accepts:
-                self._refuse("other sources", codes[-1], self._code, ", or --accept-other-code")
-            self._add_code()
+        if self._code not in codes and not accepts:
+            self._refuse("other sources", codes[-1], self._code, ", or --accept-other-code")
 
     def _refuse(self, what: str, there: Any, here: Any, besides: str = "") -> None:
         """Raise if plain data differ, naming the first difference."""

@@ -23,7 +23,7 @@ from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
 from validation.kit.sources import digest
 from validation.run import run
-from validation.sweeps import runner
+from validation.sweeps import runner, store
 from validation.sweeps.case import COLUMNS, run_chunk
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
@@ -167,8 +167,13 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
     for number in (1, 2):
         with Store(path, WANTED, accept_other_code=number == 1) as kept:
             run_cases(kept, direct(), numbers=[number])
-    first, second, third = Results.load(path).columns["code"].tolist()
-    assert first != second == third
+    monkeypatch.setattr(store, "commit", lambda: "later")
+    with Store(path, WANTED) as kept:
+        run_cases(kept, direct(), numbers=[3])
+    first, second, third, later = Results.load(path).columns["code"].tolist()
+    assert first != second == third != later
+    with closing(sqlite3.connect(path)) as file:
+        assert not file.execute("SELECT code FROM cases EXCEPT SELECT name FROM code").fetchall()
 
 
 def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(tmp_path: Path) -> None:
