@@ -35,6 +35,7 @@ exit codes:
    2  refused: one line says what is allowed
    3  done, all files are written, but standard output could not be written to
   70  a fault of this program, or of a module of your own
+ 130  interrupted
 
 `python -m validation` is the same command.
 """  # noqa: D405, D406, D407 - its headings are those of the help
