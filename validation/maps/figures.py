@@ -78,9 +78,6 @@ _LETTERS = 22
 _LEVEL = 6
 """Letters of the longest name along an axis that is written level."""
 
-_TITLED = 11
-"""Letters of a title in a line for each inch of a figure."""
-
 _BINS = 10
 """In which cases that lie on no grid are counted over an axis."""
 
@@ -295,7 +292,7 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
     what = "several models" if varies else sweep.scenario.name
     title = f"Sweep of {what}: {decided.sum()} cases"
     without = f", × {(~decided).sum()} without a motion or not decided" * (not decided.all())
-    figure.suptitle(fill(title + without, int(_TITLED * figure.get_figwidth())), fontsize=10)
+    figure.suptitle(title + without, fontsize=10, wrap=True)
     return figure
 
 
