@@ -266,16 +266,30 @@ def test_truth_values_of_an_axis_are_so_in_all_results(tmp_path: Path) -> None:
     assert pd.read_csv(tmp_path / "a.csv")["contact.bilateral"].dtype == bool
 
 
-def test_cases_are_asked_for_while_others_are_run(tmp_path: Path) -> None:
+class Failing(ThreadPoolExecutor):
+    """All calls of it fail: their cases are run alone."""
+
+    def submit(self, *_: Any, **__: Any) -> "Future[Any]":
+        return super().submit(divmod, 1, 0)
+
+
+@pytest.mark.parametrize("executor", [ThreadPoolExecutor, Failing])
+def test_cases_are_asked_for_while_others_are_run(
+    executor: type[ThreadPoolExecutor], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(runner, "LARGEST_CHUNK", 2)
+    monkeypatch.setattr(store, "_LOOK", 2)
+
     def numbers() -> Iterator[int]:
-        yield from range(10_000)
+        yield from range(20)
         raise AssertionError("all cases are asked for first")
 
     def enough(_rows: object) -> None:
         raise LookupError
 
+    how: dict[str, Any] = {"numbers": numbers(), "told": enough}
     with pytest.raises(LookupError):
-        swept(sweep("spin=0:60:40"), tmp_path / "a.db", numbers=numbers(), told=enough)
+        swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(executor(1)), **how)
 
 
 # --- Workers -------------------------------------------------------------------------------------
@@ -329,25 +343,6 @@ def test_own_executor_forgets_what_it_has_not_begun_once_it_is_left() -> None:
         waiting.add_done_callback(lambda _: forgotten.set())
     assert begun.result()
     assert waiting.cancelled()
-
-
-def test_cases_wait_where_many_are_to_be_run_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(runner, "LARGEST_CHUNK", 2)
-    sent: list[int] = []
-
-    class Failing(ThreadPoolExecutor):
-        def submit(self, _: Any, /, *given: Any, **__: Any) -> "Future[Any]":
-            sent.extend(given[1])
-            return super().submit(divmod, 1, 0)
-
-    def told(_: object) -> None:
-        assert len(sent) <= 4
-        raise LookupError
-
-    with pytest.raises(LookupError):
-        swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(Failing(1)), told=told)
 
 
 def broken() -> ThreadPoolExecutor:
