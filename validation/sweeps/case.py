@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import Ensemble, Scenario, StoredRun, outcomes, simulate_many
+from analysis import Ensemble, Scenario, StoredRun, Trajectories, outcomes, simulate_many
 from analysis.motion.outcomes import DONE, OUTCOMES, Row
 from analysis.problem.variations import changed
 from validation.kit.differences import deviation
@@ -57,20 +57,21 @@ def run_chunk(sweep: Sweep, numbers: Sequence[int]) -> list[CaseRow]:
     """
     plan, rows = sweep.plan, []
     cases = [sweep.design.values_of(number) for number in numbers]
-    run = _together if plan.runs_in_batches and len(cases) > 1 else _one_by_one
-    runs, seconds = run(sweep, cases)
+    runs: Any
+    if plan.runs_in_batches and len(cases) > 1:
+        runs = _together(sweep, cases)
+        seconds = runs.seconds.tolist()
+    else:
+        runs, seconds = zip(*(_run(plan, sweep.scenario, case) for case in cases), strict=True)
     told = zip(outcomes(runs).rows(), numbers, cases, seconds, strict=True)
     for place, (found, number, case, taken) in enumerate(told):
         row: CaseRow = {**found, "number": number, **case, "seconds": taken}
-        has_witness = sweep.has_witness(number)
-        if row["status"] == DONE and (plan.keep or has_witness):
-            with _ended_after(plan.hanging):
-                # A motion of a batch is worked out where it is asked for.
-                motion = runs[place]
-                if plan.keep:
-                    row["series"] = series(motion, plan.keep)
-                if has_witness:
-                    row |= _told_by_witness(plan.witness, motion)
+        if row["status"] == DONE:
+            # A motion of a batch is worked out where it is asked for.
+            if plan.keep:
+                row["series"] = series(runs[place], plan.keep)
+            if sweep.has_witness(number):
+                row |= _told_by_witness(plan.witness, runs[place])
         rows.append(row)
     return rows
 
@@ -99,29 +100,19 @@ Values = Mapping[str, Any]
 """Of a case, by the names of the axes."""
 
 
-def _one_by_one(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
-    """Motions of cases, or the errors that ended them, and the processor time of each in s."""
-    motions, seconds = [], []
-    for case in cases:
-        with _ended_after(sweep.plan.hanging):
-            motion, taken = _run(sweep.plan, sweep.scenario, case)
-        motions.append(motion)
-        seconds.append(taken)
-    return motions, seconds
-
-
 def _run(plan: Plan, scenario: Scenario, case: Values) -> tuple[Any, float]:
     """Motion of a case, or the error that ended it, and its processor time in s."""
     begin = time.process_time()
-    try:
-        motion: Any = plan.motion(changed(scenario, case))
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
-        motion = error
+    with _ended_after(plan.hanging):
+        try:
+            motion: Any = plan.motion(changed(scenario, case))
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
+            motion = error
     return motion, time.process_time() - begin
 
 
-def _together(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
-    """The same of cases that are compiled and run together; the plan's method is "taylor".
+def _together(sweep: Sweep, cases: Sequence[Values]) -> Trajectories:
+    """Motions of cases that are compiled and run together; the plan's method is "taylor".
 
     The time limit of their runs is left to whoever calls this.
     """
@@ -131,8 +122,7 @@ def _together(sweep: Sweep, cases: Sequence[Values]) -> tuple[Any, list[float]]:
     how = plan.given("method", "tolerance", "local_tolerance", "stop_when", "allow_pulling")
     # A case of a chunk that takes too long is found when its cases run alone.
     with _ended_after(plan.hanging):
-        runs = simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
-    return runs, runs.seconds.tolist()
+        return simulate_many(ensemble, plan.times, formulation=plan.formulation, workers=1, **how)
 
 
 def _told_by_witness(plan: Plan, motion: StoredRun) -> Row:
