@@ -134,12 +134,7 @@ def compare_scene(
 ) -> Iterator[Comparison]:
     """Compare one formulation; the arguments are those of `compare_scenario`."""
     way = scene.built_as
-    *differences, number = acceleration_differences(scene, states)
-    how = f"relative, at {states} random states"
-    if number < states:
-        how = f"relative, at {number} of {states} random states: the others have no solution"
-    for quantity, each in zip(("accelerations", "constraint forces"), differences, strict=True):
-        yield Comparison(quantity, way, ACCELERATION_LIMIT, each, how, counted=number)
+    yield from compare_accelerations(scene, states)
     contact = scene.scenario.contact
     rounded = contact is not None and contact.is_rounded
     if end is not None and rounded and way == Scene(scene.scenario).built_as:
@@ -193,18 +188,35 @@ def random_state(scenario: Scenario, rng: np.random.Generator) -> State:
     return State(coordinates=tuple(coordinates), rates=tuple(rates))
 
 
-def acceleration_differences(scene: Scene, states: int) -> tuple[float, float, int]:
-    """Largest relative differences of accelerations and of constraint forces at random states.
+def compare_accelerations(scene: Scene, states: int) -> Iterator[Comparison]:
+    """Compare accelerations, and constraint forces, at random states.
 
-    Infinite where one side has no number and the other has, or no state counts; those do not at
-    which neither side has a solution, as friction on the contact force may leave none. Their
-    number comes last.
+    The difference is infinite where one side has no number and the other has, or no state counts;
+    those do not at which neither side has a solution, as friction on the contact force may leave
+    none.
     """
-    scenario, rng = scene.scenario, np.random.default_rng(1)
-    found = [_differences(scene, random_state(scenario, rng)) for _ in range(states)]
-    counted = [each for each in found if each is not None]
-    accelerations, forces = (largest(pair[side] for pair in counted) for side in (0, 1))
-    return accelerations, forces, len(counted)
+    scenario, rng, found = scene.scenario, np.random.default_rng(1), []
+    for _ in range(states):
+        engine, inhouse = solutions(scene, random_state(scenario, rng))
+        if engine is not None and inhouse is not None:
+            found.append([*map(_relative, engine, inhouse, (0.0, scenario.weight))])
+        elif engine is not inhouse:
+            found.append([inf, inf])
+    how = f"relative, at {states} random states"
+    if (number := len(found)) < states:
+        how = f"relative, at {number} of {states} random states: the others have no solution"
+    for side, quantity in enumerate(("accelerations", "constraint forces")):
+        worst = largest(pair[side] for pair in found)
+        way = scene.built_as
+        yield Comparison(quantity, way, ACCELERATION_LIMIT, worst, how, counted=number)
+
+
+def _relative(found: Array, expected: Array, least: float) -> float:
+    """Largest difference over the largest expected number, or over `least` if that is larger.
+
+    A random normal force may vanish, so multipliers are measured by the weight as well.
+    """
+    return float(np.max(np.abs(found - expected)) / max(least, np.max(np.abs(expected))))
 
 
 def solutions(scene: Scene, state: State) -> list[tuple[Array, Array] | None]:
@@ -217,20 +229,6 @@ def solutions(scene: Scene, state: State) -> list[tuple[Array, Array] | None]:
         except ArithmeticError:
             found.append(None)
     return found
-
-
-def _differences(scene: Scene, state: State) -> tuple[float, float] | None:
-    """Relative differences of accelerations and multipliers; None where both are singular."""
-    engine, inhouse = solutions(scene, state)
-    if engine is None or inhouse is None:
-        return None if engine is inhouse else (inf, inf)
-    # A random normal force may vanish, so multipliers are measured by the weight as well.
-    least = (0.0, scene.scenario.weight)
-    one, other = (
-        float(np.max(np.abs(a - b)) / max(smallest, float(np.max(np.abs(b)))))
-        for a, b, smallest in zip(engine, inhouse, least, strict=True)
-    )
-    return one, other
 
 
 # --- Motions ------------------------------------------------------------------------------------

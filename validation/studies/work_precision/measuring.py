@@ -190,13 +190,11 @@ class Curve(NamedTuple):
         ArithmeticError
             If it fails.
         """
-        integrator, how = self.integrator, {kind.replace(" ", "_"): setting}
-        if integrator is not None and kind == "local tolerance":
-            integrator, how = replace(integrator, local_tolerance=setting), {}
-        source: Source = "in-house" if integrator is None else "engine"
-        way = Way(source, cast("Any", self.formulation), cast("Any", integrator or self.scheme))
+        source: Source = "in-house" if self.integrator is None else "engine"
+        scheme: Any = self.integrator or self.scheme
+        way = Way(source, cast("Any", self.formulation), scheme)
         begin = time.process_time()
-        run = way.run(PROBLEMS[self.problem], TIMES, **how)
+        run = way.run(PROBLEMS[self.problem], TIMES, **{kind.replace(" ", "_"): setting})
         if kind == "tolerance" or run.solver_seconds is None:
             return run, time.process_time() - begin
         return run, run.solver_seconds
@@ -319,8 +317,7 @@ def _attempt(curve: Curve, setting: float, kind: str) -> tuple[Row, Trajectory |
         run, seconds = curve.run(setting, kind)
         row |= errors(run, reference(curve.problem))
     except ArithmeticError as error:
-        nothing = dict.fromkeys((*_COSTS, "error", "angle_error"))
-        return {**row, **nothing, "failure": " ".join(str(error).split())}, None
+        return {**row, "failure": " ".join(str(error).split())}, None
     work = run.counts.get("right_hand_sides") or run.counts.get("newton_iterations", 0)
     return {**row, "seconds": seconds, "work": work, "steps": run.counts.get("steps", 0)}, run
 
