@@ -171,9 +171,9 @@ def rows() -> dict[str, pd.DataFrame]:
             for name, (stiffness, load) in penalty.STUDY.cases().items()
         ],
         steps.STUDY.name: [
-            {"case": name, "over": over, "value": value, "integrator": each}
+            {"case": name, "quantity": quantity, "value": value, "integrator": each}
             | {"below": True, "above": False}
-            for name, (over, value) in steps.STUDY.cases().items()
+            for name, (quantity, value) in steps.STUDY.cases().items()
             for each in steps.EXPLICIT
         ],
     }

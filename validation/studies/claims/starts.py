@@ -52,7 +52,7 @@ def inverts(result: str) -> bool:
 
 
 def critical_speed() -> float:
-    """That of the reduced system in closed formulation, in rad/s."""
+    """That of the reduced system in closed form, Eq. (126), in rad/s."""
     return paper.critical_speed(Scenario(constraints=MODELS[4])).spin
 
 
