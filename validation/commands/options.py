@@ -12,6 +12,7 @@ from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run
 from analysis.problem.checks import Array, positive, within
 from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort, duration
 from analysis.problem.names import ArgumentError
+from analysis.problem.user_modules import Kinds
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
 from validation.kit.progress import say
@@ -19,6 +20,9 @@ from validation.sweeps.axes import axis_from
 
 _CONSTRAINTS = ("model", "constraints")
 """Two ways to tell the same."""
+
+_CLASSES: Mapping[str, Kinds[Any]] = {"friction.law": LAWS, "disk.body": BODIES}
+"""What a class may be told for, which may be one's own."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,11 +60,6 @@ class Problem:
         given = _given(self.named)
         if model is not None and not given.keys() & {"model", "constraints"}:
             given["model"] = model
-        # Their modules are imported before what was stored with them is read.
-        if "friction.law" in given:
-            LAWS.find(given["friction.law"])
-        if "disk.body" in given:
-            BODIES.find(given["disk.body"])
         if self.file is None:
             base = _to_rest(given) if rest else Scenario()
         else:
@@ -86,7 +85,7 @@ class Problem:
 def _given(named: Mapping[str, Any]) -> dict[str, Any]:
     """What the options tell of quantities, by key; a class's parameters stand behind its name."""
     given = {key: read_value(key, value, key.rpartition(".")[2]) for key, value in named.items()}
-    for key in ("friction.law", "disk.body"):
+    for key, classes in _CLASSES.items():
         table, _, option = key.rpartition(".")
         name, *parameters = str(given.get(key, "")).split(",")
         for parameter in parameters:
@@ -101,6 +100,8 @@ def _given(named: Mapping[str, Any]) -> dict[str, Any]:
             given[field] = read_value(field, text, argument.strip())
         if name:
             given[key] = name
+            # Its module is imported before what was stored with it is read.
+            classes.find(name)
     return given
 
 
@@ -113,16 +114,14 @@ def _to_rest(given: dict[str, Any]) -> Scenario:
     return Scenario.rest(disk=disk, contact=PenaltyContact.rounded(disk, **given_contact))
 
 
-def stored_runs(
-    files: Sequence[Path], law: str | None = None, body: str | None = None
-) -> list[StoredRun]:
+def stored_runs(files: Sequence[Path], **named: str) -> list[StoredRun]:
     """Stored motions, with what of one's own they were run with.
 
     Parameters
     ----------
     files : sequence of Path
-    law, body : str, optional
-        Names of the classes, whose modules are imported.
+    **named
+        Names of the classes by `law` and `body`, whose modules are imported.
 
     Raises
     ------
@@ -131,8 +130,8 @@ def stored_runs(
     ValueError
         If it is none, there is no such class, or no motion was run with it.
     """
-    kinds: dict[str, type] = {} if law is None else {"law": LAWS.find(law)}
-    kinds |= {} if body is None else {"body": BODIES.find(body)}
+    classes = {key.rpartition(".")[2]: known for key, known in _CLASSES.items()}
+    kinds = {name: classes[name].find(each) for name, each in named.items()}
     runs = [load_run(file) for file in files]
     used = {type(part) for run in runs for part in (run.scenario.friction, run.scenario.disk)}
     for name, kind in kinds.items():
