@@ -55,6 +55,10 @@ class Parser(argparse.ArgumentParser):
         """Options of a call, all of which must be known; those that are not are told first."""
         known, words = self._option_string_actions, takewhile("--".__ne__, args)
         flags = [word for word in words if word.startswith("--")]
+        for flag in flags:
+            if flag.endswith("=--"):
+                # Taken for the end of the options, it would leave a list without a value.
+                self.error(f"argument {flag[:-3]}: expected a value behind =, got '--'")
         left = [each for each in flags if each.partition("=")[0] not in known]
         options, more = (namespace, []) if left else super().parse_known_args(args, namespace)
         if left := left or more:
@@ -287,11 +291,6 @@ def _declared(module: str) -> Iterator[Command]:
 def parsed(words: Sequence[str]) -> tuple[Command, argparse.Namespace]:
     """Command and options of a call; `SystemExit` if it is a wrong one or asks for help."""
     known = {each.name: each for each in commands()}
-    for word in words:
-        name, _, value = word.partition("=")
-        if name.startswith("--") and value == "--":
-            # Taken for the end of the options, it would leave a list without a value.
-            _top(known).error(f"argument {name}: expected a value behind =, got '--'")
     if words and (command := known.get(words[0])):
         return command, command.parser().parse_args(words[1:])
     _top(known).parse_args(list(words[:1]))

@@ -4,7 +4,6 @@ A parameter with such a type, or a plain one, is an option of the command line; 
 said by the command's docstring. What several commands share is a group.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -61,8 +60,7 @@ Axis = Annotated[str | None, {"metavar": "AXIS"}]
 _UserClass = Annotated[str | None, {"metavar": "MODULE:CLASS"}]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _UserClasses:
+def _user_classes(*, law: _UserClass = None, body: _UserClass = None) -> None:
     """Classes of one's own that a stored motion was run with.
 
     Parameters
@@ -73,12 +71,12 @@ class _UserClasses:
         Body of one's own that moved: imports it.
     """
 
-    law: _UserClass = None
-    body: _UserClass = None
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Spectrum:
+def _spectrum(
+    *,
+    system: Literal["full", "reduced", "numeric"] | None = None,
+    motion: Literal["inverted", "noninverted"] = "inverted",
+) -> None:
     """Whose eigenvalues are meant.
 
     Parameters
@@ -90,12 +88,10 @@ class _Spectrum:
         Centre of gravity above or below the geometric centre.
     """
 
-    system: Literal["full", "reduced", "numeric"] | None = None
-    motion: Literal["inverted", "noninverted"] = "inverted"
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Drawing:
+def _drawing(
+    *, layout: Layout | None = None, number: int | None = None, seed: int | None = None
+) -> None:
     """How the cases of a sweep are laid out.
 
     Parameters
@@ -108,13 +104,13 @@ class _Drawing:
         Of the drawing (0).
     """
 
-    layout: Layout | None = None
-    number: int | None = None
-    seed: int | None = None
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Pool:
+def _pool(
+    *,
+    workers: int | None = None,
+    executor: str = "processes",
+    scheduler: Annotated[str | None, {"metavar": "ADDRESS"}] = None,
+) -> None:
     """Who computes many runs.
 
     Parameters
@@ -128,15 +124,11 @@ class _Pool:
         Of Dask (a cluster of this machine).
     """
 
-    workers: int | None = None
-    executor: str = "processes"
-    scheduler: Annotated[str | None, {"metavar": "ADDRESS"}] = None
 
-
-UserClasses = Annotated[dict[str, Any], Group(_UserClasses)]
-Spectrum = Annotated[dict[str, Any], Group(_Spectrum)]
-Drawing = Annotated[dict[str, Any], Group(_Drawing)]
-Pool = Annotated[dict[str, Any], Group(_Pool)]
+UserClasses = Annotated[dict[str, Any], Group(_user_classes)]
+Spectrum = Annotated[dict[str, Any], Group(_spectrum)]
+Drawing = Annotated[dict[str, Any], Group(_drawing)]
+Pool = Annotated[dict[str, Any], Group(_pool)]
 Cases = Annotated[
     dict[str, Any],
     Group(
