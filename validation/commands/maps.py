@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
-from validation.commands.options import announce_cases, checked_end, in_cases, output_folder
+from validation.commands.options import announce_cases, checked_end, in_cases
 from validation.kit.tables import Table
 from validation.maps.panel import Panel, expected_cases, run_panel
 from validation.maps.problems import DISTANCES, PROBLEMS, panels, shifted_sweeps, uncertainty
@@ -26,7 +26,7 @@ def map(  # noqa: A001 - the command's name
         {"metavar": "MAP"},
     ],
     *,
-    out: kinds.Folder = "maps",
+    out: kinds.Folder = Path("maps"),
     cells: int = 8,
     levels: int = 2,
     end: float | None = None,
@@ -88,7 +88,8 @@ def map(  # noqa: A001 - the command's name
     runs += [(each, 0, pairs) for each in shifted]
     # Workers that cannot be had are not announced, and leave no folder behind.
     with open_pool(**pool) as opened:
-        place = output_folder("out", out) / name
+        out.mkdir(parents=True, exist_ok=True)
+        place = out / name
         done = _run_panels(runs, place, opened, to_rest=mapped.to_rest)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -190,32 +189,6 @@ def announce_cases(command: str, cases: str, seconds: float, processes: int, mor
     """
     time = duration(seconds / processes)
     say(f"tippedisk {command}: {cases}, roughly {time} on {processes} processes{more}")
-
-
-def output_folder(name: str, value: str) -> Path:
-    """Folder to write to, made if it does not exist.
-
-    Parameters
-    ----------
-    name : str
-        Name of the option.
-    value : str
-        What was given.
-
-    Raises
-    ------
-    ArgumentError
-        If it cannot be made or written to.
-    """
-    path = Path(value)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        with TemporaryFile(dir=path):
-            pass
-    except OSError as error:
-        fault = f"must be a folder that can be written to, got {value!r} ({error.strerror})"
-        raise ArgumentError(name, fault) from error
-    return path
 
 
 def parse_spins(texts: Sequence[str]) -> Array:

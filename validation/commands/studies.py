@@ -3,10 +3,10 @@
 import textwrap
 from collections.abc import Iterator
 from math import inf
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.checks import whole
-from validation.commands.options import output_folder
 from validation.kit.figures import against_limits
 from validation.kit.provenance import machine
 from validation.kit.tables import Table
@@ -24,7 +24,7 @@ _WIDTH = 98
 def report(
     *,
     only: Sections = None,
-    out: Folder = "report",
+    out: Folder = Path("report"),
     fresh: bool = False,
     text: TextOut = None,
     verbose: bool = False,
@@ -54,7 +54,7 @@ def report(
     from analysis.motion.files import write_whole
     from validation.report import as_text, make
 
-    made = make(output_folder("out", out), only=only or (), fresh=fresh)
+    made = make(out, only=only or (), fresh=fresh)
     failed = sum(not check.holds for check in made.checks)
     said = f"{failed} of {len(made.checks)} checks FAIL" if failed else "All checks hold"
     if not made.holds and not failed:
@@ -101,7 +101,7 @@ def study(
         Literal["claims", "rest", "maps", "work-precision", "robustness"], {"metavar": "STUDY"}
     ],
     *,
-    out: Folder = "study",
+    out: Folder = Path("study"),
     results: OtherFolder = None,
     fresh: bool = False,
 ) -> Numbers:
@@ -122,13 +122,10 @@ def study(
     """
     from validation.report import find, measure
 
-    # The one that is asked for by name first: a refusal leaves no folder behind.
-    asked = None if results is None else output_folder("results", results)
-    folder = output_folder("out", out)
-    rows = []
+    tables, rows = results or out, []
     for each in (each for each in find(name).STUDIES if each.is_stored):
-        table = measure(each, folder, results=asked or folder, fresh=fresh)
-        rows.append((str((asked or folder) / f"{each.name}.csv"), len(table), len(each.cases())))
+        table = measure(each, out, results=tables, fresh=fresh)
+        rows.append((str(tables / f"{each.name}.csv"), len(table), len(each.cases())))
     return Result(tables=[Table(title=name, columns=("file", "rows", "cases"), rows=rows)])
 
 

@@ -20,16 +20,18 @@ PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""
 
 
-def file(check: Callable[[str], str | Path], metavar: str = "FILE", **how: Any) -> dict[str, Any]:
+def file(check: Callable[[str], Path], metavar: str = "FILE", **how: Any) -> dict[str, Any]:
     """Keywords of `argparse` for an option that takes a path."""
     return {"type": check, "metavar": metavar} | how
 
 
-def filled(value: str) -> str:
-    """Type of an argument that names a place; an empty one would be the working directory."""
-    if not value:
-        raise ArgumentTypeError("must not be empty")
-    return value
+def folder(value: str) -> Path:
+    """Type of an argument that names a folder to write to, which is made if there is none."""
+    path = _with_suffix(value, ())
+    there = next(each for each in (path, *path.absolute().parents) if each.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        raise ArgumentTypeError(f"must be a folder that can be written to, got {value!r}")
+    return path
 
 
 def existing(*suffixes: str) -> Callable[[str], Path]:
@@ -85,7 +87,10 @@ def store(value: str) -> Path:
 
 
 def _with_suffix(value: str, suffixes: tuple[str, ...]) -> Path:
-    path = Path(filled(value))
+    if not value:
+        # It would be the working directory.
+        raise ArgumentTypeError("must not be empty")
+    path = Path(value)
     if suffixes and path.suffix.lower() not in suffixes:
         raise ArgumentTypeError(f"must end in {listed(suffixes)}, got {value!r}")
     return path

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.quantities import SECTIONS
 from validation.parser.commands import Group, OfScenario
-from validation.parser.files import Result, existing, file, filled, store, writable
+from validation.parser.files import Result, existing, file, folder, store, writable
 from validation.parser.runs import CaseOptions, Layout
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ StoreOut = Annotated[Path, file(store)]
 AnimationOut = Annotated[Path | None, file(writable(".html", ".gif"))]
 PageOut = Annotated[Path, file(writable(".html"))]
 TextOut = Annotated[Path | None, file(writable(".md"))]
-Folder = Annotated[str, file(filled, "DIR")]
-OtherFolder = Annotated[str | None, file(filled, "DIR")]
+Folder = Annotated[Path, file(folder, "DIR")]
+OtherFolder = Annotated[Path | None, file(folder, "DIR")]
 
 DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
 METHOD = ("crosscheck", "work-precision", "robustness", "lean", "numbers")
