@@ -193,14 +193,10 @@ def _draw(
     figure, axes = figures.new_figure(2, height=6.5)
     # What decides on stability is small beside what friction makes decay.
     axes[0].set_yscale("symlog", linthresh=1.0)
-    for column in range(values.shape[1]):
-        look = {
-            "color": figures.COLOURS[column % 4],
-            "linestyle": figures.STYLES[column // 4 % 4],
-            "marker": "o" if spins.size == 1 else None,
-        }
-        axes[0].plot(spins, values[:, column].real, **look, label=f"λ{column + 1}")
-        axes[1].plot(spins, values[:, column].imag, **look)
+    marker = "o" if spins.size == 1 else None
+    for column, look in enumerate(figures.LOOKS[: values.shape[1]]):
+        axes[0].plot(spins, values[:, column].real, marker=marker, label=f"λ{column + 1}", **look)
+        axes[1].plot(spins, values[:, column].imag, marker=marker, **look)
     axes[0].axhline(0.0, color="#999999", linewidth=0.8, zorder=0)
     for each in axes:
         for index, ends in enumerate(stable):
