@@ -23,7 +23,7 @@ complete -o default -F _tippedisk tippedisk
 _ZSH = "autoload -U +X compinit bashcompinit && compinit && bashcompinit\n"
 
 
-def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHELL"}]) -> int:
+def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHELL"}]) -> None:
     """Completion of commands, options and their values in a shell.
 
     Print a script that teaches it the command line:
@@ -34,11 +34,10 @@ def completion(shell: Annotated[Literal["bash", "zsh", "fish"], {"metavar": "SHE
     if shell == "fish":
         for line in _fish():
             print(f"complete -c tippedisk {line}")
-        return 0
+        return
     names, cases = " ".join(each.name for each in commands()), "\n".join(_bash())
     script = _BASH.format(commands=names, cases=cases)
     print(_ZSH + script if shell == "zsh" else script, end="")
-    return 0
 
 
 def _values(action: Action) -> str:

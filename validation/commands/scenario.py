@@ -15,7 +15,7 @@ from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, NamedProblem
 
 
-def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
+def scenario(problem: NamedProblem, *, rest: bool = False) -> None:
     """Print a problem as a commented file, to be changed and run.
 
     Print the whole problem as a TOML file, which says of every key what it is and what is allowed:
@@ -27,7 +27,6 @@ def scenario(problem: NamedProblem, *, rest: bool = False) -> int:
         Start from the defaults of `tippedisk rest`.
     """
     print(scenario_text(problem.scenario(rest=rest)), end="")
-    return 0
 
 
 def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result:

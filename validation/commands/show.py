@@ -73,7 +73,7 @@ def animate(
     fps: float | None = None,
     width: int | None = None,
     classes: UserClasses,
-) -> int:
+) -> None:
     """Turn a stored motion into a page that plays it, or a GIF.
 
     Write a page that plays a motion stored by simulate or rest, and needs no network; or, with
@@ -104,10 +104,9 @@ def animate(
     given = {name: value for name, value in of_gif.items() if value is not None}
     detail, poses = shown.save(out, **given), shown.poses
     print(f"{out}: {poses.times[0]:g} to {poses.times[-1]:g} s, {detail}")
-    return 0
 
 
-def play(*, out: PageOut = Path("play.html")) -> int:
+def play(*, out: PageOut = Path("play.html")) -> None:
     """Write a page on which the disk is spun by hand.
 
     Its sliders set the start, the friction and the disk; the equations of Model 1 are integrated
@@ -124,4 +123,3 @@ def play(*, out: PageOut = Path("play.html")) -> int:
     write_whole(out, made)
     size = len(made.encode()) / 1e3
     print(f"{out}: a page of {size:.0f} kB; open it in a browser")
-    return 0

@@ -246,7 +246,7 @@ class Command:
     def call(self, function: Callable[..., Any], given: Mapping[str, Any]) -> int:
         """Exit code of the command, whose result goes where the options say."""
         found = function(**self._options.value(given))
-        return int(found.deliver(**self._outputs.value(given)) if self._outputs else found)
+        return int(found.deliver(**self._outputs.value(given))) if self._outputs else 0
 
 
 def _how(quantity: Quantity) -> dict[str, Any]:
