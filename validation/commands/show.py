@@ -117,9 +117,4 @@ def play(*, out: PageOut = Path("play.html")) -> None:
     out
         Page to write, .html or -.
     """
-    from analysis.motion.files import write_whole
-
-    made = validation.play().text
-    write_whole(out, made)
-    size = len(made.encode()) / 1e3
-    print(f"{out}: a page of {size:.0f} kB; open it in a browser")
+    print(f"{out}: {validation.play().save(out)}")

@@ -87,6 +87,12 @@ def test_a_file_on_standard_output_stands_there_alone(
     assert_written(name, shown.out)
 
 
+@posix
+@every
+def test_a_device_needs_no_suffix(name: str) -> None:
+    save(name, os.devnull)
+
+
 SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
 WRONG = "simulate --model 5 --out new.npz"
 LOST = "tippedisk: standard output "

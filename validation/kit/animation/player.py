@@ -16,7 +16,7 @@ from jinja2 import Environment, FileSystemLoader
 
 from analysis import StoredRun
 from analysis.motion import frames
-from analysis.motion.files import is_standard_output, whole_file
+from analysis.motion.files import is_standard_output, whole_file, write_whole
 from analysis.problem.checks import within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
@@ -62,6 +62,18 @@ class Page:
         alone = self.fragment.replace("<figure ", "<figure data-alone ", 1)
         return render("page.html", title=self.title, body=alone)
 
+    def save(self, path: str | os.PathLike[str]) -> str:
+        """Write it, as a page whatever its name; returns what was written, in words.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        content = self.text.encode()
+        write_whole(path, content)
+        return f"{len(content) / 1024:.0f} KB; open it in a browser"
+
     def _repr_html_(self) -> str:
         # In a frame of its own, as notebooks do not run scripts where they stand.
         return (
@@ -90,7 +102,7 @@ class Animation(Page):
     def save(self, path: str | os.PathLike[str], **how: Any) -> str:
         """Write a page, or a GIF where the name ends in .gif; returns what was written, in words.
 
-        Standard output gets a page.
+        Standard output, a pipe or a device gets a page where its name does not end so.
 
         Parameters
         ----------
@@ -105,19 +117,19 @@ class Animation(Page):
         ValueError
             If its name ends otherwise, or an argument is out of range.
         """
-        suffix = ".html" if is_standard_output(path) else Path(path).suffix.lower()
-        if suffix not in {".html", ".gif"}:
-            raise ArgumentError("path", f"must end in .html or .gif, got {path}")
-        for name in how if suffix != ".gif" else ():
-            raise ArgumentError(name, f"needs a file that ends in .gif, got {path}")
-        with whole_file(path) as stream:
-            if suffix == ".html":
-                size = stream.write(self.text.encode())
-                return f"{size / 1024:.0f} KB; open it in a browser"
+        suffix = Path(path).suffix.lower()
+        if suffix == ".gif":
             from validation.kit.animation import picture  # noqa: PLC0415 - it loads matplotlib
 
-            frames = picture.write_gif(self.poses, stream, speed=self.speed, **how)
-            return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
+            with whole_file(path) as stream:
+                frames = picture.write_gif(self.poses, stream, speed=self.speed, **how)
+                return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
+        has_place = not Path(path).exists() or Path(path).is_file()
+        if suffix != ".html" and has_place and not is_standard_output(path):
+            raise ArgumentError("path", f"must end in .html or .gif, got {path}")
+        for name in how:
+            raise ArgumentError(name, f"needs a file that ends in .gif, got {path}")
+        return Page.save(self, path)
 
 
 def animate(
