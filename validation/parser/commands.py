@@ -33,6 +33,9 @@ _NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
 
 _METAVARS: dict[Any, str] = {float: "NUMBER", int: "N", str: "NAME"}
 
+_SHOWN: dict[Any, str] = {None: " {}", "?": " [{}]", "+": " {} ...", "*": " {} ..."}
+"""An argument in the usage, by how many words it takes."""
+
 
 # --- Options -------------------------------------------------------------------------------------
 
@@ -233,13 +236,8 @@ class Command:
         self._options.add_to(parser)
         if self._outputs:
             self._outputs.add_to(parser)
-        names = "".join(
-            f" [{each.metavar}]"
-            if each.nargs == "?"
-            else f" {each.metavar}{' ...' if each.nargs else ''}"
-            for each in parser.actions
-            if not each.option_strings
-        )
+        arguments = [each for each in parser.actions if not each.option_strings]
+        names = "".join(_SHOWN[each.nargs].format(each.metavar) for each in arguments)
         parser.usage = f"tippedisk {self.name} [OPTION ...]{names}"
         return parser
 

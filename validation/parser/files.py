@@ -174,9 +174,8 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     """
     stems = [path.stem for path in paths]
     told = stems if len({*stems}) == len(stems) else list(map(str, paths))
-    names = (os.fsencode(each).decode("utf-8", "replace") for each in told)
     mark = "\N{REPLACEMENT CHARACTER}"
-    return ["".join(each if each.isprintable() else mark for each in name) for name in names]
+    return ["".join(each if each.isprintable() else mark for each in name) for name in told]
 
 
 def save(figure: Any, path: Path) -> None:
