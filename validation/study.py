@@ -326,17 +326,14 @@ def load(study: Study, folder: Path = RESULTS) -> pd.DataFrame:
         If its files do not hold one.
     """
     kinds = about(study, folder)["kinds"]
-    words = {name for name, kind in kinds.items() if kind in {"text", "list"}}
-    table = pd.read_csv(
+    texts, lists = ([name for name in kinds if kinds[name] == each] for each in ("text", "list"))
+    return pd.read_csv(
         folder / f"{study.name}.csv",
-        dtype=dict.fromkeys(words, "str"),
+        dtype=dict.fromkeys(texts, "str"),
+        converters=dict.fromkeys(lists, json.loads),
         keep_default_na=False,
-        na_values={name: ["", "nan"] for name in kinds.keys() - words},
+        na_values={name: ["", "nan"] for name in kinds.keys() - {*texts, *lists}},
     )
-    for name, kind in kinds.items():
-        if kind == "list":
-            table[name] = table[name].map(json.loads)
-    return table
 
 
 def about(study: Study, folder: Path = RESULTS) -> Row:
