@@ -17,7 +17,7 @@ from analysis.problem.choices import Source
 from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import declared
-from analysis.problem.variations import changed, check_fields
+from analysis.problem.variations import changed
 from validation.commands.options import Problem, checked_end, parse_spins
 from validation.kit.figures import MARKED, legend_above, new_figure
 from validation.kit.progress import counted, progress_bar
@@ -268,14 +268,10 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
         raise ArgumentError("over", f"tells no axis: {error}") from None
     field, size = axis.field, Design(axes=(axis,)).size
     if declared(field).is_text or field.partition(".")[0] not in ("disk", "friction", "table"):
-        raise ValueError(
-            f"axis must be a number of disk, friction or table, such as mu=0.1:1:10, got {field}"
-        )
+        fault = "must be a number of disk, friction or table, such as mu=0.1:1:10"
+        raise ArgumentError("over", f"{fault}, got {field}")
     if size > MOST_SCENARIOS:
-        raise ValueError(
-            f"axis {field} must have at most {MOST_SCENARIOS} values here, got {size}"
-        )
-    check_fields(scenario, {field: axis.at(0)})
+        raise ArgumentError("over", f"must have at most {MOST_SCENARIOS} values, got {size}")
     return axis, [changed(scenario, {field: value}) for value in axis.grid]
 
 

@@ -45,7 +45,8 @@ REFUSED = {
     "cycles --amplitude 1": "--amplitude: amplitude belongs to --over",
     "cycles --rotating --spin 30": "--spin: spin does not go together with rotating",
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
-    "cycles --over start.spin=1,2 --amplitude 1": "a number of disk, friction or table",
+    "cycles --over start.spin=1,2 --amplitude 1": "--over: over must be a number of disk, fri",
+    "heteroclinic --over mu=0.1:1:10001": "--over: over must have at most 10000 values, got 10",
     "passage --end 0.2": "inverts the disk",
     "passage --end 1e7": "--end: end asks for 5e+09 samples",
     # Paths.
