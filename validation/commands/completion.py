@@ -2,6 +2,7 @@
 
 from argparse import Action
 from collections.abc import Iterator
+from shlex import quote
 from typing import Annotated, Literal
 
 from analysis.problem.quantities import QUANTITIES
@@ -60,17 +61,13 @@ def _bash() -> Iterator[str]:
 
 def _fish() -> Iterator[str]:
     for command in commands():
-        yield f"-n __fish_use_subcommand -fa {command.name} -d {_quoted(command.title)}"
+        yield f"-n __fish_use_subcommand -fa {command.name} -d {quote(command.title)}"
         for action in command.parser().actions:
             names = "".join(f" -l {each[2:]}" for each in action.option_strings if each[1] == "-")
             offered = _values(action)
-            values = f" -xa {_quoted(offered)}" if offered else " -r"
+            values = f" -xa {quote(offered)}" if offered else " -r"
             what = values if action.nargs != 0 and (names or offered) else ""
-            meaning = _quoted((action.help or "").replace("%%", "%"))
+            meaning = quote((action.help or "").replace("%%", "%"))
             where = f"__fish_seen_subcommand_from {command.name}"
             if names or what:
                 yield f"-n '{where}'{names}{what} -d {meaning}"
-
-
-def _quoted(text: str) -> str:
-    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
