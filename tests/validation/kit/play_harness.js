@@ -3,7 +3,7 @@
 const page = require("fs").readFileSync(process.argv[2], "utf-8");
 const settings = /<script type="application\/json" id="settings">(.*?)<\/script>/s.exec(page)[1];
 const { Script, createContext } = require("vm");
-const scope = createContext({ atob });
+const scope = createContext({});
 const code = [...page.matchAll(/<script>(.*?)<\/script>/gs)].map((each) => each[1]).join("\n");
 new Script(`${code}\nvar found = (settings, chosen) => spunDisk(settings, diskEquations, chosen);`)
   .runInContext(scope);

@@ -9,7 +9,7 @@ const { Script, createContext } = require("vm");
 // Whatever the player asks of a page: numbers where it calculates, elements everywhere else.
 const numbers = { clientWidth: 400, clientHeight: 300, width: 0, height: 0, devicePixelRatio: 1 };
 function element(drawn) {
-  const known = { textContent: text, dataset: {}, classList: [], value: "" };
+  const known = { textContent: text, dataset: {}, value: "" };
   return new Proxy(function () {}, {
     get: (_, name) => {
       if (name in known) return known[name];
@@ -26,7 +26,7 @@ function element(drawn) {
 function pen(drawn) {
   const set = {};
   return new Proxy({}, {
-    get: (_, name) => name === "measureText" ? () => ({ width: 30 }) : (...numbers_) => {
+    get: (_, name) => (...numbers_) => {
       if (numbers_.some((each) => typeof each === "number" && !Number.isFinite(each))) {
         throw new Error(`${String(name)} of ${numbers_}`);
       }
@@ -36,7 +36,7 @@ function pen(drawn) {
   });
 }
 
-const bare = createContext({ atob });
+const bare = createContext({});
 new Script(code).runInContext(bare);
 const pose = new Script("diskPoses").runInContext(bare)(JSON.parse(text));
 const area = JSON.parse(text).shape.area.map(([x, y]) => [x, y]);
@@ -45,7 +45,7 @@ const found = process.argv.slice(3).map((each) => {
   const drawn = [];
   const document = element(drawn);
   const window = { devicePixelRatio: 1, matchMedia: () => ({ matches: true }) };
-  const scope = { atob, document, window, location: { hash: `#t=${each}` }, ...window,
+  const scope = { document, window, location: { hash: `#t=${each}` }, ...window,
     Option: function () {}, Path2D: function () {}, ResizeObserver: class { observe() {} }, requestAnimationFrame() {} };
   new Script(code).runInContext(createContext(scope));
   return { ...pose(+each), drawn, hull };
