@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from validation.kit.animation.player import Page
+    from validation.animation.player import Page
 
 
 def play() -> "Page":
@@ -22,6 +22,6 @@ def play() -> "Page":
     True
     """
     # The command line imports this package, and has its help without NumPy.
-    from validation.kit.animation.play import page  # noqa: PLC0415
+    from validation.animation.play import page  # noqa: PLC0415
 
     return page()

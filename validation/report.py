@@ -15,7 +15,7 @@ import pandas as pd
 
 from analysis.motion.files import write_whole
 from validation import study as kit
-from validation.kit.animation import play
+from validation.animation import play
 from validation.kit.provenance import in_a_line, provenance
 from validation.kit.sources import behind
 from validation.page.content import Verdict

@@ -302,7 +302,7 @@ class SampledMotion(Quantities):
 
         Returns
         -------
-        validation.kit.animation.player.Animation
+        validation.animation.player.Animation
 
         Raises
         ------
@@ -318,7 +318,7 @@ class SampledMotion(Quantities):
         np.float64(0.05)
         """
         # The player knows motions, and these know it by name alone, as they do matplotlib.
-        animate = optional("validation.kit.animation.player", "animate").animate
+        animate = optional("validation.animation.player", "animate").animate
         return animate(self, begin, end, title=title, caption=caption, speed=speed)
 
     def _summary(self) -> dict[str, str]:

@@ -1,1 +1,1 @@
-"""What every study uses: tables, figures, pages, animations, processes."""
+"""What every study uses: tables, figures, processes."""

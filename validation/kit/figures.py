@@ -116,7 +116,7 @@ def draw_still(axes: "Axes", disk: Body, coordinates: Array, scale: float = 1.0)
     scale : float
         Of lines and marks.
     """
-    from validation.kit.animation.picture import Camera, draw
+    from validation.animation.picture import Camera, draw
 
     place, rotation = (each[0] for each in poses(coordinates[None]))
     middle = np.append(place[:2], 0.75 * disk.radius)

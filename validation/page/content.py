@@ -7,7 +7,7 @@ from typing import Any, Literal, NamedTuple
 import pandas as pd
 from matplotlib.figure import Figure
 
-from validation.kit.animation.player import Animation
+from validation.animation.player import Animation
 from validation.study import Check
 
 Rows = Mapping[str, pd.DataFrame]

@@ -13,8 +13,8 @@ from analysis.mechanics.newton_euler import Structure
 from analysis.mechanics.recorded import NUMBERS, STATE, disk_of, numbers, recording
 from analysis.mechanics.recorder import Recorder, Symbol
 from analysis.problem.elementary import cos, sin
-from validation.kit.animation import player
-from validation.kit.animation.body import shape
+from validation.animation import player
+from validation.animation.body import shape
 
 TITLE = "The tippedisk, spun by hand"
 

@@ -38,10 +38,10 @@ from analysis.problem.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none
 from validation import play
-from validation.kit.animation import picture as drawing
-from validation.kit.animation.body import LOOK, in_sight, outline, shape
-from validation.kit.animation.keyframes import between, keyframes
-from validation.kit.animation.player import animate, render
+from validation.animation import picture as drawing
+from validation.animation.body import LOOK, in_sight, outline, shape
+from validation.animation.keyframes import between, keyframes
+from validation.animation.player import animate, render
 from validation.studies.inversion import draw_instants
 
 

@@ -15,8 +15,8 @@ from PIL import Image
 from analysis import Body, StoredRun
 from analysis.problem.checks import Array, within
 from analysis.problem.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
-from validation.kit.animation.body import LOOK, Shape, circle, in_sight, outline, shape
-from validation.kit.animation.keyframes import between
+from validation.animation.body import LOOK, Shape, circle, in_sight, outline, shape
+from validation.animation.keyframes import between
 from validation.kit.progress import counted
 
 MOST_FRAMES = 2000

@@ -20,8 +20,8 @@ from analysis.motion.files import is_standard_output, whole_file, write_whole
 from analysis.problem.checks import within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
-from validation.kit.animation.body import LOOK, shape
-from validation.kit.animation.keyframes import keyframes, phases, source
+from validation.animation.body import LOOK, shape
+from validation.animation.keyframes import keyframes, phases, source
 
 COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
 """Of the data of a page: position of the geometric centre G in m, inertial; attitude of the body
@@ -119,7 +119,7 @@ class Animation(Page):
         """
         suffix = Path(path).suffix.lower()
         if suffix == ".gif":
-            from validation.kit.animation import picture  # noqa: PLC0415 - it loads matplotlib
+            from validation.animation import picture  # noqa: PLC0415 - it loads matplotlib
 
             with whole_file(path) as stream:
                 frames = picture.write_gif(self.poses, stream, speed=self.speed, **how)
