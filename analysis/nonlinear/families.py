@@ -28,12 +28,7 @@ from analysis.nonlinear.collocation import (
     solve,
 )
 from analysis.nonlinear.following import Family, events, onward
-from analysis.nonlinear.heteroclinic import (
-    NoConnectionError,
-    heteroclinic_connection,
-    last_amplitude,
-    least_tilt,
-)
+from analysis.nonlinear.heteroclinic import NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import (
     Array,
@@ -94,7 +89,7 @@ def cycle_family(
         Of Model 4 with friction that knows the weight, and an eccentricity.
     amplitudes : array_like, shape (n,), optional
         Amplitudes of gamma about pi/2 in rad, rising, between 0 and 2 pi; by default up to
-        the heteroclinic connection, which lies at pi or beyond; see `last_amplitude`.
+        the heteroclinic connection, which lies at pi or beyond; see `Connection`.
     progress : callable, optional
         Called after each cycle with how many there are and how many are wanted.
 
@@ -122,7 +117,7 @@ def _amplitudes(scenario: Scenario) -> Iterator[float]:
     yield from AMPLITUDES.tolist()
     last = float(np.pi)
     with suppress(NoConnectionError):
-        last = last_amplitude(scenario, heteroclinic_connection(scenario))
+        last = heteroclinic_connection(scenario).last_amplitude
     yield from (last - np.geomspace(0.1 + last - np.pi, _SAME_END, 16)).tolist()
 
 
@@ -321,7 +316,7 @@ def rotating_family(
     scenario : Scenario
         Of Model 4 with friction that knows the weight, and an eccentricity.
     tilts : array_like, shape (n,), optional
-        Tilts in rad, rising, between that of the connection, see `least_tilt`, and pi/2; beyond
+        Tilts in rad, rising, between that of the `Connection` and pi/2; beyond
         the former by `TILTS` by default.
     progress : callable, optional
         As in `cycle_family`.
@@ -341,7 +336,7 @@ def rotating_family(
         _rising("tilts", tilts, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
     connection = heteroclinic_connection(scenario)
-    least = least_tilt(scenario, connection)
+    least = connection.least_tilt
     beyond = least + TILTS
     chosen = beyond[beyond <= TILTS[-1]] if tilts is None else tilts
     allowed = f"between {least:.6g}, the tilt of the connection, and pi/2"

@@ -8,9 +8,10 @@ swing through the saddle's gamma and upright, or wind about them (a saddle-focus
 weak or smooth).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import sin
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -41,10 +42,6 @@ _NEAR = 1e-2
 
 _TOLERANCE = 1e-12
 """Relative error of a step of a run."""
-
-_BESIDE = 1e-9, 1e-8, 1e-7, 1e-6
-"""Distances in rad/s from the connection at which motions are looked for that fall to their sides:
-where friction is steep, nearer ones may fall to the same."""
 
 _STALLING = 1e4
 """Gradient of friction in s/m from which LSODA, a tenth as long under way otherwise, may take the
@@ -93,6 +90,14 @@ class Connection:
     growing, slow, strong : float
         Eigenvalues of the saddle in 1/s: the positive one, and the negative ones; of a complex
         pair, its real part twice.
+    last_amplitude : float
+        Of the cycles next to it in rad: the largest deviation of gamma from pi/2 of the motion
+        that turns back. It is pi where a motion ends in the saddle with rising gamma, and more
+        where it has swung beyond: about a saddle-focus, and where the eccentricity is above a
+        fifth of the radius, with the paper's friction.
+    least_tilt : float
+        Of the rotating motions next to it in rad: zero where `last_amplitude` is pi. Where a
+        motion swings beyond noninverted spinning, it passes with a tilt before it comes back.
     winding : float
         Imaginary part of the decaying pair of a saddle-focus in 1/s; 0 for two real ones.
     """
@@ -103,6 +108,8 @@ class Connection:
     growing: float
     slow: float
     strong: float
+    last_amplitude: float = np.pi
+    least_tilt: float = 0.0
     winding: float = 0.0
 
     @property
@@ -248,15 +255,17 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
         )
     # The nearest ones on either side.
     lowest = side(min(tried))
-    below = max((each for each in tried if side(each) == lowest and each <= found), default=found)
-    above = min((each for each in tried if side(each) != lowest and each >= found), default=found)
-    if (distance := max(tried[below].distance, tried[above].distance)) > _NEAR:
+    below = max(each for each in tried if side(each) == lowest)
+    above = min(each for each in tried if side(each) != lowest)
+    turning, going = sorted((tried[below], tried[above]), key=attrgetter("side"))
+    if (distance := max(turning.distance, going.distance)) > _NEAR:
         raise NoConnectionError(
             f"no heteroclinic connection at {found:.9g} rad/s, where the motion from noninverted "
             "spinning begins to turn back or to go over: it comes no nearer to it again than "
             f"{distance:.2g} rad"
         )
     growing, slow, strong = saddle(scenario, found)[0].tolist()
+    swing = float(np.max(turning.states[:, 1])) - np.pi / 2
     return Connection(
         spin=found,
         below=below,
@@ -264,67 +273,18 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
         growing=growing.real,
         slow=slow.real,
         strong=strong.real,
+        last_amplitude=max(np.pi, swing),
+        least_tilt=_tilt_passed(going.states) if swing > np.pi else 0.0,
         winding=abs(slow.imag),
     )
 
 
-def last_amplitude(scenario: Scenario, connection: Connection) -> float:
-    """Amplitude in rad of the cycles next to a connection.
-
-    It is pi where the motion ends in the saddle with rising gamma, and more where it has swung
-    beyond: about a saddle-focus, and where the eccentricity is above a fifth of the radius, with
-    the paper's friction.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    connection : Connection
-        That of the scenario.
-
-    Raises
-    ------
-    NoConnectionError
-        If no motions next to it fall to different sides.
-    """
-    return _largest_swing(_beside(scenario, connection))
-
-
-def least_tilt(scenario: Scenario, connection: Connection) -> float:
-    """Tilt in rad of the rotating motions next to a connection.
-
-    It is zero where `last_amplitude` is pi. Where a motion swings beyond noninverted spinning, it
-    passes with a tilt before it comes back to it.
-
-    Parameters
-    ----------
-    scenario, connection
-        See `last_amplitude`; so are the errors.
-    """
-    ways = _beside(scenario, connection)
-    if _largest_swing(ways) == np.pi:
-        return 0.0
-    beta, gamma, _ = ways[1.0]
+def _tilt_passed(way: Array) -> float:
+    """Tilt in rad with which a motion that swings beyond noninverted spinning first passes it."""
+    beta, gamma, _ = way.T
     first = int(np.argmax(gamma >= 1.5 * np.pi))
     passing = slice(first - 1, first + 1)
     return float(np.interp(1.5 * np.pi, gamma[passing], beta[passing])) - np.pi / 2
-
-
-def _beside(scenario: Scenario, connection: Connection) -> Mapping[float, Array]:
-    """Ways on both sides of a connection, next to it, by the side to which they go."""
-    for apart in _BESIDE:
-        spins = connection.below - apart, connection.above + apart
-        ways = [fall(scenario, spin) for spin in spins]
-        if ways[0].side != ways[1].side:
-            return {way.side: way.states.T for way in ways}
-    raise NoConnectionError(
-        f"motions within {apart:g} rad/s of the heteroclinic connection at "
-        f"{connection.spin:.9g} rad/s fall to the same side"
-    )
-
-
-def _largest_swing(ways: Mapping[float, Array]) -> float:
-    """Largest deviation of gamma in rad on the way that turns back, nearly that of a cycle."""
-    return max(float(np.pi), float(np.max(ways[-1.0][1])) - np.pi / 2)
 
 
 def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> dict[str, float]:

@@ -15,7 +15,6 @@ from analysis.nonlinear.heteroclinic import (
     NoConnectionError,
     fall,
     heteroclinic_connection,
-    last_amplitude,
     period_growth,
     saddle,
 )
@@ -64,7 +63,7 @@ def test_motions_wind_about_a_saddle_focus_and_fall_to_different_sides() -> None
 @pytest.mark.slow
 def test_cycles_swing_beyond_a_saddle_focus_and_end_in_its_connection() -> None:
     scenario = with_smoothing(1.0)
-    last = last_amplitude(scenario, heteroclinic_connection(scenario))
+    last = heteroclinic_connection(scenario).last_amplitude
     assert last > np.pi + 0.1
     family = cycle_family(scenario, np.append(BEYOND_PI, last - np.geomspace(0.03, 1e-4, 5)))
     assert family.reason is None
@@ -88,7 +87,7 @@ def test_cycles_of_a_large_eccentricity_swing_beyond_and_end_in_the_connection()
     scenario = with_eccentricity(0.5)
     assert saddle(scenario, 32.29)[0][1].imag == 0.0
     found = heteroclinic_connection(scenario)
-    last = last_amplitude(scenario, found)
+    last = found.last_amplitude
     assert last > np.pi + 0.3
     amplitudes = (1.0, 2.0, 2.7, 3.0, np.pi, last - 4e-3, last - 4e-4)
     family = cycle_family(scenario, amplitudes)
@@ -106,7 +105,7 @@ def test_cycles_beside_a_leaning_saddle_and_of_steep_friction_are_followed_to_th
     assert cycle_family(with_smoothing(1e-3), np.linspace(0.2, 3.0, 15)).reason is None
     # Two motions next to its connection fall to the same side, but for the error of their runs.
     steep = with_smoothing(5e-4)
-    assert last_amplitude(steep, heteroclinic_connection(steep)) == np.pi
+    assert heteroclinic_connection(steep).last_amplitude == np.pi
 
 
 def test_a_connection_may_lie_far_below_the_critical_speed() -> None:
