@@ -42,7 +42,7 @@ SPIN: Array = np.array((0.0, 1.0, 0.0))
 
 
 class NoCycleError(ArithmeticError):
-    """The iteration for a periodic motion has not converged."""
+    """No periodic motion has been found: the iteration for it has not converged."""
 
 
 def hopf_cycle(scenario: Scenario) -> PeriodicMotion:

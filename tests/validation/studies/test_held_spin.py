@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from analysis import Scenario, simulate
+from analysis.nonlinear.collocation import NoCycleError
 from analysis.nonlinear.families import cycle_family
 from analysis.stability import spectra
 from analysis.stability.critical import critical_speeds
@@ -12,7 +13,6 @@ from validation.studies.nonlinear.held_spin import (
     AMPLITUDE,
     HELD,
     Cycle,
-    NoHeldCycleError,
     beginning,
     family,
     find,
@@ -68,5 +68,5 @@ def test_amplitude_is_the_largest_deviation_of_gamma(
 
 
 def test_shooting_from_far_off_is_refused() -> None:
-    with pytest.raises(NoHeldCycleError, match="no cycle of Model 4 found near"):
+    with pytest.raises(NoCycleError, match="no cycle of Model 4 found near"):
         find(model(4), np.array((20.0, 0.1, 0.5, 3.0)), source="in-house")

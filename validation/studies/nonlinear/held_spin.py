@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from analysis import MODELS, ConstraintSet, Scenario, Start, Trajectory
+from analysis.nonlinear.collocation import NoCycleError
 from analysis.nonlinear.motions import PeriodicMotion, is_stable
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
@@ -50,10 +51,6 @@ _CONVERGED = 1e-7
 
 Cycle = dict[str, Any]
 """A periodic motion at constant spin, by the names of `find`."""
-
-
-class NoHeldCycleError(ArithmeticError):
-    """Shooting has not converged."""
 
 
 def beginning(cycle: PeriodicMotion) -> Array:
@@ -110,7 +107,7 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
 
     Raises
     ------
-    NoHeldCycleError
+    NoCycleError
         If it does not converge.
     ArithmeticError
         If a run fails.
@@ -142,7 +139,7 @@ def find(scenario: Scenario, guess: Array, *, source: Source, fixed: int = SPIN)
             return _cycle(unknowns, slopes)
         if not np.max(steps[:3]) < 0.5:
             break
-    raise NoHeldCycleError(
+    raise NoCycleError(
         f"no cycle of {scenario.name} found near an amplitude of {guess[AMPLITUDE]:.6g} rad at "
         f"{guess[SPIN]:.6g} rad/s: the last step was {last:.1e} of the unknowns"
     )
@@ -176,7 +173,7 @@ def _end(scenario: Scenario, unknowns: Array, source: Source) -> tuple[Array, Ar
     times = np.append(0.0, duration + _SPACING * np.arange(-2.0, 3.0))
     motion = run(replace(scenario, start=begin), times, source=source, **_ACCURACY[source])
     if motion.ending is not None:
-        raise NoHeldCycleError(f"a run ends on the way: {motion.ending}")
+        raise NoCycleError(f"a run ends on the way: {motion.ending}")
     values = states(motion)[1:]
     weights = np.array((1.0, -8.0, 0.0, 8.0, -1.0)) / (12.0 * _SPACING)
     return values[2], weights @ values
