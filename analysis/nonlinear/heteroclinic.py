@@ -71,11 +71,6 @@ class Fall:
     side: float
     distances: Array
 
-    @property
-    def distance(self) -> float:
-        """The least of the distances from the saddle, in rad."""
-        return float(self.distances.min())
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Connection:
@@ -258,7 +253,8 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     below = max(each for each in tried if side(each) == lowest)
     above = min(each for each in tried if side(each) != lowest)
     turning, going = sorted((tried[below], tried[above]), key=attrgetter("side"))
-    if (distance := max(turning.distance, going.distance)) > _NEAR:
+    distance = max(turning.distances.min(), going.distances.min())
+    if distance > _NEAR:
         raise NoConnectionError(
             f"no heteroclinic connection at {found:.9g} rad/s, where the motion from noninverted "
             "spinning begins to turn back or to go over: it comes no nearer to it again than "
