@@ -1,6 +1,6 @@
 """Continuation by pseudo-arclength: along the tangent of a curve, through folds of every unknown.
 
-Periodic motions, whose unknowns are functions, are followed in `analysis.nonlinear.families`.
+Periodic motions, whose unknowns are functions, are followed in `analysis.nonlinear.following`.
 """
 
 from collections.abc import Callable
