@@ -211,7 +211,10 @@ class Spectra:
         kept = count == self._still
         kept[[0, -1]] = True
         self._spins, self._values = spins[kept].tolist(), values[kept]
-        self._take_in(self._dips())
+        dips = sorted({*self._dips()})
+        order = np.argsort([*self._spins, *dips])
+        self._values = np.vstack((self._values, *map(self._at, dips)))[order]
+        self._spins = sorted((*self._spins, *dips))
 
     def _eigenvalues(self, spins: Array) -> ComplexArray:
         return np.linalg.eigvals(self._matrices(spins)).astype(complex)
@@ -258,13 +261,6 @@ class Spectra:
         least = minimize_scalar(size, bounds=ends, method="bounded")
         below = least.fun < -ROUND_OFF * self._largest
         return float(least.x) if below else None
-
-    def _take_in(self, spins: list[float]) -> None:
-        """Add spins to the grid."""
-        for spin in sorted(set(spins) - set(self._spins)):
-            place = int(np.searchsorted(self._spins, spin))
-            self._spins.insert(place, spin)
-            self._values = np.insert(self._values, place, self._at(spin), axis=0)
 
     @property
     def is_hidden(self) -> bool:
