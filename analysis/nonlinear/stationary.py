@@ -17,8 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from analysis.mechanics import recorded
-from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.problem.checks import (
     Array,
@@ -36,9 +34,10 @@ from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import Curve
 from analysis.stability.linearisation import (
     ComplexArray,
+    imbalance,
     require_spinning,
-    spin_scale,
     stationary_eigenvalues,
+    turning_state,
 )
 
 STARTS = 40
@@ -231,19 +230,15 @@ def _residual(scenario: Scenario, spin: float, place: Array) -> Array:
     place : ndarray, shape (4,)
         x / r, y / r, beta and gamma.
     """
-    x, y, beta, gamma = place.tolist()
     disk, constraints = scenario.disk, scenario.constraints
-    r, unit = disk.radius, spin**2 + spin_scale(scenario) ** 2
-    coordinates = r * x, r * y, disk.clearance(beta, gamma)[0], 0.0, beta, gamma
-    state = state_of(disk, coordinates, (0.0, 0.0, 0.0, spin, 0.0, 0.0))
-    ahead, across, _, *turning = recorded.solver(scenario)(*state)[6:12]
+    r, (x, y, beta, gamma) = disk.radius, place.tolist()
+    state = turning_state(scenario, (r * x, r * y, beta, gamma), spin)
+    found = imbalance(scenario, state)
     no_slips = tuple(each for each in SLIPS if each in constraints)
-    slips = velocity_residuals(no_slips, disk, state)
+    slips = np.divide(velocity_residuals(no_slips, disk, state), spin * r)
     # The height is that of the contact.
-    away = position_residuals(constraints, disk, state)[1:]
-    found = (ahead, across), turning, slips, away
-    units = r * unit, unit, spin * r, r
-    return np.concatenate([np.divide(*each) for each in zip(found, units, strict=True)])
+    away = np.divide(position_residuals(constraints, disk, state)[1:], r)
+    return np.concatenate((found[:2], found[3:], slips, away))
 
 
 def stationary_branch(

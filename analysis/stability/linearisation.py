@@ -116,6 +116,38 @@ def upright(scenario: Scenario, gamma: float) -> Place:
     return -scenario.disk.eccentricity * np.cos(gamma) * is_held, 0.0, pi / 2, gamma
 
 
+def turning_state(
+    scenario: Scenario, place: Place, spin: Any, disk: Any = None
+) -> tuple[Any, ...]:
+    """State of a body that turns about the vertical and keeps its place, 12 numbers.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    place : tuple of 4 floats
+        See `Place`.
+    spin : number
+        In rad/s.
+    disk : optional
+        That of the scenario with its numbers of another kind.
+    """
+    x, y, beta, gamma = place
+    height, *_ = scenario.disk.clearance(beta, gamma)
+    coordinates, rates = (x, y, height, 0.0, beta, gamma), (0.0, 0.0, 0.0, spin, 0.0, 0.0)
+    return state_of(disk or scenario.disk, coordinates, rates)
+
+
+def imbalance(scenario: Scenario, state: Numbers) -> Array:
+    """Changes of the six velocities in a `turning_state`, in parts of those of the spinning.
+
+    All of them are zero in a stationary motion, but for rounding: below `ZERO`.
+    """
+    unit = state[9] ** 2 + spin_scale(scenario) ** 2
+    along = scenario.disk.radius * unit
+    found = recorded.solver(scenario)(*state)[6:12]
+    return np.divide(found, (along, along, along, unit, unit, unit))
+
+
 class Linearisation:
     """A scenario linearised about a stationary motion.
 
@@ -131,7 +163,7 @@ class Linearisation:
 
     def __init__(self, scenario: Scenario, place: Place, spin: float | None = None) -> None:
         require_spinning(scenario, "the numeric linearisation")
-        self._scenario, self._place = scenario, place
+        self._scenario, self.place = scenario, place
         self.frequency = spin_scale(scenario)
         """Unit sqrt(g / r) of the spin in rad/s."""
         radius, unit = scenario.disk.radius, self.frequency
@@ -146,20 +178,6 @@ class Linearisation:
             square = (more - 2 * rest + less) / (2 * _SPIN_STEP**2)
             self._powers = np.array((rest, linear, square))
 
-    def state(self, spin: Any, disk: Any = None) -> tuple[Any, ...]:
-        """State of the stationary motion at a spin in rad/s, 12 numbers.
-
-        Parameters
-        ----------
-        spin : number
-        disk : optional
-            That of the scenario with its numbers of another kind.
-        """
-        x, y, beta, gamma = self._place
-        height, *_ = self._scenario.disk.clearance(beta, gamma)
-        coordinates, rates = (x, y, height, 0.0, beta, gamma), (0.0, 0.0, 0.0, spin, 0.0, 0.0)
-        return state_of(disk or self._scenario.disk, coordinates, rates)
-
     def equations(self, disk: Any, solve: Solver, state: Numbers) -> list[Any]:
         """Time derivative of a state and residuals of constraints, 12 + m numbers of any kind."""
         constraints = self._scenario.constraints
@@ -169,20 +187,10 @@ class Linearisation:
             *velocity_residuals(constraints, disk, state),
         ]
 
-    def change(self, spin: float) -> float:
-        """Largest change of the velocities there, as a part of those of the spinning."""
-        found = np.array(recorded.solver(self._scenario)(*self.state(spin))[6:12])
-        largest = np.max(np.abs(found) / self._units[6:])
-        return float(largest / (self.frequency + spin**2 / self.frequency))
-
-    def is_stationary(self, spin: float) -> bool:
-        """Whether that is none, but for rounding."""
-        return self.change(spin) <= ZERO
-
     def _slopes(self, spin: float) -> Array:
         """Derivatives of `equations` by the state without units, shape (12 + m, 12)."""
-        disk, solve = self._scenario.disk, self._solve
-        found = derivatives(lambda moving: self.equations(disk, solve, moving), self.state(spin))
+        disk, state = self._scenario.disk, turning_state(self._scenario, self.place, spin)
+        found = derivatives(lambda moving: self.equations(disk, self._solve, moving), state)
         return found * self._units / self._row_units(len(found))[:, None]
 
     def _row_units(self, count: int) -> Array:
@@ -290,7 +298,10 @@ def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     choice("motion", motion, MOTIONS)
     gamma = pi / 2 if motion == "inverted" else -pi / 2  # Eq. (5)
     found = Linearisation(scenario, upright(scenario, gamma))
-    if not scenario.disk.is_plain and not all(map(found.is_stationary, (0.0, found.frequency))):
+    if scenario.disk.is_plain:
+        return found
+    states = [turning_state(scenario, found.place, spin) for spin in (0.0, found.frequency)]
+    if not np.max(np.abs([imbalance(scenario, state) for state in states])) <= ZERO:
         raise ValueError(
             "disk must be able to spin upright for that: the line from its centre to its centre "
             "of gravity must be an axis of inertia and of the surface, and that of this "
@@ -327,10 +338,11 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
         raise ValueError(f"place must hold x, y, beta and gamma, got {place!r}")
     place = (*numbers[:2], checked(QUANTITIES["start.beta"], numbers[2]), numbers[3])
     found = Linearisation(scenario, place, spin)
-    if not found.is_stationary(spin):
+    off = np.max(np.abs(imbalance(scenario, turning_state(scenario, place, spin))))
+    if not off <= ZERO:
         raise ArithmeticError(
             f"a motion at {spin:.9g} rad/s with beta {place[2]:.6g} and gamma {place[3]:.6g} rad "
-            f"is not stationary: its accelerations are {found.change(spin):.1e} of those of the "
+            f"is not stationary: its accelerations are {off:.1e} of those of the "
             "spinning"
         )
     return falling(np.linalg.eigvals(found.matrices(np.array([spin]))[0]))
@@ -360,9 +372,7 @@ def unstable_start(scenario: Scenario) -> str | None:
         or that of another body than the paper's disk, of which nothing is known.
     """
     instance("scenario", scenario, Scenario)
-    if not scenario.table.is_horizontal or not scenario.disk.is_plain:
-        return None
-    if not _is_stationary(scenario):
+    if not (scenario.table.is_horizontal and scenario.disk.is_plain and _is_stationary(scenario)):
         return None
     spin, gamma = scenario.initial_state.rates[3], scenario.initial_state.coordinates[5]
     friction = scenario.friction

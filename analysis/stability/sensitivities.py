@@ -26,6 +26,7 @@ from analysis.stability.linearisation import (
     Linearisation,
     spin_scale,
     spinning,
+    turning_state,
 )
 
 POWERS = {
@@ -117,7 +118,7 @@ def _changes(
     linear = {"speed": lambda *_: 0.0, "per_speed": lambda _: changing("gradient", gradient)}
     solve = recorded.formula(structure)(*numbers, **{**of_duals(scenario.friction), **linear})
     moving_disk = recorded.disk_of(numbers, structure.body)
-    state = system.state(changing("spin", spin), moving_disk)
+    state = turning_state(scenario, system.place, changing("spin", spin), moving_disk)
     moving = [
         Dual(Dual(value_of(each), along), dual(each).change)
         for each, along in zip(state, deviation.tolist(), strict=True)
