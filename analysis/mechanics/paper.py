@@ -147,16 +147,9 @@ def tangential_directions(disk: Body, z: Vector) -> Array:
     The slip velocity of the contact point in the R-frame is W_T^T u.
     """
     r, x, y, beta = disk.radius, z[0], z[1], z[4]
-    return np.array(
-        (
-            (1.0, 0.0),
-            (0.0, 1.0),
-            (0.0, 0.0),
-            (r * cos(beta) - y, x),
-            (0.0, r * sin(beta)),
-            (r, 0.0),
-        )
-    )
+    w_x = (1.0, 0.0, 0.0, r * cos(beta) - y, 0.0, r)
+    w_y = (0.0, 1.0, 0.0, x, r * sin(beta), 0.0)
+    return np.column_stack((w_x, w_y))
 
 
 def constraint_positions(constraints: ConstraintSet, disk: Body, z: Vector) -> Array:
@@ -279,19 +272,12 @@ def inertial_gyroscopic_forces(disk: Body, q: Vector, u: Vector) -> Array:
 
 
 def inertial_tangential_directions(disk: Body, q: Vector) -> Array:
-    """Generalised directions W_T of the friction force, Eq. (143), shape (6, 2)."""
+    """Generalised directions W_T = [w_x, w_y] of the friction force, Eq. (143), shape (6, 2)."""
     r, alpha, beta = disk.radius, q[3], q[4]
     sa, ca, sb, cb = sin(alpha), cos(alpha), sin(beta), cos(beta)
-    return np.array(
-        (
-            (1.0, 0.0),
-            (0.0, 1.0),
-            (0.0, 0.0),
-            (r * ca * cb, r * sa * cb),
-            (-r * sa * sb, r * ca * sb),
-            (r * ca, r * sa),
-        )
-    )
+    w_x = (1.0, 0.0, 0.0, r * ca * cb, -r * sa * sb, r * ca)
+    w_y = (0.0, 1.0, 0.0, r * sa * cb, r * ca * sb, r * sa)
+    return np.column_stack((w_x, w_y))
 
 
 def rate_matrix(z: Vector) -> Array:
