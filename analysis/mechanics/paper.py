@@ -385,34 +385,13 @@ def reduced_matrices(
     return A
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ClosedForm:
-    """Approximate factors of the characteristic polynomial for small smoothing, Eq. (114).
-
-    Parameters
-    ----------
-    a : float
-        Limit of the real eigenvalue lambda_3 in 1/s, Eqs. (119), (122); the same at all spins.
-    b, c : ndarray, shape (n,)
-        Coefficients b in 1/s, Eq. (121), and c in 1/s², Eq. (120).
-    """
-
-    a: float
-    b: Array
-    c: Array
-
-    @property
-    def eigenvalues(self) -> npt.NDArray[np.complex128]:
-        """lambda_1 and lambda_2 from Eq. (123) and lambda_3 from Eq. (122), shape (n, 3), 1/s."""
-        root = np.sqrt((self.b**2 - 4 * self.c).astype(complex))
-        third = np.full_like(root, self.a)
-        return np.column_stack(((-self.b + root) / 2, (-self.b - root) / 2, third))
-
-
 def closed_form(
     scenario: Scenario, spins: npt.ArrayLike, motion: Motion = "inverted"
-) -> ClosedForm:
-    """Eigenvalues in closed form for small smoothing, Eqs. (113)-(123).
+) -> npt.NDArray[np.complex128]:
+    """Eigenvalues in closed form for small smoothing in 1/s, shape (n, 3), Eqs. (113)-(123).
+
+    lambda_1 and lambda_2 are those of Eq. (123), and the real lambda_3 is its limit, Eq. (122),
+    the same at all spins.
 
     Parameters
     ----------
@@ -437,8 +416,11 @@ def closed_form(
     Omega = spin_array(spins)
     _, r, e, *_ = paper_numbers(scenario, motion).values()
     A = reduced_matrices(scenario, Omega, motion)
-    a, c = float(A[0, 2, 2]), e / (r + e) * Omega**2
-    return ClosedForm(a=a, b=(A[:, 2, 0] + c) / a, c=c)
+    # Eqs. (119), (120) and (121), of the factors in Eq. (114)
+    a, c = A[:, 2, 2], e / (r + e) * Omega**2
+    b = (A[:, 2, 0] + c) / a
+    root = np.sqrt((b**2 - 4 * c).astype(complex))
+    return np.column_stack(((-b + root) / 2, (-b - root) / 2, a))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -111,7 +111,7 @@ def exponents() -> Array:
         found = np.linalg.eigvals(paper.reduced_matrices(scenario, [SPIN])[0])
         third, lower, upper = np.sort_complex(found)
         a, b, c = third.real, -(lower + upper).real, (lower * upper).real
-        sizes.append(np.abs((a, b, c, a - paper.closed_form(scenario, [SPIN]).a)))
+        sizes.append(np.abs((a, b, c, a - paper.closed_form(scenario, [SPIN])[0, 2].real)))
     return np.polyfit(np.log(SMOOTHINGS), np.log(sizes), 1)[0]
 
 

@@ -116,7 +116,7 @@ def figure_6(engine: Any, found: pd.DataFrame) -> Figure:
 
 def figure_10(engine: Any, found: pd.DataFrame) -> Figure:
     """Inverted spinning of the reduced system, with the closed form dotted; see `mark`."""
-    closed = closed_form(REDUCED, SPINS).eigenvalues[:, :2]
+    closed = closed_form(REDUCED, SPINS)[:, :2]
     limits = ("real", -5.0, 8.0), ("imag", -3.0, 12.0)
     branches = spectra.branches(REDUCED, SPINS)
     figure, axes = spectrum(branches, engine, {0: "$λ_{1,2}$"}, *limits)

@@ -168,7 +168,7 @@ def in_house_numbers(disk: Body) -> dict[str, float]:
     return numbers(disk, spectra.matrices_over_spin) | {
         CLOSED: closed.spin,
         FREQUENCY: closed.frequency,
-        LIMIT: float(closed_form(reduced, [SPIN]).a),
+        LIMIT: float(closed_form(reduced, [SPIN])[0, 2].real),
     }
 
 
