@@ -55,35 +55,34 @@ class YieldingTable:
         Force of the spring in N from the gap.
     normal_force : callable
         Force of spring and damper in N from the gap and its rate.
-    friction : callable
-        See `newton_euler.Friction`, with the normal force in place of the load.
     """
 
     scenario: Scenario
     spring: Callable[[Any], Any]
     normal_force: Callable[[Any, Any], Any]
-    friction: Friction
 
     @classmethod
     def of(cls, scenario: Scenario) -> "YieldingTable":
         """That of a scenario, in arrays."""
-        forces = _forces(scenario)
-        spring, normal_force = (
-            np.vectorize(forces[name], otypes=[float]) for name in ("spring", "normal_force")
-        )
-        return cls(scenario, spring, normal_force, scenario.friction.force)
+        forces = contact_functions(scenario)
+        names = ("spring", "normal_force")
+        return cls(scenario, *(np.vectorize(forces[name], otypes=[float]) for name in names))
 
-    def derivative(self, chart: Chart, state: Numbers) -> tuple[list[Any], Touch, list[Any]]:
+    def derivative(
+        self, chart: Chart, state: Numbers, friction: Friction
+    ) -> tuple[list[Any], Touch, list[Any]]:
         """Time derivative of a state, the contact, and the power in W taken by each of `CAUSES`.
 
         Parameters
         ----------
         chart : EulerAngles or Quaternion
         state : sequence of 12 or 13 numbers
+        friction : callable
+            See `newton_euler.Friction`, with the normal force in place of the load.
         """
         moving = chart.moving(state)
         touch = self.touch(moving)
-        loads, powers = self._loads(moving, touch)
+        loads, powers = self._loads(moving, touch, friction(*touch.slip, touch.force))
         disk, gravity = self.scenario.disk, chart.gravity(moving, self.scenario.table.vector)
         free = free_acceleration(disk, gravity, moving)
         acceleration = together(free, 1.0, response(disk, loads))
@@ -103,17 +102,16 @@ class YieldingTable:
         return Touch(point, gap, gap_rate, (slip_x, slip_y), contour, force)
 
     def _lowest(self, up: Numbers) -> Vector:
-        scenario = self.scenario
-        return scenario.disk.lowest_point(up, scenario.penalty_contact.half_thickness)
+        return self.scenario.disk.lowest_point(up, self.scenario.half_thickness)
 
     def _carried(self, up: Vector, change: Vector) -> Vector:
         """Change of the lowest point by one of the vertical; linear, symmetric and horizontal."""
         x, y, z = rate(self._lowest, up, change)
         return x, y, z
 
-    def _loads(self, moving: Moving, touch: Touch) -> tuple[Direction, list[Any]]:
+    def _loads(self, moving: Moving, touch: Touch, rubbing: Any) -> tuple[Direction, list[Any]]:
         """Force in axes of the frame and torque in those of the body, and powers taken."""
-        x, y = self.friction(*touch.slip, touch.force)
+        x, y = rubbing
         rolling, *by_rolling = self._rolling(moving.frame, touch)
         pivoting, by_pivoting = self._pivoting(moving, touch)
         drag, brake, by_air = self._drag(moving)
@@ -214,10 +212,10 @@ def free_solver(scenario: Scenario, chart: Chart, functions: Functions) -> Solve
 
     recorder = Recorder((), [f"s{number}" for number in range(12 if in_angles else 13)])
     spring, normal_force = (partial(call, name) for name in ("spring", "normal_force"))
-    table = YieldingTable(scenario, spring, normal_force, friction)
-    derivative, touch, powers = table.derivative(chart, recorder.variables)
+    table = YieldingTable(scenario, spring, normal_force)
+    derivative, touch, powers = table.derivative(chart, recorder.variables, friction)
     code = recorder.code([*derivative, *([touch.force] if in_angles else powers)])
-    return code(**functions, **_forces(scenario))
+    return code(**functions, **contact_functions(scenario))
 
 
 def friction_of(*, is_simple: bool) -> Friction:
@@ -230,35 +228,26 @@ def friction_of(*, is_simple: bool) -> Friction:
     return simple if is_simple else partial(pair, "force")
 
 
-def _forces(scenario: Scenario) -> dict[str, Callable[..., Any]]:
-    """What of a contact may open: spring, spring and damper, and friction with its load."""
-    contact = scenario.penalty_contact
+def contact_functions(scenario: Scenario) -> Functions:
+    """Functions of floats that know whether the contact may open, by their names in the code.
+
+    "spring", of the gap, and "normal_force", of the gap and its rate, are the forces in N of the
+    spring and of spring and damper; an ideal contact has neither. "load" is the load in N of a law
+    that is in proportion to it, from the normal force in N, and "force" is `newton_euler.Friction`
+    with the normal force in place of the load.
+    """
+    contact: Any = scenario.contact
+    weight, law = scenario.weight, scenario.friction
+    holds = contact is None or contact.bilateral
+    fades = not (holds or law.follows_contact)
 
     def spring(gap: Any) -> Any:
-        return 0.0 if gap > 0.0 and not contact.bilateral else -contact.stiffness * gap
+        return 0.0 if gap > 0.0 and not holds else -contact.stiffness * gap
 
     def normal_force(gap: Any, gap_rate: Any) -> Any:
         force = -contact.stiffness * gap - contact.damping * gap_rate
-        lifted = not contact.bilateral and (gap > 0.0 or force < 0.0)
+        lifted = not holds and (gap > 0.0 or force < 0.0)
         return 0.0 if lifted else force
-
-    load, force = friction_under(scenario)
-    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}
-
-
-def friction_under(scenario: Scenario) -> tuple[Callable[[Any], Any], Friction]:
-    """Friction as the normal force of the contact lets it act, if the contact may open.
-
-    Returns
-    -------
-    load : callable
-        From the normal force in N to the load in N of a law that is in proportion to it.
-    force : callable
-        See `newton_euler.Friction`, with the normal force in place of the load.
-    """
-    contact, weight, law = scenario.contact, scenario.weight, scenario.friction
-    holds = contact is None or contact.bilateral
-    fades = not (holds or law.follows_contact)
 
     def grip(force: Any) -> Any:
         return min(1.0, force / (FULL_GRIP * weight)) if fades else 1.0
@@ -276,4 +265,4 @@ def friction_under(scenario: Scenario) -> tuple[Callable[[Any], Any], Friction]:
         part = grip(normal)
         return part * x, part * y
 
-    return load, force
+    return {"spring": spring, "normal_force": normal_force, "load": load, "force": force}

@@ -8,7 +8,7 @@ from scipy.integrate import cumulative_simpson
 from analysis.mechanics.attitude import EulerAngles, state_of
 from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.mechanics.newton_euler import kinetic_energy
-from analysis.mechanics.penalty import friction_under
+from analysis.mechanics.penalty import contact_functions
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, instance, real_array
 from analysis.problem.constraints import PRESCRIBED, multiplier_names, prescribed
@@ -135,7 +135,7 @@ def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
     slips, is_free = velocity_residuals(SLIPS, disk, state), [way not in held for way in SLIPS]
     slip = np.transpose(slips) * is_free
-    _, force = friction_under(scenario)
+    force = contact_functions(scenario)["force"]
     parts = np.column_stack((slip, trajectory.normal_force)).tolist()
     return slip, np.array([force(*each) for each in parts]) * is_free
 
