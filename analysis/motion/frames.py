@@ -87,16 +87,10 @@ def from_poses(
     gd = -spin[:, 1] / np.sin(beta)
     ad = spin[:, 2] - gd * np.cos(beta)
     coordinates = np.column_stack((place, alpha, beta, gamma))
-    rates = np.column_stack(
-        (
-            speed[:, 0] + ad * place[:, 1],
-            speed[:, 1] - ad * place[:, 0],
-            speed[:, 2],
-            ad,
-            spin[:, 0],
-            gd,
-        )
-    )
+    rates = np.column_stack((speed, ad, spin[:, 0], gd))
+    # The frame in which the place is told turns.
+    rates[:, 0] += ad * place[:, 1]
+    rates[:, 1] -= ad * place[:, 0]
     return coordinates, rates
 
 
