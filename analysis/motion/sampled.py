@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.motion.endings import Ending
-from analysis.motion.files import whole_file
+from analysis.motion.files import whole_file, write_csv
 from analysis.motion.inversion import Inversion, inversions
 from analysis.motion.quantities import Columns, Quantities, filled, quantities
 from analysis.problem.checks import (
@@ -200,15 +200,8 @@ class SampledMotion(Quantities):
             If the file cannot be written.
         """
         columns = self.to_dict()
-        with whole_file(path) as stream:
-            np.savetxt(
-                stream,
-                np.column_stack(list(columns.values())),
-                fmt="%.17g",
-                delimiter=",",
-                header=",".join(columns),
-                comments="",
-            )
+        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+        write_csv(path, columns, rows)
 
     def to_dataframe(self) -> Any:
         """`to_dict` as a `pandas.DataFrame` over time, with the units in its `attrs`."""
@@ -229,8 +222,7 @@ class SampledMotion(Quantities):
             name: ("time", values, {"units": unit})
             for name, (values, unit) in self.columns().items()
         }
-        time = {"time": variables.pop("time")}
-        return xarray.Dataset(variables, coords=time, attrs=self._summary())
+        return xarray.Dataset(variables, attrs=self._summary())
 
     def plot(self, *names: str, ax: Any = None, **line: Any) -> Any:
         """Draw quantities over time into one pair of axes.
