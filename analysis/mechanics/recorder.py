@@ -132,7 +132,7 @@ class Symbol:
         """Symbol for an operation; other kinds of numbers work it out by themselves."""
         if not (isinstance(first, _KNOWN) and isinstance(second, _KNOWN)):
             return NotImplemented
-        return self.recorder.keep(text, _plain(first), _plain(second))
+        return self.recorder.keep(text, first, second)
 
     def __add__(self, other: Any) -> Any:
         return self if _is(other, 0.0) else self._with("{} + {}", self, other)
@@ -177,10 +177,6 @@ def pair(name: str, *operands: Any) -> tuple[Symbol, Symbol]:
     """Symbols for the two numbers that the function of this name returns."""
     both = call(name, *operands)
     return both.recorder.keep("{}[0]", both), both.recorder.keep("{}[1]", both)
-
-
-def _plain(operand: Any) -> Any:
-    return operand if isinstance(operand, Symbol) else float(operand)
 
 
 elementary.register(Symbol, SimpleNamespace(**{name: partial(call, name) for name in _USUAL}))
