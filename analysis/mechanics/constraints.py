@@ -43,20 +43,16 @@ def at_point(point: Vector, frame: Frame) -> list[Direction]:
 
 
 def contact_directions(body: Any, frame: Frame) -> list[Direction]:
-    """Directions in which the lowest point moves along the axes of the frame R."""
-    if body.is_round_disk:
-        return rim_directions(body, frame)
-    x, y, z = body.lowest_point(frame.up)
-    return at_point((x - body.eccentricity, y, z), frame)
+    """Directions in which the lowest point moves along the axes of the frame R.
 
-
-def rim_directions(disk: Any, frame: Frame) -> list[Direction]:
-    """Directions in which the lowest point of the thin disk moves along the axes of the frame.
-
-    The e_x of the frame lies in the disk, so that the point, seen from S, is -r e_z x e_x - e x
-    with axes of the body; its cross products with the axes of the frame are these.
+    The e_x of the frame lies in the round disk, so that its point, seen from S, is
+    -r e_z x e_x - e x with axes of the body; the cross products with the axes of the frame are
+    these.
     """
-    r, e, (x, y, _) = disk.radius, disk.eccentricity, frame.ahead
+    if not body.is_round_disk:
+        x, y, z = body.lowest_point(frame.up)
+        return at_point((x - body.eccentricity, y, z), frame)
+    r, e, (x, y, _) = body.radius, body.eccentricity, frame.ahead
     lever = r, 0.0, 0.0
     return [
         Direction(axis, (-(r * c * x), e * c - r * c * y, along - e * b))

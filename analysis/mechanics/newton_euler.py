@@ -108,7 +108,7 @@ def derivative(
     if structure.load == "weight":
         weight = disk.mass * -gravity[2]
         rubbing = response(disk, _sum(free, friction(along, across, weight)))
-        acceleration = together(acceleration, 1.0, rubbing)
+        acceleration = together(acceleration, [1.0], [rubbing])
     held = directions(structure.constraints, disk, moving.attitude)
     responses = [response(disk, each) for each in held]
     matrix = [[each.along(*other) for other in responses] for each in held]
@@ -133,11 +133,9 @@ def derivative(
         slips = () if structure.law.IS_PROPORTIONAL else (along, across)
         load = contact_load(forces[0], *(each[0] for each in added), *slips)
         sizes = friction(along, across, load) if slips else (load,)
-    for size, more, rubbing in zip(sizes, added, rubbings, strict=True):
+    for size, more in zip(sizes, added, strict=True):
         forces = [force + size * each for force, each in zip(forces, more, strict=True)]
-        acceleration = together(acceleration, size, rubbing)
-    for force, by_force in zip(forces, responses, strict=True):
-        acceleration = together(acceleration, force, by_force)
+    acceleration = together(acceleration, [*sizes, *forces], [*rubbings, *responses])
     multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
     return structure.chart.derivative(moving, acceleration), multipliers
 
@@ -154,10 +152,8 @@ def _changes(constraints: ConstraintSet, disk: Any, moving: Moving) -> list[Any]
 
 
 def _sum(ways: Sequence[Direction], forces: Sequence[Any]) -> Direction:
-    """Direction of forces along two directions together."""
-    (first, second), (x, y) = ways, forces
-    linear = add(scaled(x, first.linear), scaled(y, second.linear))
-    return Direction(linear, add(scaled(x, first.turning), scaled(y, second.turning)))
+    """Direction of forces along some directions together."""
+    return Direction(*together((NONE, NONE), forces, [(way.linear, way.turning) for way in ways]))
 
 
 def free_acceleration(disk: Any, gravity: Vector, moving: Moving) -> tuple[Vector, Vector]:
@@ -199,8 +195,10 @@ def response(disk: Any, direction: Direction) -> tuple[Vector, Vector]:
 
 
 def together(
-    acceleration: tuple[Vector, Vector], force: Any, by_force: tuple[Vector, Vector]
+    start: tuple[Vector, Vector], forces: Sequence[Any], by_force: Sequence[tuple[Vector, Vector]]
 ) -> tuple[Vector, Vector]:
-    """An acceleration and what is added to it by a force."""
-    linear, turning = acceleration
-    return add(linear, scaled(force, by_force[0])), add(turning, scaled(force, by_force[1]))
+    """What is there without forces, linear and turning, and what each unit of them adds to it."""
+    linear, turning = start
+    for force, (moved, turned) in zip(forces, by_force, strict=True):
+        linear, turning = add(linear, scaled(force, moved)), add(turning, scaled(force, turned))
+    return linear, turning

@@ -85,7 +85,7 @@ class YieldingTable:
         loads, powers = self._loads(moving, touch, friction(*touch.slip, touch.force))
         disk, gravity = self.scenario.disk, chart.gravity(moving, self.scenario.table.vector)
         free = free_acceleration(disk, gravity, moving)
-        acceleration = together(free, 1.0, response(disk, loads))
+        acceleration = together(free, [1.0], [response(disk, loads)])
         return chart.derivative(moving, acceleration), touch, powers
 
     def touch(self, moving: Moving) -> Touch:
