@@ -18,6 +18,8 @@ from tests.helpers import random_trajectory
 
 Stored = dict[str, Any]
 
+ARRAYS = ("times", "coordinates", "rates", "multipliers")
+
 STILL = simulate_to_rest(Scenario.rest(), 4e-3, spacing=1e-3)
 ENDED: Stored = {"reason": "low", "time": 2 / 3, "value": -1e-8 / 7}
 MOTIONS = [
@@ -119,8 +121,14 @@ def test_damaged_file_is_refused(damage: str, path: Path) -> None:
 
 
 REAL = "must be an array of real numbers, got"
+FORCES = r"multipliers must have shape \(5, 1\), got \(5, 4\)"
 
 TRAJECTORIES: list[tuple[Stored, str]] = [
+    ({"coordinates": np.ones((5, 5))}, r"coordinates must have shape \(5, 6\), got \(5, 5\)"),
+    ({"meta": {"scenario": Scenario().values()}}, FORCES),
+    ({"times": [0.0, 1.0, 1.0, 2.0, 3.0]}, "times must increase strictly, got 1 before 1"),
+    ({"times": [0.0]}, "times must be one-dimensional with 2 or more entries"),
+    *(({name: np.full((5, 6), np.nan)}, f"{name} must be finite") for name in ARRAYS),
     ({"times": None}, "lacks 'times'"),
     ({"meta": '{"format": 3}'}, "lacks 'scenario'"),
     ({"times": np.ones(5, dtype=object)}, ".*allow_pickle"),

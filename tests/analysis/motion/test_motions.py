@@ -73,21 +73,6 @@ def motion(request: pytest.FixtureRequest, fine: Trajectory, falling: SpatialMot
 # --- What it is made of --------------------------------------------------------------------------
 
 
-MISFITS: dict[str, Any] = {
-    r"coordinates must have shape \(5, 6\), got \(5, 5\)": {"coordinates": np.ones((5, 5))},
-    r"multipliers must have shape \(5, 1\), got \(5, 4\)": {"scenario": Scenario()},
-    "times must increase strictly, got 1 before 1": {"times": [0.0, 1.0, 1.0, 2.0, 3.0]},
-    "times must be one-dimensional with 2 or more entries": {"times": [0.0]},
-    **{f"{name} must be finite": {name: np.full((5, 6), np.nan)} for name in ARRAYS},
-}
-
-
-@pytest.mark.parametrize("message", MISFITS)
-def test_arrays_that_do_not_fit_are_refused(message: str) -> None:
-    with pytest.raises(ValueError, match=f"^{message}"):
-        replace(random_trajectory(), **MISFITS[message])
-
-
 def test_arrays_are_the_motions_own_and_cannot_be_changed() -> None:
     given = random_trajectory().coordinates.copy()
     kept = replace(random_trajectory(), coordinates=given).coordinates
