@@ -133,17 +133,13 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
     """
     held, disk = scenario.constraints, scenario.disk
     moving = state_of(disk, state.coordinates, state.rates)
-    checks = (
-        ("position", "m", position_residuals(held, disk, moving), tolerance),
-        (
-            "velocity",
-            "m/s",
-            velocity_residuals(held, disk, moving),
-            tolerance * max(1.0, abs(state.rates[3])),
-        ),
+    names, spin = multiplier_names(held), abs(state.rates[3])
+    levels = (
+        ("position", "m", position_residuals, tolerance),
+        ("velocity", "m/s", velocity_residuals, tolerance * max(1.0, spin)),
     )
-    for kind, unit, residuals, allowed in checks:
-        for name, residual in zip(multiplier_names(held), residuals, strict=False):
+    for kind, unit, residuals, allowed in levels:
+        for name, residual in zip(names, residuals(held, disk, moving), strict=False):
             if abs(residual) > allowed and name not in PRESCRIBED:
                 raise ValueError(
                     f"start breaks '{DEMANDS[name]}' of {scenario.name} on {kind} level "

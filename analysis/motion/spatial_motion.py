@@ -290,10 +290,9 @@ class SpatialMotion(SampledMotion):
             If fewer than two samples lie before `end`, or the disk comes too close to flat, or
             so close between two samples that alpha and gamma may turn unseen.
         """
-        least_leaning, count = positive("least_leaning", least_leaning), self.times.size
-        if end is not None:
-            end = within("end", end, float(self.times[1]))
-            count = int(np.searchsorted(self.times, end, side="right"))
+        least_leaning = positive("least_leaning", least_leaning)
+        end = within("end", self.times[-1] if end is None else end, float(self.times[1]))
+        count = int(np.searchsorted(self.times, end, side="right"))
         leaning = self.leaning[:count]
         if np.any(leaning < least_leaning):
             first = self.times[np.argmax(leaning < least_leaning)]
