@@ -49,14 +49,6 @@ def test_twists_are_the_change_of_the_pose(seed: int) -> None:
     assert_close(angular[0], angular_velocity(path))
 
 
-def test_quaternions_and_rotations_are_each_others_inverse_with_the_scalar_part_first() -> None:
-    turns = Rotation.random(200, random_state=4).as_matrix()
-    found = frames.quaternions(turns)
-    np.testing.assert_allclose(4.0 * found[:, 0] ** 2, 1.0 + np.trace(turns.T), atol=1e-14)
-    np.testing.assert_allclose(frames.rotations(found), turns, atol=1e-14)
-    np.testing.assert_allclose(np.cos(frames.tilts(turns)), turns[:, 2, 2], atol=1e-14)
-
-
 def test_quaternions_of_a_motion_keep_close_through_many_turns() -> None:
     turns = Rotation.from_rotvec(np.outer(np.linspace(0.0, 30.0, 301), (0.6, 0.0, 0.8)))
     steps = np.diff(frames.quaternions(turns.as_matrix()), axis=0)
