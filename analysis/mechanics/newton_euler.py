@@ -112,13 +112,8 @@ def derivative(
     held = directions(structure.constraints, disk, moving.attitude)
     responses = [response(disk, each) for each in held]
     matrix = [[each.along(*other) for other in responses] for each in held]
-    changes = _changes(structure.constraints, disk, moving)
-    sides = [
-        [
-            -(each.along(*acceleration) + change)
-            for each, change in zip(held, changes, strict=True)
-        ],
-    ]
+    changing = zip(held, _changes(structure.constraints, disk, moving), strict=True)
+    sides = [[-(each.along(*acceleration) + change) for each, change in changing]]
     ways: list[Direction] = []
     if structure.load == "contact" and structure.law.IS_PROPORTIONAL:
         ways = [_sum(free, friction(along, across, 1.0))]
