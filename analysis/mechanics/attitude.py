@@ -87,12 +87,6 @@ class EulerAngles:
         spin = (sg * p + cg * q) / sb
         return spin, cg * p - sg * q, s - cb * spin
 
-    @classmethod
-    def turning_of(cls, angles: Numbers, rates: Numbers) -> Vector:
-        """The last three numbers of a state, from the rates of the angles."""
-        p, q, s = rates
-        return (p, q, s) if cls.HOLDS_RATES else cls.angular_velocity(angles, rates)
-
     @staticmethod
     def _changes(moving: Moving, change: Vector) -> Vector:
         """Second derivatives of the angles, from the change of the angular velocity."""
@@ -209,8 +203,10 @@ def state_of(
     (a, b, c), (u, v, w) = _offset(disk, coordinates, rates)
     x, y, z, spin = coordinates[0] + a, coordinates[1] + b, coordinates[2] + c, rates[3]
     velocity = rates[0] + u - spin * y, rates[1] + v + spin * x, rates[2] + w
-    turning = chart.turning_of(coordinates[3:], rates[3:])
-    return x, y, z, *coordinates[3:], *velocity, *turning
+    angles, turning = coordinates[3:], rates[3:]
+    if not chart.HOLDS_RATES:
+        turning = chart.angular_velocity(angles, turning)
+    return x, y, z, *angles, *velocity, *turning
 
 
 def paper_of(

@@ -114,18 +114,16 @@ def derivative(
     matrix = [[each.along(*other) for other in responses] for each in held]
     changing = zip(held, _changes(structure.constraints, disk, moving), strict=True)
     sides = [[-(each.along(*acceleration) + change) for each, change in changing]]
+    slips = () if structure.law.IS_PROPORTIONAL else (along, across)
     ways: list[Direction] = []
-    if structure.load == "contact" and structure.law.IS_PROPORTIONAL:
-        ways = [_sum(free, friction(along, across, 1.0))]
-    elif structure.load == "contact":
-        ways = free
+    if structure.load == "contact":
+        ways = free if slips else [_sum(free, friction(along, across, 1.0))]
     rubbings = [response(disk, way) for way in ways]
     sides += [[-each.along(*rubbing) for each in held] for rubbing in rubbings]
     forces, *added = solve(matrix, sides)
     # How much there is of each friction that knows the contact force, which it changes.
     sizes: Sequence[Any] = ()
     if ways:
-        slips = () if structure.law.IS_PROPORTIONAL else (along, across)
         load = contact_load(forces[0], *(each[0] for each in added), *slips)
         sizes = friction(along, across, load) if slips else (load,)
     for size, more in zip(sizes, added, strict=True):
