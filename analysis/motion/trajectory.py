@@ -113,10 +113,7 @@ class Trajectory(InCoordinates, SampledMotion):
         """State at one sample, counted from the start or, negative, from the end."""
         size = self.times.size
         index = whole("index", index, -size, size - 1)
-        return State(
-            coordinates=tuple(self.coordinates[index].tolist()),
-            rates=tuple(self.rates[index].tolist()),
-        )
+        return State(coordinates=tuple(self.coordinates[index]), rates=tuple(self.rates[index]))
 
     def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
         coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
