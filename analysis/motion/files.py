@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from secrets import token_hex
 from shutil import copyfileobj
 from stat import S_IMODE, S_ISREG
 from typing import Any, BinaryIO, cast
@@ -153,19 +154,19 @@ def _held(path: str | os.PathLike[str]) -> os.stat_result | None:
 @contextmanager
 def _draft(target: Path, held: os.stat_result | None) -> Iterator[BinaryIO]:
     """A temporary neighbour of a regular file, or of none, that takes its place on success."""
+    draft = target.with_name(f".{target.name}.{token_hex(4)}")
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+        # A new result gets the permissions that any new file would get.
+        mode = 0o666 if held is None else 0o600
+        handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     except OSError as error:
         # What is missing or closed is the folder, not the draft in it.
         raise OSError(error.errno, error.strerror, str(target.parent)) from error
-    draft = Path(name)
     try:
         with os.fdopen(handle, "wb") as stream:
             yield stream
-        # mkstemp makes files private; a new result gets the permissions any new file would get.
-        mask = os.umask(0)
-        os.umask(mask)
-        draft.chmod(0o666 & ~mask if held is None else S_IMODE(held.st_mode))
+        if held is not None:
+            draft.chmod(S_IMODE(held.st_mode))
         draft.replace(target)
     except OSError as error:
         draft.unlink()

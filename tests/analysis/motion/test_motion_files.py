@@ -72,6 +72,13 @@ def test_file_has_the_permissions_of_any_new_file(path: Path) -> None:
     assert path.stat().st_mode == (path.parent / "plain").stat().st_mode
 
 
+def test_saving_changes_nothing_that_other_threads_make_files_with(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(os, "umask")
+    random_trajectory().save(path)
+
+
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
 def test_interrupted_save_leaves_the_folder_as_it_was(
     error: type[BaseException], path: Path, monkeypatch: pytest.MonkeyPatch
