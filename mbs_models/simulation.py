@@ -226,10 +226,11 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     def run(local: float, part: float) -> Run:
         motion.quick = local >= motion.model.quick_from
         found = integrate(
-            problem.with_steps_up_to(part),
+            problem,
             times,
             integrator.method,
             local,
+            part,
             allow_pulling=call.allow_pulling,
             watch=call.watch,
         )

@@ -1,6 +1,8 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
+from functools import partial
 from math import inf
+from typing import Any
 
 import numpy.typing as npt
 
@@ -13,7 +15,7 @@ from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.ensemble import simulate_compiled
 from analysis.simulation.formulations import default_formulation, pose
 from analysis.simulation.request import Request, trajectory
-from analysis.solve.stepping import Run, integrate
+from analysis.solve.stepping import integrate
 from analysis.solve.to_tolerance import run_to
 from analysis.solve.watch import Progress
 
@@ -130,17 +132,8 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
     posed = pose(scenario, formulation, request.conditions)
     rungs = request.local_tolerances(method, scenario.finest_slip)
     tolerance = request.tolerance or inf
-
-    def run(local: float, longest: float) -> Run:
-        return integrate(
-            posed.problem.with_steps_up_to(longest),
-            request.times,
-            method,
-            local,
-            allow_pulling=request.allow_pulling,
-            watch=watch,
-        )
-
+    how: dict[str, Any] = {"allow_pulling": request.allow_pulling, "watch": watch}
+    run = partial(integrate, posed.problem, request.times, method, **how)
     found = run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
     return trajectory(
         scenario,

@@ -88,10 +88,6 @@ class InitialValueProblem:
     absolute: float = 1.0
     jacobian: Callable[[], Callable[[Array], Array]] | None = None
 
-    def with_steps_up_to(self, fraction: float) -> "InitialValueProblem":
-        """The same problem with this fraction of its longest step."""
-        return replace(self, longest_step=fraction * self.longest_step)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
@@ -149,6 +145,7 @@ def integrate(
     times: Array,
     method: Method,
     local_tolerance: float,
+    step_fraction: float = 1.0,
     *,
     allow_pulling: bool,
     watch: Watch,
@@ -164,6 +161,8 @@ def integrate(
         One of `METHODS`.
     local_tolerance : float
         Relative tolerance of a step.
+    step_fraction : float
+        Of the longest step that may be taken.
     allow_pulling : bool
         Whether to go on where the normal force turns negative.
     watch : Watch
@@ -178,6 +177,7 @@ def integrate(
         If the contact would have to pull at the start and must not.
     """
     begin = time.thread_time()
+    problem = replace(problem, longest_step=step_fraction * problem.longest_step)
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(problem.endings, problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []

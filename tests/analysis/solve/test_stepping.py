@@ -54,10 +54,10 @@ def test_stage_where_there_is_no_solution_ends_no_motion_that_does_not_go_there(
 @pytest.mark.parametrize("fraction", [1.0, 0.5, 0.1])
 def test_steps_are_as_long_as_they_may_be_where_nothing_changes(fraction: float) -> None:
     at_rest = InitialValueProblem(lambda _, state: 0.0 * state, np.ones(2), 0.01)
-    limited, watch = at_rest.with_steps_up_to(fraction), Watch()
+    how: dict[str, Any] = {"allow_pulling": True, "watch": Watch()}
     # Of a run before.
-    watch.steps = 1000
-    run = integrate(limited, np.array([0.0, 1.0]), "DOP853", 1e-4, allow_pulling=True, watch=watch)
+    how["watch"].steps = 1000
+    run = integrate(at_rest, np.array([0.0, 1.0]), "DOP853", 1e-4, fraction, **how)
     # The first ones have to grow.
     assert 100 / fraction <= run.steps < 100 / fraction + 10
 
