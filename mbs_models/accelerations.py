@@ -21,7 +21,7 @@ from analysis.problem.scenario import Scenario, require_level
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
-from analysis.solve.watch import StateFunction
+from analysis.solve.watch import StateFunction, of_states
 from mbs_models.effort import stepping_integrator
 from mbs_models.endings import LOCAL
 from mbs_models.friction import slip_velocity
@@ -129,7 +129,7 @@ class AccelerationProblem:
         endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - LEAST_TILT}
         if self.model.may_pull:
             endings[CONTACT_WOULD_PULL] = self._normal_force
-        endings |= {reason: self._of_state(each) for reason, each in self.conditions.items()}
+        endings |= of_states(self.conditions, self._whole)
         return InitialValueProblem(
             self._derivative,
             record[self._free],
@@ -190,13 +190,6 @@ class AccelerationProblem:
         if self.model.joints.contact_equation is not None:
             return self.model.joints.contact_force(found[3])
         return float(self.forces([found])[0, 0])
-
-    def _of_state(self, condition: Condition) -> StateFunction:
-        def said(state: Array) -> float:
-            z, u = self._whole(state)
-            return condition(State(coordinates=tuple(z), rates=tuple(u)))
-
-        return said
 
     def _slip_of_one_direction(self) -> Callable[[Array], float] | None:
         held = [f"no-slip-{way}" in self.scenario.constraints for way in ("along", "across")]

@@ -21,11 +21,10 @@ from analysis.problem.checks import Array
 from analysis.problem.contact import CAUSES, RestCriterion
 from analysis.problem.limits import LEAST_TILT, REST_SPACING
 from analysis.problem.scenario import Scenario
-from analysis.problem.start import State
 from analysis.solve.effort import contact_time
 from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
-from analysis.solve.watch import Progress
+from analysis.solve.watch import PaperState, Progress
 from mbs_models.effort import rest_effort
 from mbs_models.endings import suspects, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
@@ -292,13 +291,13 @@ class EngineWay(WayToRest):
         """States as they are sampled."""
         return states
 
-    def paper_state(self, state: Array) -> State | None:
+    def to_paper(self, state: Array) -> PaperState:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
         poses = spatial(state[None])
         if hypot(*poses.rotations[0, 2, :2]) <= LEAST_TILT:
             return None
         z, u = frames.from_poses(*poses)
-        return State(coordinates=tuple(z[0].tolist()), rates=tuple(u[0].tolist()))
+        return z[0].tolist(), u[0].tolist()
 
     def _over_steps(self, step: float, times: Array, state: Array) -> Run:
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from math import sin
 from typing import Any
@@ -12,7 +11,6 @@ import numpy as np
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
-from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, choice, instance
@@ -20,25 +18,13 @@ from analysis.problem.choices import FORMULATIONS, Formulation
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
-from analysis.problem.start import State
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
+from analysis.solve.watch import PaperState, of_states
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PosedProblem:
-    """An initial value problem and the way back from its states.
-
-    Parameters
-    ----------
-    problem : InitialValueProblem
-    expand : callable
-        From times, shape (n,), and states, shape (n, m), to co-rotating coordinates and rates,
-        each shape (n, 6), and multipliers, shape (n, k).
-    """
-
-    problem: InitialValueProblem
-    expand: Callable[[Array, Array], tuple[Array, Array, Array]]
+Expand = Callable[[Array, Array], tuple[Array, Array, Array]]
+"""From times, shape (n,), and states, shape (n, m), to co-rotating coordinates and rates, each
+shape (n, 6), and multipliers, shape (n, k)."""
 
 
 def default_formulation(scenario: Scenario) -> Formulation:
@@ -75,8 +61,8 @@ def formulations(scenario: Scenario) -> tuple[Formulation, ...]:
 
 def pose(
     scenario: Scenario, formulation: str, conditions: Mapping[str, Condition]
-) -> PosedProblem:
-    """Initial value problem of a scenario.
+) -> tuple[InitialValueProblem, Expand]:
+    """Initial value problem of a scenario, and the way back from its states.
 
     Parameters
     ----------
@@ -93,18 +79,6 @@ def pose(
     """
     check_formulation(scenario, formulation)
     return (_reduced if formulation == "reduced" else _full)(scenario, conditions)
-
-
-def _in_states(
-    conditions: Mapping[str, Condition], to_paper: Callable[[Numbers], tuple[Any, Any]]
-) -> dict[str, Callable[[Array], float]]:
-    """Conditions as functions of what is integrated."""
-
-    def evaluated(condition: Condition, values: Array) -> float:
-        coordinates, rates = to_paper(values.tolist())
-        return condition(State(coordinates=coordinates, rates=rates))
-
-    return {reason: partial(evaluated, condition) for reason, condition in conditions.items()}
 
 
 def check_formulation(scenario: Scenario, formulation: str) -> None:
@@ -139,7 +113,9 @@ def _check_described(scenario: Scenario, formulation: str) -> None:
         raise ArgumentError("formulation", fault, subject)
 
 
-def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProblem:
+def _full(
+    scenario: Scenario, conditions: Mapping[str, Condition]
+) -> tuple[InitialValueProblem, Expand]:
     start, solved = scenario.initial_state, recorded.solver(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
 
@@ -159,16 +135,18 @@ def _full(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProbl
         {
             FLAT: lambda state: sin(state[4]) - LEAST_TILT,
             CONTACT_WOULD_PULL: lambda state: solved(*state.tolist())[12],
-            **_in_states(conditions, partial(paper_of, scenario.disk)),
+            **of_states(conditions, lambda state: paper_of(scenario.disk, state.tolist())),
         },
         slice(4, 6),
         slip if scenario.rubs and len(slips) == 1 else None,
         jacobian=partial(recorded.jacobian, scenario),
     )
-    return PosedProblem(problem, expand)
+    return problem, expand
 
 
-def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedProblem:
+def _reduced(
+    scenario: Scenario, conditions: Mapping[str, Condition]
+) -> tuple[InitialValueProblem, Expand]:
     start, disk = scenario.initial_state, scenario.disk
     spin, alpha = start.rates[3], start.coordinates[3]
     full, solved = recorded.solver(scenario), reduced.solver(scenario, spin)
@@ -184,6 +162,10 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
     # Conditions may ask for alpha.
     begin = np.append(begin, [alpha] * bool(conditions))
 
+    def to_paper(state: Array) -> PaperState:
+        *moving, turned = state.tolist()
+        return reduced.expanded(disk, spin, turned, moving)
+
     def jacobian() -> Callable[[Array], Array]:
         # Nothing depends on alpha, whose rate is held.
         by_motion, beside = reduced.jacobian(scenario, spin), (0, begin.size - 3)
@@ -196,13 +178,13 @@ def _reduced(scenario: Scenario, conditions: Mapping[str, Condition]) -> PosedPr
         {
             FLAT: lambda state: sin(state[0]) - LEAST_TILT,
             CONTACT_WOULD_PULL: lambda state: solved(*state[:3].tolist())[3],
-            **_in_states(conditions, lambda x: reduced.expanded(disk, spin, x[3], x[:3])),
+            **of_states(conditions, to_paper),
         },
         slice(0, 2),
         (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
         jacobian=jacobian,
     )
-    return PosedProblem(problem, expand)
+    return problem, expand
 
 
 def _in_rows(both: Iterable[Iterable[Any]]) -> tuple[Array, Array]:

@@ -129,17 +129,17 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
     """The same by one of SciPy's solvers."""
     watch = request.watch(request.effort(scenario, method).most)
     formulation = request.formulation or default_formulation(scenario)
-    posed = pose(scenario, formulation, request.conditions)
+    problem, expand = pose(scenario, formulation, request.conditions)
     rungs = request.local_tolerances(method, scenario.finest_slip)
     tolerance = request.tolerance or inf
     how: dict[str, Any] = {"allow_pulling": request.allow_pulling, "watch": watch}
-    run = partial(integrate, posed.problem, request.times, method, **how)
-    found = run_to(run, posed.problem, request.times, tolerance, rungs, method=method)
+    run = partial(integrate, problem, request.times, method, **how)
+    found = run_to(run, problem, request.times, tolerance, rungs, method=method)
     return trajectory(
         scenario,
         request,
         found,
-        posed.expand(found.times, found.states),
+        expand(found.times, found.states),
         method=method,
         watch=watch,
     )

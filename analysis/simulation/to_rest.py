@@ -23,7 +23,7 @@ from analysis.problem.start import State
 from analysis.solve.effort import contact_time, rest_effort
 from analysis.solve.stepping import InitialValueProblem
 from analysis.solve.until_rest import TIGHTEST, WayToRest, until_agreement
-from analysis.solve.watch import Progress
+from analysis.solve.watch import PaperState, Progress
 
 RestMethod = Literal["LSODA", "DOP853", "RK45"]
 REST_METHODS: tuple[RestMethod, ...] = get_args(RestMethod)
@@ -158,7 +158,7 @@ class InHouseWay(WayToRest):
         attitudes = {"quaternions": states[:, 3:7], "dissipated": states[:, 13:]}
         return attitudes | self._table.readings(states)
 
-    def paper_state(self, state: Array) -> State | None:
+    def to_paper(self, state: Array) -> PaperState:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
         moving = Quaternion.moving(state[:13].tolist())
         ahead, across, up = moving.frame
@@ -172,8 +172,7 @@ class InHouseWay(WayToRest):
         velocity = (ca * u + sa * v, ca * v - sa * u, w)
         angles = (alpha, atan2(leaning, up[2]), atan2(up[0], up[1]))
         turning = (*position, *angles, *velocity, *moving.angular)
-        coordinates, rates = paper_of(self.scenario.disk, turning, EulerTurning)
-        return State(coordinates=coordinates, rates=rates)
+        return paper_of(self.scenario.disk, turning, EulerTurning)
 
 
 def _of_unit_length(states: Array) -> Array:

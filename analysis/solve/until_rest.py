@@ -4,7 +4,6 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from math import inf
 from typing import Any, ClassVar
 
@@ -13,7 +12,6 @@ import numpy as np
 from analysis.motion.endings import (
     AT_REST,
     TIME_LIMIT,
-    Condition,
     Ending,
     StopWhen,
     named_conditions,
@@ -34,10 +32,9 @@ from analysis.problem.contact import RestCriterion
 from analysis.problem.friction import check_slipping
 from analysis.problem.limits import check_storage
 from analysis.problem.scenario import Scenario
-from analysis.problem.start import State
 from analysis.solve.stepping import InitialValueProblem, Run, integrate
 from analysis.solve.to_tolerance import error_at_ending, tighter_and_tighter
-from analysis.solve.watch import Progress, Watch
+from analysis.solve.watch import PaperState, Progress, Watch, of_states
 
 RUNS = 5
 """Runs after which a tolerance counts as out of reach."""
@@ -118,9 +115,7 @@ class WayToRest(ABC):
         criterion = RestCriterion() if criterion is None else criterion
         self.criterion = instance("criterion", criterion, RestCriterion)
         named = named_conditions(stop_when, scenario.initial_state)
-        self.conditions: dict[str, Callable[[Array], float]] = {
-            name: partial(self._value_of, each) for name, each in named.items()
-        }
+        self.conditions = of_states(named, self.to_paper)
         tell = None if progress is None else function("progress", progress)
         # A stretch knows no end but its own.
         self.watch = Watch(time_limit, tell and (lambda reached, _: tell(reached, end)))
@@ -131,7 +126,7 @@ class WayToRest(ABC):
         """Make what is asked for the motion, and the start."""
 
     @abstractmethod
-    def paper_state(self, state: Array) -> State | None:
+    def to_paper(self, state: Array) -> PaperState:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
 
     @abstractmethod
@@ -141,11 +136,6 @@ class WayToRest(ABC):
     @abstractmethod
     def readings(self, states: Array) -> dict[str, Any]:
         """Arrays of a `SpatialMotion` by their names, from states, shape (n, m)."""
-
-    def _value_of(self, condition: Condition, state: Array) -> float:
-        """A condition of what is integrated; it is not negative on a flat disk."""
-        found = self.paper_state(state)
-        return 1.0 if found is None else condition(found)
 
     @abstractmethod
     def starting_at(self, state: Array) -> InitialValueProblem:

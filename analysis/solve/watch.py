@@ -1,8 +1,8 @@
 """What ends a run: limits of time and steps, and conditions wherever within a step."""
 
 import time
-from collections.abc import Callable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
 from itertools import pairwise
 from math import inf
 from typing import Any
@@ -11,9 +11,10 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
-from analysis.motion.endings import CONTACT_WOULD_PULL
+from analysis.motion.endings import CONTACT_WOULD_PULL, Condition
 from analysis.problem.checks import Array, ToleranceError, function, positive
 from analysis.problem.limits import MOST_STEPS
+from analysis.problem.start import State
 
 Progress = Callable[[float, float], None]
 """Called now and then with the time reached in a run and with its end, both in s."""
@@ -93,6 +94,34 @@ class Watch:
 
 StateFunction = Callable[[Array], float]
 """From a state to a number; the motion ends where that turns negative."""
+
+
+PaperState = tuple[Sequence[float], Sequence[float]] | None
+"""The paper's coordinates and their rates, 6 floats each; None on a flat disk."""
+
+
+def of_states(
+    conditions: Mapping[str, Condition], to_paper: Callable[[Array], PaperState]
+) -> dict[str, StateFunction]:
+    """Conditions as functions of what is integrated.
+
+    Parameters
+    ----------
+    conditions : mapping
+        From reasons to functions of a `State`.
+    to_paper : callable
+        From what is integrated; on a flat disk, no condition is negative.
+    """
+
+    def said(condition: Condition, state: Array) -> float:
+        found = to_paper(state)
+        if found is None:
+            return 1.0
+        coordinates, rates = map(tuple, found)
+        return condition(State(coordinates=coordinates, rates=rates))
+
+    return {reason: partial(said, condition) for reason, condition in conditions.items()}
+
 
 PARTS = 8
 """Parts of a step in which a condition is looked at closely, each between two of its extremes."""

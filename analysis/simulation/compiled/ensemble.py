@@ -192,7 +192,7 @@ def _refused(group: Group, scenarios: Scenarios, first: int) -> dict[int, Except
         try:
             scenario = scenarios[int(group.rows[row]) - first]
             pulls_at_start(
-                pose(scenario, group.code.structure.formulation, {}).problem, allow_pulling=False
+                pose(scenario, group.code.structure.formulation, {})[0], allow_pulling=False
             )
         except (ArithmeticError, ValueError) as error:
             found[row] = error

@@ -171,7 +171,7 @@ ROUNDED = PenaltyContact(stiffness=1e6, damping=300.0, half_thickness=1e-3)
     ],
 )
 def test_jacobian_is_that_of_differences(formulation: str, scenario: Scenario) -> None:
-    problem = pose(scenario, formulation, {}).problem
+    problem, _ = pose(scenario, formulation, {})
     assert problem.jacobian is not None
     exact, random = problem.jacobian(), np.random.default_rng(5)
     for _ in range(3):

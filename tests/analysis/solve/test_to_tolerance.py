@@ -33,7 +33,7 @@ def test_compared_runs_share_neither_their_local_tolerance_nor_their_longest_ste
         return Run(TIMES, np.full((TIMES.size, 12), float(len(used))), 1, None, ())
 
     rungs = tighter_and_tighter(first, TIGHTEST_LOCAL_TOLERANCE)
-    problem = pose(Scenario(), "index-1", {}).problem
+    problem, _ = pose(Scenario(), "index-1", {})
     message = r"^tolerance 1e-06 rad cannot be reached with none: .* is 2\.0e\+00 rad$"
     with pytest.raises(ToleranceError, match=message):
         run_to(never_agree, problem, TIMES, 1e-6, rungs, method="none")
