@@ -1,8 +1,8 @@
 """Compiled runs of many scenarios, as arrays from their fields to their motions."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from math import inf
 
@@ -142,22 +142,14 @@ def simulate_compiled(
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))
         group = _group(code, rows, array, float(request.times[0]))
-        refused = {} if code.structure.allow_pulling else _refused(group, scenarios, first)
-        if refused:
-            group = group.subset(_left(group, refused, failures))
+        if not code.structure.allow_pulling:
+            failures |= _refused(group, scenarios, first)
+            group = group.subset(~np.isin(group.rows, list(failures)))
         if len(group):
             made, failed = _run(group, request)
-            if failed:
-                left = _left(group, failed, failures)
-                made = replace(made, group=group.subset(left), runs=made.runs.subset(left))
+            failures |= failed
             compiled.append(made)
     return compiled, failures
-
-
-def _left(group: Group, errors: Mapping[int, Exception], failures: dict[int, Exception]) -> Rows:
-    """Those of a group that have not failed; the others are noted by their numbers."""
-    failures |= {int(group.rows[row]): error for row, error in errors.items()}
-    return np.setdiff1d(np.arange(len(group)), list(errors))
 
 
 Columns = tuple[Code, Sequence[float]]
@@ -187,20 +179,18 @@ def _group(code: Code, rows: Rows, array: Array, begin: float) -> Group:
 
 def _refused(group: Group, scenarios: Scenarios, first: int) -> dict[int, Exception]:
     """What is wrong with the start of members whose contact seems to pull there."""
-    found: dict[int, Exception] = {}
-    for row in np.flatnonzero(group.pulled).tolist():
-        try:
-            scenario = scenarios[int(group.rows[row]) - first]
-            pulls_at_start(
-                pose(scenario, group.code.structure.formulation, {})[0], allow_pulling=False
-            )
-        except (ArithmeticError, ValueError) as error:
-            found[row] = error
-    return found
+
+    def check(scenario: Scenario) -> None:
+        problem, _ = pose(scenario, group.code.structure.formulation, {})
+        pulls_at_start(problem, allow_pulling=False)
+
+    pulled = (group.rows[group.pulled] - first).tolist()
+    checked = one_by_one(check, scenarios, pulled)
+    return {first + int(row): error for (row,), error in checked if error is not None}
 
 
 def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Exception]]:
-    """Run a group; its single member as a call that is watched."""
+    """Run a group, its single member as a call that is watched; errors are those of members."""
     watch = request.watch(float(group.most[0])) if len(group) == 1 else None
 
     def run(some: Rows, local: float, longest: float) -> tuple[Runs, dict[int, Exception]]:
@@ -216,5 +206,9 @@ def _run(group: Group, request: Request) -> tuple[CompiledRuns, dict[int, Except
         return estimated_errors(fine, coarse, group.code.angles, rates)
 
     rungs, tolerance = request.local_tolerances("taylor"), request.tolerance or inf
-    runs, failures = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
+    runs, failed = agree(run, estimated, len(group), tolerance, rungs, method="taylor")
+    failures = {int(group.rows[row]): error for row, error in failed.items()}
+    if failed:
+        left = np.setdiff1d(np.arange(len(group)), list(failed))
+        group, runs = group.subset(left), runs.subset(left)
     return CompiledRuns(request, group, runs, watch), failures

@@ -51,7 +51,7 @@ class Group:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def subset(self, rows: Rows | slice) -> "Group":
+    def subset(self, rows: AnyArray) -> "Group":
         """Some of the members."""
         arrays = (getattr(self, field.name)[rows] for field in fields(self)[1:])
         return Group(self.code, *arrays)
@@ -111,9 +111,13 @@ def integrate(
                 for row, each in enumerate(edges[: members.size - first], first):
                     found.pulling[row] = intervals(each, float(found.ends[row]))
         if watch is not None:
-            error = _fault(found, solver, watch, group)
-            found.seconds[:] = time.thread_time() - begun
-            return found, {} if error is None else {int(members[0]): error}
+            watch.steps += int(found.steps[0])
+            error = _fault(found, solver, watch, group) if failed else None
+            errors = {} if error is None else {int(members[0]): error}
+            failed, found.seconds[:] = [], time.thread_time() - begun
+    for row in np.flatnonzero(~found.ended(None)).tolist():
+        # A sample at the ending itself may have come too late.
+        found.states[row, :-1][times >= found.ends[row]] = found.last[row]
     for row in failed:
         member = members[row : row + 1]
         alone = Watch(most=float(group.most[member[0]]))
@@ -155,26 +159,14 @@ def _take(found: Runs, reasons: AnyArray, solver: Any, samples: Array, first: in
     stopped = first + ended
     found.ends[stopped] = solver.pars[WHEN, ended]
     found.reasons[stopped] = reasons[solver.pars[REASON, ended].astype(int)]
-    for row in stopped.tolist():
-        _end(found, row)
     return []
 
 
-def _end(found: Runs, row: int) -> None:
-    """Let a run stay from its end on what it is there."""
-    # A sample at the ending itself may have come too late.
-    found.states[row, :-1][found.times >= found.ends[row]] = found.last[row]
-
-
 def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | None:
-    """What is wrong with a run that was watched; tells when it has met its time limit."""
-    watch.steps += int(found.steps[0])
+    """What is wrong with a watched run that has broken off; None if it has met its time limit."""
     kinds, outcome = heyoka().taylor_outcome, solver.propagate_res[0][0]
-    if found.reasons[0] is not None or outcome == kinds.time_limit:
-        return None
     if outcome == kinds.cb_stop:
         found.ends[0], found.reasons[0] = solver.time[0], TIME_LIMIT
-        _end(found, 0)
         return None
     moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.angles][0])
     found.states[:] = np.nan
