@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import ToleranceError, function, instance, whole
+from analysis.problem.checks import ToleranceError, function, instance, several, whole
 from analysis.problem.choices import Method
 from analysis.problem.limits import MOST_WORKERS, check_storage
 from analysis.problem.names import ArgumentError
@@ -146,11 +146,8 @@ def simulate_many(
 def _members(given: Ensemble | Iterable[Scenario]) -> Scenarios:
     if isinstance(given, Ensemble):
         return given
-    if isinstance(given, type) or not isinstance(given, Iterable):
-        raise ArgumentError(
-            "scenarios", f"must be an Ensemble or a list of Scenario, got {given!r}"
-        )
-    return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(given)]
+    every = several("scenarios", given, "Scenario, or an Ensemble")
+    return [instance(f"scenarios[{row}]", each, Scenario) for row, each in enumerate(every)]
 
 
 def _chunks(members: Scenarios, request: Request, workers: int) -> Iterator[tuple[int, Scenarios]]:

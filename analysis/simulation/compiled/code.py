@@ -37,8 +37,6 @@ class Code:
     Parameters
     ----------
     structure : Structure
-    compact : bool
-        See `COMPACT`.
 
     Attributes
     ----------
@@ -51,8 +49,8 @@ class Code:
         Columns of beta and gamma in it.
     """
 
-    def __init__(self, structure: Structure, compact: bool) -> None:
-        self.structure, self._compact = structure, compact
+    def __init__(self, structure: Structure) -> None:
+        self.structure = structure
         self._system = systems.build(structure)
         self.reasons = np.array(list(self._system.endings), dtype=object)
         self.size = len(self._system.variables)
@@ -94,7 +92,7 @@ class Code:
             np.zeros((len(derivatives), width)),
             tol=local_tolerance,
             t_events=events,
-            compact_mode=self._compact,
+            compact_mode=COMPACT,
         )
         return solver, edges
 
@@ -106,9 +104,7 @@ class Code:
 
     @cached_property
     def _readings(self) -> Any:
-        return heyoka().cfunc(
-            self._system.readings, self._system.variables, compact_mode=self._compact
-        )
+        return heyoka().cfunc(self._system.readings, self._system.variables, compact_mode=COMPACT)
 
     def readings(self, states: Array, times: Array, numbers: Array) -> tuple[Array, ...]:
         """What k members are at n states each.
@@ -133,12 +129,8 @@ class Code:
         return rows[..., :6], rows[..., 6:12], rows[..., 12:held], rows[..., held:]
 
 
-def code_for(structure: Structure) -> Code:
-    """Code of runs of this structure, which is compiled when a run first asks for it."""
-    return _code(structure, COMPACT)
-
-
-_code = lru_cache(maxsize=64)(Code)
+code_for = lru_cache(maxsize=64)(Code)
+"""Code of runs of a structure, which is compiled when a run first asks for it."""
 
 
 def _go_on(*_: Any) -> bool:
