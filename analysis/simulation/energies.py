@@ -117,8 +117,6 @@ def contact_forces(trajectory: Trajectory) -> Array:
     True
     """
     scenario = instance("trajectory", trajectory, Trajectory).scenario
-    if scenario.contact is not None and scenario.contact.is_rounded:
-        raise ValueError("trajectory must be that of a disk with a sharp rim, got a rounded one")
     result = np.zeros((trajectory.times.size, 3))
     result[:, 2] = trajectory.normal_force
     result[:, :2] = _friction(trajectory)[1]
@@ -131,6 +129,8 @@ def contact_forces(trajectory: Trajectory) -> Array:
 def _friction(trajectory: Trajectory) -> tuple[Array, Array]:
     """Slip that is not held, and friction in the same directions, along and across the edge."""
     scenario = trajectory.scenario
+    if scenario.contact is not None and scenario.contact.is_rounded:
+        raise ValueError("trajectory must be that of a disk with a sharp rim, got a rounded one")
     held, disk = scenario.constraints, scenario.disk
     state = state_of(disk, trajectory.coordinates.T, trajectory.rates.T)
     slips, is_free = velocity_residuals(SLIPS, disk, state), [way not in held for way in SLIPS]
@@ -145,6 +145,11 @@ def power(trajectory: Trajectory) -> Array:
 
     All other constraints do no work. Friction takes energy; a torque that keeps a rate constant
     may bring some.
+
+    Raises
+    ------
+    ValueError
+        If the disk has a rounded rim, whose contact point is another.
 
     Examples
     --------

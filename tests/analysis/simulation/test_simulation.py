@@ -155,6 +155,9 @@ def test_balance_refuses_a_motion_whose_losses_it_does_not_know() -> None:
     for each in runs:
         with pytest.raises(ValueError, match=r"must hold all .* a penalty contact does"):
             analysis.energy_residual(each)
+    # Friction acts at another point of a rounded rim.
+    with pytest.raises(ValueError, match="must be that of a disk with a sharp rim"):
+        analysis.power(runs[0])
 
 
 LOSSES = Dissipation(rolling_dry=0.01, rolling_viscous=0.01, pivoting=1e-3, air_drag=1.0)
