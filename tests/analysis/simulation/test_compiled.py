@@ -34,9 +34,8 @@ from analysis import (
 from analysis.problem.quantities import LOADS
 from analysis.simulation import request
 from analysis.simulation.compiled import library
-from analysis.simulation.compiled.ensemble import simulate_compiled
+from analysis.simulation.compiled.ensemble import integrate, simulate_compiled
 from analysis.simulation.compiled.library import CannotCompileError
-from analysis.simulation.compiled.runs import integrate
 from analysis.simulation.request import Request
 from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, TIPPE_TOP
@@ -186,7 +185,7 @@ def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
     (part,), _ = simulate_compiled([model(4)], how)
     part.group.starts[0, 2] = np.nan
     only = np.array([0])
-    _, failures = integrate(part.group, only, TIMES, 1e-12, 1.0, watch=Watch())
+    _, failures = integrate(part.group, TIMES, only, 1e-12, 1.0, watch=Watch())
     assert "no longer finite" in str(failures[0])
 
 
