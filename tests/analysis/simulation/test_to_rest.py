@@ -1,7 +1,6 @@
 """The disk until rest: agreement before the fall, energy, either face, phases, endings."""
 
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from math import log2, pi
 from typing import Any
@@ -326,23 +325,6 @@ def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
     assert abs(ending.time - truth) <= (motion.error_estimate or 1e-7)
     assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)
     np.testing.assert_allclose(motion.times[:-1], spacing * np.arange(motion.times.size - 1))
-
-
-def test_ending_after_impacts_is_located() -> None:
-    loss = Dissipation(pivoting=1e-3)
-    dropped = Scenario.rest(start=Start(beta=0.5, spin=0.0, height=0.01), dissipation=loss)
-
-    def low(state: State) -> float:
-        return state.coordinates[4] - 0.2
-
-    motion = partial(simulate_to_rest, dropped, 0.25, local_tolerance=1e-10)
-    ended = (motion(spacing=spacing, stop_when=low) for spacing in (2e-3, 0.25))
-    times = [not_none(each.ending).time for each in ended]
-    assert np.ptp(times) < 1e-7
-    whole = motion(spacing=1e-3)
-    before = whole.times < times[0]
-    assert np.min(whole.normal_force[before]) == 0.0 < np.max(whole.normal_force[before])
-    assert np.min(whole.tilt[before]) > 0.2 > whole.tilt[~before][0]
 
 
 def test_estimate_covers_the_time_of_an_ending_but_rest_which_both_runs_must_have(
