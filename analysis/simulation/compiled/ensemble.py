@@ -94,28 +94,25 @@ class CompiledRuns:
     runs: Runs
     watch: Watch | None
 
+    def samples(self, some: slice) -> Samples:
+        """Samples of some, at the times asked for and at their ends."""
+        runs, code, numbers = self.runs, self.group.code, self.group.numbers[some]
+        times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
+        coordinates, rates, forces, _ = code.readings(runs.states[some], times, numbers)
+        constraints = code.structure.equations.constraints
+        scenario = stand_in(constraints, None, numbers[:, systems.CONSTANTS])
+        return Samples(scenario, times, coordinates, rates, forces)
+
     def blocks(self) -> Iterator[tuple[slice, Samples]]:
-        """Samples of some at a time, at the times asked for and at their ends."""
+        """Samples of all, some at a time."""
         size = max(1, _BLOCK // self.runs.times.size)
         for first in range(0, len(self.group), size):
             some = slice(first, first + size)
-            constraints = self.group.code.structure.equations.constraints
-            numbers = self.group.numbers[some, systems.CONSTANTS]
-            yield some, Samples(stand_in(constraints, None, numbers), *self._sampled(some))
-
-    def _sampled(self, some: slice) -> tuple[Array, Array, Array, Array]:
-        """Times, coordinates, rates and constraint forces of some."""
-        runs, group = self.runs, self.group
-        times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
-        coordinates, rates, forces, _ = group.code.readings(
-            runs.states[some], times, group.numbers[some]
-        )
-        return times, coordinates, rates, forces
+            yield some, self.samples(some)
 
     def trajectory(self, row: int, scenario: Scenario) -> Trajectory:
         """Motion of one of them, which has this scenario."""
-        _, *arrays = self._sampled(slice(row, row + 1))
-        return self._trajectory(row, scenario, [each[0] for each in arrays])
+        return self._trajectory(row, scenario, self.samples(slice(row, row + 1)), 0)
 
     def outcomes(self, scenarios: Sequence[Scenario]) -> Iterator[Trajectory | Exception]:
         """Motion of each of them, or why it has none, worked out in blocks.
@@ -126,28 +123,25 @@ class CompiledRuns:
             Of all members, not of these alone.
         """
         for some, samples in self.blocks():
-            sampled = zip(samples.coordinates, samples.rates, samples.multipliers, strict=True)
-            for row, arrays in enumerate(sampled, some.start):
+            for place, member in enumerate(self.group.rows[some].tolist()):
                 try:
-                    yield self._trajectory(row, scenarios[int(self.group.rows[row])], arrays)
+                    yield self._trajectory(some.start + place, scenarios[member], samples, place)
                 except (ArithmeticError, ValueError) as error:
                     yield error
 
-    def _trajectory(self, row: int, scenario: Scenario, arrays: Sequence[Array]) -> Trajectory:
+    def _trajectory(
+        self, row: int, scenario: Scenario, samples: Samples, place: int
+    ) -> Trajectory:
+        """Motion of one of them, which stands at this place among some samples."""
         run = self.runs.run(row)
-        coordinates, rates, forces = (each[: run.times.size] for each in arrays)
+        found = samples.coordinates, samples.rates, samples.multipliers
+        coordinates, rates, forces = (each[place, : run.times.size] for each in found)
         if self.group.code.structure.formulation == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
-        return trajectory(
-            scenario,
-            self.request,
-            run,
-            (coordinates, rates, forces),
-            method="taylor",
-            watch=self.watch,
-        )
+        arrays = coordinates, rates, forces
+        return trajectory(scenario, self.request, run, arrays, method="taylor", watch=self.watch)
 
 
 def simulate_compiled(
