@@ -58,6 +58,10 @@ class Code:
         self._held = 12 + len(multiplier_names(structure.equations.constraints))
         self._idle: defaultdict[tuple[float, int], list[Integrator]] = defaultdict(list)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What is compiled stays in its process; another one has its own, of all its runs.
+        return code_for, (self.structure,)
+
     @contextmanager
     def integrator(self, local_tolerance: float, width: int) -> Iterator[Integrator]:
         """An integrator of so many runs at once that nobody else uses meanwhile."""
@@ -129,8 +133,10 @@ class Code:
         return rows[..., :6], rows[..., 6:12], rows[..., 12:held], rows[..., held:]
 
 
-code_for = lru_cache(maxsize=64)(Code)
-"""Code of runs of a structure, which is compiled when a run first asks for it."""
+@lru_cache(maxsize=64)
+def code_for(structure: Structure) -> Code:
+    """Code of runs of this structure, which is compiled when a run first asks for it."""
+    return Code(structure)
 
 
 def _go_on(*_: Any) -> bool:

@@ -87,6 +87,9 @@ def test_members_of_an_ensemble_are_those_of_single_runs(method: str) -> None:
     again = pickle.loads(pickle.dumps(runs))  # noqa: S301 - as worker processes do
     np.testing.assert_array_equal(again.coordinates, runs.coordinates)
     np.testing.assert_array_equal(again[3].multipliers, runs[3].multipliers)
+    # What is compiled does not come along: it takes longer than what is told.
+    for found, sent in zip(again.compiled, runs.compiled, strict=True):
+        assert found.group.code is sent.group.code
 
 
 @needs_heyoka
