@@ -190,12 +190,15 @@ class Quantity(NamedTuple):
         return self.usual or ("" if self.default is None else short(self.default))
 
 
+SPELLED = {pi: "pi", pi / 2: "pi/2", -pi / 2: "-pi/2", -pi / 2 + 0.1: "-pi/2 + 0.1"}
+"""Texts that say angles in rad exactly, and shorter than their digits."""
+
+
 def short(value: Any) -> str:
     """Number as people write it."""
     if not isinstance(value, float):
         return str(value).lower()
-    turns = {pi: "pi", pi / 2: "pi/2", -pi / 2 + 0.1: "-pi/2 + 0.1"}
-    return turns.get(value, f"{value:g}")
+    return SPELLED.get(value, f"{value:g}")
 
 
 def listed(names: Iterable[str], word: str = "or") -> str:

@@ -21,7 +21,7 @@ from analysis.problem.plain_data import made_part, told_constraints
 from analysis.problem.quantities import CONSTRAINTS, KEYS, QUANTITIES, SECTIONS, SIX, of_table
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
-from analysis.problem.values import read_value, spelled_angle
+from analysis.problem.values import SPELLED_ANGLES, read_value
 
 FORMAT = 1
 """Of the files written here."""
@@ -128,8 +128,8 @@ def _table(table: str, given: dict[str, Any] | None, usual: dict[str, Any]) -> s
     given = {name: each for name, each in (given or {}).items() if each is not None}
     for name, value in (values | given).items():
         quantity = QUANTITIES.get(f"{table}.{name}")
-        spelled = spelled_angle(value) if quantity is not None and quantity.is_angle else None
-        literal = _literal(name, value if spelled is None else spelled)
+        is_angle = quantity is not None and quantity.is_angle
+        literal = _literal(name, SPELLED_ANGLES.get(value, value) if is_angle else value)
         about = _OF_LIST.get(name, _OWN.get(table, "")) if quantity is None else quantity.comment
         lines.append(f"{'' if name in given else '# '}{name} = {literal}  # {about}\n")
     return "".join(lines)

@@ -7,7 +7,7 @@ from typing import Any
 
 from analysis.problem.checks import choice, number
 from analysis.problem.names import ArgumentError
-from analysis.problem.quantities import Quantity, declared
+from analysis.problem.quantities import SPELLED, Quantity, declared
 
 Value = float | str | bool
 """What a quantity may be set to."""
@@ -19,7 +19,8 @@ _FACTOR = rf"(?:{_NUMBER}\s*(?:pi|deg)?|pi)"
 _SUM = re.compile(rf"\s*[-+]?\s*{_FACTOR}(?:\s*[-+*/]\s*{_FACTOR})*\s*", re.ASCII)
 _STEP = re.compile(rf"([-+*/]?)\s*({_NUMBER}|pi)\s*(pi|deg)?", re.ASCII)
 
-_SPELLED = ("pi/2", "-pi/2", "-pi/2 + 0.1", *(f"{part}deg" for part in range(1, 91)))
+SPELLED_ANGLES = {float(part) * pi / 180.0: f"{part}deg" for part in range(1, 91)} | SPELLED
+"""Texts that `angle` takes exactly for these angles in rad, and shorter than their digits."""
 
 
 class UnitWarning(UserWarning):
@@ -104,11 +105,6 @@ def angle(name: str, value: Any) -> float:
     except ZeroDivisionError:
         raise ArgumentError(name, f"must be finite, got {value!r}") from None
     return number(name, result)
-
-
-def spelled_angle(value: float) -> str | None:
-    """Text for an angle in rad that says it exactly and shorter than its digits, if there is."""
-    return next((text for text in _SPELLED if angle("angle", text) == value), None)
 
 
 def _evaluated(text: str) -> float:
