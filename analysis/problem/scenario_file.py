@@ -18,7 +18,7 @@ from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import STEEL_RING
 from analysis.problem.names import ArgumentError, nearest
 from analysis.problem.plain_data import made_part, told_constraints
-from analysis.problem.quantities import CONSTRAINTS, KEYS, QUANTITIES, SECTIONS, SIX, of_table
+from analysis.problem.quantities import CONSTRAINTS, KEYS, SECTIONS, SIX, declared, of_table
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from analysis.problem.values import SPELLED_ANGLES, read_value
@@ -26,20 +26,27 @@ from analysis.problem.values import SPELLED_ANGLES, read_value
 FORMAT = 1
 """Of the files written here."""
 
-_HEAD = f"""\
+_MODELS = ", ".join(f"{level} {each[-1]}" for level, each in MODELS.items())
+_FURTHER = "\n# ".join(wrap(", ".join(f'"{each}"' for each in CONSTRAINTS[1:]), 97))
+
+_ABOUT = {
+    "": f"""\
 # A problem of the tippedisk, whole: tippedisk simulate --scenario FILE --out run.npz
 # Angles are in rad, or text: "pi/2", "-pi/2 + 0.1", "90deg".
 format = {FORMAT}
-"""
 
-_ABOUT = {
+# What holds the disk: a model of the paper, each of which adds a constraint
+# ({_MODELS}), or in place of it
+# "contact" and some, not all, of
+# {_FURTHER}.
+""",
     "disk": """\
 # A disk by its name; a disk of uniform density: radius, thickness and density with one hole, or
 # in place of that with several, [x, y, radius], and small masses, [x, y, mass]; any disk:
 # radius, mass, eccentricity and moments of inertia; or another body, which takes its values too.
 """,
     "friction": f"""\
-# Laws: {QUANTITIES["friction.law"].allowed}.
+# Laws: {declared("friction.law").allowed}.
 """,
     "table": "",
     "contact": """\
@@ -55,7 +62,6 @@ _ABOUT = {
 """,
 }
 
-_OWN = {"friction": "of this law", "disk": "of this body"}
 _OF_LIST = {
     "coordinates": f"{', '.join(COORDINATES)} in m and rad",
     "rates": "their rates in m/s and rad/s",
@@ -86,22 +92,9 @@ def scenario_text(scenario: Scenario) -> str:
     True
     """
     values, usual = instance("scenario", scenario, Scenario).values(), _usual(scenario)
-    tables = (_table(name, values.get(name), usual.get(name, {})) for name in _ABOUT)
-    return "\n".join((_HEAD, _constraint_lines(scenario), *tables))
-
-
-def _constraint_lines(scenario: Scenario) -> str:
-    model = ", ".join(f"{level} {each[-1]}" for level, each in MODELS.items())
-    others = "\n# ".join(wrap(", ".join(f'"{each}"' for each in CONSTRAINTS[1:]), 97))
-    names = _literal("constraints", list(scenario.constraints))
-    level = scenario.model
-    return (
-        "# What holds the disk: a model of the paper, each of which adds a constraint\n"
-        f"# ({model}), or in place of it\n"
-        f'# "contact" and some, not all, of\n# {others}.\n'
-        f"{'# ' if level is None else ''}model = {level or 1}\n"
-        f"{'' if level is None else '# '}constraints = {names}\n"
-    )
+    told = "constraints" if scenario.model is None else "model"
+    values[""] = {told: usual[""][told]}
+    return "\n".join(_table(name, values.get(name), usual.get(name, {})) for name in _ABOUT)
 
 
 def _usual(scenario: Scenario) -> dict[str, dict[str, Any]]:
@@ -109,6 +102,7 @@ def _usual(scenario: Scenario) -> dict[str, dict[str, Any]]:
     state, disk = scenario.initial_state, scenario.disk
     rates = {f"{name}_rate": rate for name, rate in zip(COORDINATES, state.rates, strict=True)}
     return {
+        "": {"model": scenario.model or 1, "constraints": scenario.constraints},
         "disk": STEEL_RING
         | {name: getattr(disk, name) for name in (*SIX, *PRODUCTS)}
         | {"holes": [], "masses": []},
@@ -120,18 +114,21 @@ def _usual(scenario: Scenario) -> dict[str, dict[str, Any]]:
 
 
 def _table(table: str, given: dict[str, Any] | None, usual: dict[str, Any]) -> str:
-    """A table with the keys that tell it, and all others as comments; one if it is left out."""
-    known = {name: each.default for name, each in of_table(table).items()}
-    values = known | {name: each for name, each in usual.items() if name in known | _OF_LIST}
-    lines = [_ABOUT[table], f"{'# ' if given is None else ''}[{table}]\n"]
+    """A table with the keys that tell it, and all others as comments; one if it is left out.
+
+    What stands before the tables has no heading, and is told of above its keys alone.
+    """
+    known = of_table(table)
+    values = {name: each.default for name, each in known.items()}
+    values |= {name: each for name, each in usual.items() if name in values | _OF_LIST}
+    lines = [_ABOUT[table], f"{'# ' if given is None else ''}[{table}]\n" if table else ""]
     # TOML has no word for what is left out.
     given = {name: each for name, each in (given or {}).items() if each is not None}
     for name, value in (values | given).items():
-        quantity = QUANTITIES.get(f"{table}.{name}")
-        is_angle = quantity is not None and quantity.is_angle
-        literal = _literal(name, SPELLED_ANGLES.get(value, value) if is_angle else value)
-        about = _OF_LIST.get(name, _OWN.get(table, "")) if quantity is None else quantity.comment
-        lines.append(f"{'' if name in given else '# '}{name} = {literal}  # {about}\n")
+        quantity = known.get(name) or declared(f"{table}.{name}")
+        literal = _literal(name, SPELLED_ANGLES.get(value, value) if quantity.is_angle else value)
+        about = f"  # {_OF_LIST.get(name, quantity.comment)}" if table else ""
+        lines.append(f"{'' if name in given else '# '}{name} = {literal}{about}\n")
     return "".join(lines)
 
 
@@ -248,7 +245,7 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
 def _stray(key: str) -> tuple[str, str]:
     """What is wrong with an unknown key outside of the tables, and what to call it."""
     if key in KEYS:
-        return f"must stand in the table [{QUANTITIES[KEYS[key]].table}]", key
+        return f"must stand in the table [{KEYS[key].partition('.')[0]}]", key
     known = nearest(key, [*_TOP, *KEYS])
     return f"a scenario holds {', '.join(_TOP)}{known}", f"unknown key {key!r};"
 
