@@ -16,11 +16,6 @@ _MOST = 3
 _LONGEST = 200
 """Characters of a value in a message, before it is cut."""
 
-OTHERWISE = {
-    each.option: each.key for each in QUANTITIES.values() if each.option and not each.is_word
-}
-"""Numbers that the command line does not call as the key: from its option to that."""
-
 
 class ArgumentError(ValueError):
     """An argument that is refused: the message is its name with what is wrong.
@@ -66,7 +61,7 @@ def nearest(name: Any, known: Iterable[Any]) -> str:
     word = str(name).lstrip("-")
     parts = [each for each in names if word in re.split(r"[-_]", each)]
     close = [*get_close_matches(word, names, 2, 0.7), *parts]
-    short = OTHERWISE.get(word, "").rpartition(".")[2]
+    short = KEYS.get(word, "").rpartition(".")[2]
     if short in names:
         close = [short]
     listed = " or ".join(names[each] for each in list(dict.fromkeys(close))[:_MOST])
@@ -85,7 +80,7 @@ def _elsewhere(name: str) -> str:
     """What to add to a message that refuses a name which other parts of a scenario know."""
     if name == "model":
         return "; write constraints=MODELS[...]"
-    table, _, key = (OTHERWISE.get(name) or KEYS.get(name, "")).rpartition(".")
+    table, _, key = KEYS.get(name, "").rpartition(".")
     return f"; {key} belongs to the {table}" if table else ""
 
 
@@ -110,8 +105,8 @@ def full_name(name: str, argument: str = "axis") -> str:
     # A friction law of one's own has parameters of its own.
     if name in QUANTITIES or (table == "friction" and key):
         return name
-    if found := OTHERWISE.get(name) or KEYS.get(name):
-        return found
+    if name in KEYS:
+        return KEYS[name]
     raise ArgumentError(
         argument,
         "must be a field of a scenario, as `tippedisk scenario` lists them, such as start.spin, "

@@ -358,8 +358,11 @@ _DECLARED = (
 QUANTITIES: dict[str, Quantity] = {each.key: each for each in _DECLARED}
 """By key, in the order of a file."""
 
-KEYS: dict[str, str] = {each.name: each.key for each in _DECLARED}
-"""By the last part of the key, which no two quantities have in common."""
+KEYS: dict[str, str] = {each.name: each.key for each in _DECLARED} | {
+    each.option: each.key for each in _DECLARED if each.option and not each.choices
+}
+"""By the last part of the key, which no two quantities have in common, and numbers by an option
+that is called otherwise."""
 
 
 def declared(key: str) -> Quantity:

@@ -244,8 +244,10 @@ def _scenario(values: Mapping[str, Any]) -> Scenario:
 
 def _stray(key: str) -> tuple[str, str]:
     """What is wrong with an unknown key outside of the tables, and what to call it."""
-    if key in KEYS:
-        return f"must stand in the table [{KEYS[key].partition('.')[0]}]", key
+    table, _, name = KEYS.get(key, "").rpartition(".")
+    if table:
+        called = "" if name == key else f" as {name}"
+        return f"must stand in the table [{table}]{called}", key
     known = nearest(key, [*_TOP, *KEYS])
     return f"a scenario holds {', '.join(_TOP)}{known}", f"unknown key {key!r};"
 

@@ -224,6 +224,7 @@ REFUSED: list[tuple[Scenario, str, str, str]] = [
     (PAPER, "model = 5", "model must be one of 1, 2, 3, 4, got '5'", "model"),
     (PAPER, 'constraints = ["contact"]', "constraints do not go together with", "constraints"),
     (PAPER, "radius = 0.1", "radius must stand in the table [disk]", "radius"),
+    (PAPER, "mu = 0.1", "mu must stand in the table [friction] as coefficient", "mu"),
     (PAPER, "colour = 3", "unknown key 'colour'; a scenario holds format, model", "colour"),
     (PAPER, "disk.colour = 3", "colour is unknown here; [disk] takes name; or radius", "colour"),
     (PAPER, "disk.density =", "[disk] lacks density", "[disk]"),
