@@ -53,22 +53,13 @@ class Parts(NamedTuple):
     masses: tuple[PointMass, ...]
     ahead: tuple[float, float] = (1.0, 0.0)
 
-    @property
-    def ring(self) -> dict[str, float] | None:
-        """Arguments of `Disk.ring`, where it is one."""
-        if self.masses or len(self.holes) != 1 or self.holes[0].y != 0.0 or self.holes[0].x > 0.0:
-            return None
-        (hole,), plate = self.holes, self.plate
-        values = (plate.radius, hole.radius, 0.0 - hole.x, plate.thickness, plate.density)
-        return dict(zip(RING, values, strict=True))
-
     def values(self) -> dict[str, Any]:
-        """Plain data, from which `Disk.of_parts` makes the disk again; those of a ring are its."""
-        return self.ring or {
-            **self.plate._asdict(),
-            "holes": [list(each) for each in self.holes],
-            "masses": [list(each) for each in self.masses],
-        }
+        """Plain data that make the disk again: arguments of `Disk.ring` where it is one."""
+        values, holes = self.plate._asdict(), [list(each) for each in self.holes]
+        if self.masses or len(holes) != 1 or holes[0][1] != 0.0 or holes[0][0] > 0.0:
+            return values | {"holes": holes, "masses": [list(each) for each in self.masses]}
+        values |= {"hole_radius": holes[0][2], "hole_distance": 0.0 - holes[0][0]}
+        return {name: values[name] for name in RING}
 
 
 @dataclass(frozen=True, kw_only=True)

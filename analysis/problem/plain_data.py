@@ -34,16 +34,11 @@ _DISK_FORMS = f"{'; or '.join(map(', '.join, _SHAPES))}; or body and what it tak
 Names = tuple[str, ...]
 
 
-def fields_of(part: Any) -> dict[str, Any]:
-    """Fields of a part by their names, as they are."""
-    return {each.name: getattr(part, each.name) for each in fields(part)}
-
-
 def as_plain(part: Any) -> dict[str, Any]:
     """Plain data of a part, to be stored; `made_part` makes it again."""
     if isinstance(part, Disk) and part.parts is not None:
         return part.parts.values()
-    values = fields_of(part)
+    values = {each.name: getattr(part, each.name) for each in fields(part)}
     if isinstance(part, FrictionLaw):
         return {"law": LAWS.name_of(type(part))} | values
     if isinstance(part, Body):

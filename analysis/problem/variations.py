@@ -21,7 +21,6 @@ from analysis.problem.names import ArgumentError, full_name
 from analysis.problem.plain_data import (
     KINDS,
     as_plain,
-    fields_of,
     made_part,
     maker,
     told_constraints,
@@ -113,7 +112,7 @@ def _merged(scenario: Scenario, table: str, given: Numbers, disk: Body) -> Numbe
             fault = f"needs a penalty contact, told by its stiffness, got {value}"
             raise ArgumentError(name, fault)
         part = PenaltyContact.damped(given["stiffness"], disk)
-    return fields_of(part) | given
+    return as_plain(part) | given
 
 
 def _body(disk: Body, given: Numbers) -> Numbers:
@@ -124,14 +123,14 @@ def _body(disk: Body, given: Numbers) -> Numbers:
     if "body" in told and BODIES.find(told["body"]) is type(disk):
         # To name what it is changes nothing.
         del told["body"]
+    known = as_plain(disk)
     if not told or told.keys() >= {*RING}:
-        return told or as_plain(disk)
+        return told or known
     geometry = [name for name in RING if name in told]
     is_told = "body" in told or told.keys() >= {*SIX}
     if is_told or not isinstance(disk, Disk) or not geometry:
         return BODIES.merged(disk, told)
-    ring = None if disk.parts is None else disk.parts.ring
-    if ring is None:
+    if known.keys() != {*RING}:
         raise ArgumentError(
             geometry[0],
             "varies a ring alone, of which mass and moments of inertia follow, and the "
@@ -140,7 +139,7 @@ def _body(disk: Body, given: Numbers) -> Numbers:
         )
     # What does not go together is named by what is given, without the rest of the ring.
     is_mixed = told.keys() - {*RING} and told.keys() - {*SIX}
-    return told if is_mixed else ring | told
+    return told if is_mixed else known | told
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
