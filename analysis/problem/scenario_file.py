@@ -17,9 +17,8 @@ from analysis.problem.constraints import MODELS
 from analysis.problem.contact import PenaltyContact
 from analysis.problem.disk import STEEL_RING
 from analysis.problem.names import ArgumentError, nearest
-from analysis.problem.plain_data import made_part, told_constraints
 from analysis.problem.quantities import CONSTRAINTS, KEYS, SECTIONS, SIX, declared, of_table
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import Scenario, made_part, told_constraints
 from analysis.problem.start import COORDINATES
 from analysis.problem.values import SPELLED_ANGLES, read_value
 

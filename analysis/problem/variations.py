@@ -18,15 +18,8 @@ from analysis.problem.disk import Disk
 from analysis.problem.elementary import DividedError, Members, Rows
 from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError, full_name
-from analysis.problem.plain_data import (
-    KINDS,
-    as_plain,
-    made_part,
-    maker,
-    told_constraints,
-)
 from analysis.problem.quantities import RING, SIX, declared
-from analysis.problem.scenario import Scenario
+from analysis.problem.scenario import KINDS, Scenario, as_plain, made_part, maker, told_constraints
 from analysis.problem.start import Start
 from analysis.problem.values import Value, read_value
 

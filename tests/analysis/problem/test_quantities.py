@@ -27,8 +27,8 @@ from analysis import (
 )
 from analysis.problem.disk import STEEL_RING
 from analysis.problem.names import ArgumentError, full_name
-from analysis.problem.plain_data import KINDS, as_plain
 from analysis.problem.quantities import QUANTITIES, RING, Quantity, default
+from analysis.problem.scenario import KINDS, as_plain
 from analysis.problem.variations import changed
 from tests.calls import printed, run
 from tests.helpers import refusals
