@@ -9,13 +9,7 @@ from typing import Any
 from analysis.problem.bodies import BODIES, check_surface
 from analysis.problem.body import PRODUCTS, Body
 from analysis.problem.checks import Described, choice, instance, one
-from analysis.problem.constraints import (
-    MODELS,
-    ConstraintSet,
-    constraint_set,
-    model_of,
-    set_name,
-)
+from analysis.problem.constraints import MODELS, ConstraintSet, constraint_set, model_of, set_name
 from analysis.problem.contact import Dissipation, PenaltyContact, Table
 from analysis.problem.disk import DISKS, STEEL_DISK, Disk
 from analysis.problem.friction import LAWS, FrictionLaw, SmoothCoulomb, check_answers
