@@ -17,10 +17,9 @@ import mbs_models
 from analysis import LAWS, MODELS, Scenario, Start, load_scenario, scenario_text, simulate
 from analysis.problem.values import UnitWarning
 from mbs_models import Scene
-from tests.calls import printed, python
+from tests.calls import answer, printed, python
 from tests.helpers import refusals
 from tests.validation.cli.test_refusals import RING
-from validation import cli
 from validation.sweeps.axes import axis_from_text
 
 TIMES = [0.0, 0.01]
@@ -84,35 +83,36 @@ def test_script_without_guard_is_told_so_and_gets_nothing(script: str, tmp_path:
     )
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--gamma=-90 --alpha 1", "gamma is in rad, and above a turn; degrees are written with"),
-        (RING.replace("0.05", "40", 1), "radius is in m, and above 1 m"),
-        ("--gamma 450deg --alpha 10*pi", ""),
-    ],
-)
-def test_units_that_are_in_doubt_are_warned_of_once(
-    words: str, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.main(["scenario", *words.split()]) == 0
-    shown = capsys.readouterr()
+@pytest.fixture
+def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """File with an angle in degrees, in the working directory."""
+    monkeypatch.chdir(tmp_path)
+    path = Path("mine.toml")
+    path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
+    return path
+
+
+IN_DOUBT = {
+    "--gamma=-90 --alpha 1": "gamma is in rad, and above a turn; degrees are written with",
+    RING.replace("0.05", "40", 1): "radius is in m, and above 1 m",
+    "mine.toml": "gamma is in rad, and above a turn",
+    "--gamma 450deg --alpha 10*pi": "",
+}
+
+
+@pytest.mark.parametrize("words", IN_DOUBT)
+@pytest.mark.usefixtures("mine")
+def test_units_that_are_in_doubt_are_warned_of_once(words: str) -> None:
+    shown, said = answer("scenario", words), IN_DOUBT[words]
     lines = shown.err.splitlines()
     assert len(lines) == bool(said)
     assert all(line.startswith(f"tippedisk scenario: {said}") for line in lines)
     assert "[start]" in shown.out
 
 
-def test_units_of_a_file_and_of_an_axis_are_warned_of(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
-    assert cli.main(["scenario", str(path)]) == 0
-    assert "tippedisk scenario: gamma is in rad, and above a turn" in capsys.readouterr().err
+def test_units_of_a_file_and_of_an_axis_are_warned_of(mine: Path) -> None:
     with pytest.warns(UnitWarning, match="^gamma is in rad, and above a turn"):
-        assert load_scenario(path).start.gamma == 90.0  # type: ignore[union-attr]
-    out = str(tmp_path / "out.db")
+        assert load_scenario(mine).start.gamma == 90.0  # type: ignore[union-attr]
     # Refused before anything runs.
-    assert cli.main(["sweep", "gamma=0,90,180", "--most", "1", "--out", out]) == 2
-    assert capsys.readouterr().err.count("gamma is in rad, and above a turn") == 1
+    shown = answer("sweep gamma=0,90,180 --most 1 --out out.db")
+    assert (shown.code, shown.err.count("gamma is in rad, and above a turn")) == (2, 1)

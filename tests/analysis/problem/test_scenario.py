@@ -1,8 +1,7 @@
 """What a scenario and its parts accept, refuse and compute; constraints, and starts under them."""
 
 import re
-from dataclasses import asdict, fields, replace
-from inspect import signature
+from dataclasses import asdict, replace
 from math import pi
 
 import numpy as np
@@ -19,14 +18,12 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     ConstraintSet,
-    Disk,
     Level,
     PenaltyContact,
     Scenario,
     Start,
     State,
     Table,
-    ViscousFriction,
     multiplier_names,
 )
 from analysis.mechanics import constraints as rows
@@ -116,11 +113,6 @@ def test_named_disks_are_the_unrounded_ring_and_table_1() -> None:
     exact, printed = asdict(STEEL_DISK), asdict(ROUNDED_STEEL_DISK)
     assert [*exact.values()][:6] == pytest.approx(unrounded, rel=2e-7)
     assert printed == pytest.approx({name: float(f"{x:.2e}") for name, x in exact.items()})
-
-
-def test_data_types_show_their_fields_to_help() -> None:
-    for kind in (Scenario, Disk, ViscousFriction):
-        assert [*signature(kind).parameters] == [each.name for each in fields(kind)]
 
 
 def test_weight_is_mass_times_what_presses_of_gravity() -> None:
