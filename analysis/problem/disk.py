@@ -45,21 +45,8 @@ class PointMass(NamedTuple):
     mass: float
 
 
-class Parts(NamedTuple):
-    """What a disk is made of; places are in axes of the plate, and so is the body's x axis."""
-
-    plate: Plate
-    holes: tuple[Hole, ...]
-    masses: tuple[PointMass, ...]
-    ahead: tuple[float, float] = (1.0, 0.0)
-
-    def values(self) -> dict[str, Any]:
-        """Plain data that make the disk again: arguments of `Disk.ring` where it is one."""
-        values, holes = self.plate._asdict(), [list(each) for each in self.holes]
-        if self.masses or len(holes) != 1 or holes[0][1] != 0.0 or holes[0][0] > 0.0:
-            return values | {"holes": holes, "masses": [list(each) for each in self.masses]}
-        values |= {"hole_radius": holes[0][2], "hole_distance": 0.0 - holes[0][0]}
-        return {name: values[name] for name in RING}
+Parts = tuple[Plate, tuple[Hole, ...], tuple[PointMass, ...]]
+"""What a disk is made of: a plate, holes in it and masses on it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,9 +89,13 @@ class Disk(Body):
     has_edge: ClassVar[bool] = True
 
     @cached_property
-    def parts(self) -> Parts | None:
-        """What it was made of by `of_parts` or `ring`; None where only its numbers are known."""
+    def parts(self) -> dict[str, Any] | None:
+        """Plain data of which `of_parts` or `ring` made it; None where its numbers are told."""
         return None
+
+    def outline(self) -> tuple[list[Hole], list[PointMass]]:
+        """Holes and masses in axes of the body; none of a disk that is told by its numbers."""
+        return vars(self).get("_pieces", ([], []))
 
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:
         """Lowest point of the edge; see `Body`.
@@ -144,17 +135,6 @@ class Disk(Body):
             lean = min(1.0, e * sqrt(square / (flattening * (flattening - e**2))))
         return sqrt(square + flattening * lean**2) - e * lean, lean
 
-    def outline(self) -> tuple[list[Hole], list[PointMass]]:
-        """Holes and masses in axes of the body; none of a disk that is told by its numbers."""
-        if self.parts is None:
-            return [], []
-        c, s = self.parts.ahead
-
-        def turned(part: Any) -> Any:
-            return part._replace(x=c * part.x + s * part.y, y=c * part.y - s * part.x)
-
-        return [*map(turned, self.parts.holes)], [*map(turned, self.parts.masses)]
-
     @classmethod
     def of_parts(
         cls,
@@ -191,15 +171,16 @@ class Disk(Body):
         True
         """
         parts = _checked(plate, holes, masses)
+        radius = parts[0].radius
         mass, (x, y), (xx, yy, zz, xy) = _mass_properties(parts)
         e = hypot(x, y)
-        if e < CENTRED * parts.plate.radius:
+        if e < CENTRED * radius:
             turn = 0.5 * np.arctan2(2.0 * xy, xx - yy) if _product(xy, zz) else 0.0
             e, c, s = 0.0, cos(turn), sin(turn)
         else:
             c, s = x / e, y / e
         disk = cls(
-            radius=parts.plate.radius,
+            radius=radius,
             mass=mass,
             eccentricity=e,
             inertia_x=c * c * xx + s * s * yy + 2.0 * c * s * xy,
@@ -207,7 +188,12 @@ class Disk(Body):
             inertia_z=zz,
             inertia_xy=_product(c * s * (yy - xx) + (c * c - s * s) * xy, zz),
         )
-        vars(disk)["parts"] = parts._replace(ahead=(c, s))
+
+        def turned(part: Any) -> Any:
+            return part._replace(x=c * part.x + s * part.y, y=c * part.y - s * part.x)
+
+        pieces = [*map(turned, parts[1])], [*map(turned, parts[2])]
+        vars(disk).update(parts=_plain(*parts), _pieces=pieces)
         return disk
 
     @classmethod
@@ -253,26 +239,23 @@ def _checked(
 ) -> Parts:
     """Parts of a disk, or `ArgumentError`."""
     sizes = zip(PLATE, numbers("plate", plate, PLATE), strict=True)
-    parts = Parts(
-        Plate(*(checked(QUANTITIES[f"disk.{name}"], value) for name, value in sizes)),
-        _pieces("holes", Hole, holes),
-        _pieces("masses", PointMass, masses),
-    )
-    reach = parts.plate.radius
-    for number, hole in enumerate(parts.holes):
+    round_plate = Plate(*(checked(QUANTITIES[f"disk.{name}"], value) for name, value in sizes))
+    cut, added = _pieces("holes", Hole, holes), _pieces("masses", PointMass, masses)
+    reach = round_plate.radius
+    for number, hole in enumerate(cut):
         not_negative("holes", hole.radius)
         if hypot(hole.x, hole.y) + hole.radius >= reach:
             raise ArgumentError(
                 "holes", f"must lie within the plate of radius {reach:g}, got {hole}"
             )
-        for other in parts.holes[:number]:
+        for other in cut[:number]:
             if hypot(hole.x - other.x, hole.y - other.y) < hole.radius + other.radius:
                 raise ArgumentError("holes", f"must not overlap, got {other} and {hole}")
-    for mass in parts.masses:
+    for mass in added:
         positive("masses", mass.mass)
         if hypot(mass.x, mass.y) > reach:
             raise ArgumentError("masses", f"must lie on the plate of radius {reach:g}, got {mass}")
-    return parts
+    return round_plate, cut, added
 
 
 def _pieces(name: str, kind: Any, given: Any) -> Any:
@@ -283,14 +266,15 @@ def _pieces(name: str, kind: Any, given: Any) -> Any:
 
 def _mass_properties(parts: Parts) -> tuple[Any, tuple[Any, Any], tuple[Any, Any, Any, Any]]:
     """Mass, centre of gravity, and entries xx, yy, zz, xy of the inertia, in axes of the plate."""
-    (radius, thickness, density), axial = parts.plate, parts.plate.thickness**2 / 12
+    (radius, thickness, density), holes, masses = parts
+    axial = thickness**2 / 12
     unit = density * thickness * pi
     # Areas over pi, which a hole takes away and a mass stands for; places; radius² and
     # thickness² / 12 of a round piece.
     pieces = [
         (radius**2, 0.0, 0.0, radius**2, axial),
-        *((-(each.radius**2), each.x, each.y, each.radius**2, axial) for each in parts.holes),
-        *((each.mass / unit, each.x, each.y, 0.0, 0.0) for each in parts.masses),
+        *((-(each.radius**2), each.x, each.y, each.radius**2, axial) for each in holes),
+        *((each.mass / unit, each.x, each.y, 0.0, 0.0) for each in masses),
     ]
     area = mass = x = y = xx = yy = zz = xy = across = 0.0
     for share, a, b, square, height in pieces:
@@ -300,6 +284,15 @@ def _mass_properties(parts: Parts) -> tuple[Any, tuple[Any, Any], tuple[Any, Any
         across = across + added * (square / 4 + height)
         zz = zz + added * (square / 2 + (a**2 + b**2))
     return mass, (x / area, y / area), (across + xx, across + yy, zz, xy)
+
+
+def _plain(plate: Plate, holes: tuple[Hole, ...], masses: tuple[PointMass, ...]) -> dict[str, Any]:
+    """Plain data that make a disk again: arguments of `Disk.ring` where it is one."""
+    values, listed = plate._asdict(), [list(each) for each in holes]
+    if masses or len(holes) != 1 or holes[0].y != 0.0 or holes[0].x > 0.0:
+        return values | {"holes": listed, "masses": [list(each) for each in masses]}
+    values |= {"hole_radius": holes[0].radius, "hole_distance": 0.0 - holes[0].x}
+    return {name: values[name] for name in RING}
 
 
 def _product(value: Any, scale: Any) -> Any:

@@ -284,7 +284,7 @@ def require_plain(scenario: Scenario, analysis: str) -> None:
 def as_plain(part: Any) -> dict[str, Any]:
     """Plain data of a part, to be stored; `made_part` makes it again."""
     if isinstance(part, Disk) and part.parts is not None:
-        return part.parts.values()
+        return dict(part.parts)
     values = {each.name: getattr(part, each.name) for each in fields(part)}
     if isinstance(part, FrictionLaw):
         return {"law": LAWS.name_of(type(part))} | values
