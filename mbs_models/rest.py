@@ -184,7 +184,7 @@ def largest_step(scenario: Scenario, leaning: float = 1.0) -> float:
     decay = max(
         contact.damping * disk.contact_mobility,
         scenario.slip_decay,
-        slope * scenario.weight * reach**2 / disk.least_moment,
+        slope * scenario.weight * reach**2 / disk.principal_moments[0],
     )
     # Stability limits of the method along the imaginary and the negative real axis.
     return min(2.8 / frequency, 2.7 / decay) if decay else 2.8 / frequency

@@ -129,14 +129,9 @@ class Body(Described):
         return least, middle, largest
 
     @property
-    def least_moment(self) -> float:
-        """Least moment of inertia in kg m² against which the contact turns it."""
-        return self.principal_moments[0]
-
-    @property
     def contact_mobility(self) -> float:
         """Acceleration of the contact point by a force on it, at most, in 1/kg."""
-        return 1.0 / self.mass + (self.radius + self.eccentricity) ** 2 / self.least_moment
+        return 1.0 / self.mass + (self.radius + self.eccentricity) ** 2 / self.principal_moments[0]
 
     @abstractmethod
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:

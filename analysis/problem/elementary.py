@@ -12,8 +12,8 @@ group goes its own.
 
 import cmath
 import math
-from collections.abc import Iterable
-from typing import Any, Protocol, TypeVar
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -86,11 +86,7 @@ def register(kind: type, library: Any) -> None:
     _LIBRARIES[kind] = library
 
 
-class _Function(Protocol):
-    def __call__(self, x: T, /) -> T: ...
-
-
-def _elementary(name: str) -> _Function:
+def _elementary(name: str) -> Callable[[T], T]:
     """Function that the library of its argument has by this name."""
     of_float = getattr(math, name)
 

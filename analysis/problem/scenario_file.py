@@ -28,7 +28,7 @@ FORMAT = 1
 _MODELS = ", ".join(f"{level} {each[-1]}" for level, each in MODELS.items())
 _FURTHER = "\n# ".join(wrap(", ".join(f'"{each}"' for each in CONSTRAINTS[1:]), 97))
 
-_ABOUT = {
+_ABOUT: dict[str, str] = {
     "": f"""\
 # A problem of the tippedisk, whole: tippedisk simulate --scenario FILE --out run.npz
 # Angles are in rad, or text: "pi/2", "-pi/2 + 0.1", "90deg".
@@ -47,13 +47,9 @@ format = {FORMAT}
     "friction": f"""\
 # Laws: {declared("friction.law").allowed}.
 """,
-    "table": "",
     "contact": """\
 # Without this table the disk neither leaves the table nor sinks into it (ideal contact).
 # With it, the contact is a spring and a damper at the lowest point; for Model 1.
-""",
-    "dissipation": """\
-# What else takes energy, on the contact of [contact].
 """,
     "start": f"""\
 # What is left out follows from the rest and from the constraints. A start may also be told by
@@ -93,7 +89,7 @@ def scenario_text(scenario: Scenario) -> str:
     values, usual = instance("scenario", scenario, Scenario).values(), _usual(scenario)
     told = "constraints" if scenario.model is None else "model"
     values[""] = {told: usual[""][told]}
-    return "\n".join(_table(name, values.get(name), usual.get(name, {})) for name in _ABOUT)
+    return "\n".join(_table(name, values.get(name), usual.get(name, {})) for name in SECTIONS)
 
 
 def _usual(scenario: Scenario) -> dict[str, dict[str, Any]]:
@@ -120,7 +116,8 @@ def _table(table: str, given: dict[str, Any] | None, usual: dict[str, Any]) -> s
     known = of_table(table)
     values = {name: each.default for name, each in known.items()}
     values |= {name: each for name, each in usual.items() if name in values | _OF_LIST}
-    lines = [_ABOUT[table], f"{'# ' if given is None else ''}[{table}]\n" if table else ""]
+    heading = f"{'# ' if given is None else ''}[{table}]\n" if table else ""
+    lines = [_ABOUT.get(table, f"# {SECTIONS[table].about}\n"), heading]
     # TOML has no word for what is left out.
     given = {name: each for name, each in (given or {}).items() if each is not None}
     for name, value in (values | given).items():

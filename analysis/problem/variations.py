@@ -26,7 +26,6 @@ from analysis.problem.values import Value, read_value
 T = TypeVar("T")
 Numbers = dict[str, Any]
 Values = npt.NDArray[Any]
-Words = Mapping[str, Value]
 
 
 def check_fields(scenario: Scenario, values: Mapping[str, Any]) -> None:
@@ -257,7 +256,7 @@ class Ensemble:
     def _values(self, member: int) -> dict[str, Value]:
         return {name: values[member].item() for name, values in self.fields.items()}
 
-    def _by_words(self) -> Iterator[tuple[Words, Rows]]:
+    def _by_words(self) -> Iterator[tuple[Mapping[str, Value], Rows]]:
         """Members that differ in numbers alone."""
         words = {name: each for name, each in self.fields.items() if each.dtype.kind != "f"}
         groups: defaultdict[tuple[Value, ...], list[int]] = defaultdict(list)
