@@ -117,7 +117,7 @@ class FrictionLaw(Described):
             return load * self.per_speed(0.0)
         little = _LITTLE * self.finest_speed
         forces = self.force(little, 0.0, load)[0], self.force(0.0, little, load)[1]
-        return float(-min(forces) / little)
+        return -min(forces) / little
 
     @property
     def is_on(self) -> bool:
@@ -244,7 +244,7 @@ class TanhCoulomb(_Regularised):
     def per_speed(self, speed: float) -> float:
         """Force for each newton of load and each m/s; see `FrictionLaw`."""
         relative = speed / self.smoothing
-        if isinstance(relative, float) and relative < 1e-4:
+        if isinstance(speed, float) and speed < 1e-4 * self.smoothing:
             # Two terms of the series: the next one is below rounding.
             return self.coefficient / self.smoothing * (1.0 - relative * relative / 3.0)
         return self.coefficient * tanh(relative) / speed

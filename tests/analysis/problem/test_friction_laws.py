@@ -1,7 +1,7 @@
 """Friction laws: their closed properties, both sides under each, files and the command line."""
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from math import nan
 from pathlib import Path
@@ -15,6 +15,7 @@ import mbs_models
 from analysis import (
     LAWS,
     AnisotropicCoulomb,
+    Ensemble,
     FrictionLaw,
     LubricatedCoulomb,
     PenaltyContact,
@@ -79,6 +80,16 @@ def test_laws_are_the_papers_where_they_have_to_be_and_have_their_full_force() -
     assert ViscousFriction().per_speed(7.0) == ViscousFriction().viscosity
     assert PowerLawCoulomb().force(0.0, 1e9, 8.0)[1] == pytest.approx(-0.3 * 8.0 ** (2 / 3))
     assert LubricatedCoulomb().force(2.0, 0.0, 0.0) == pytest.approx((-0.2, 0.0))
+
+
+@pytest.mark.parametrize("law", SHIPPED, ids=name)
+def test_members_under_any_law_are_checked_together(law: FrictionLaw) -> None:
+    _, *numbers = fields(law)
+    for field in numbers:
+        values = getattr(law, field.name) * np.linspace(1.0, 1.01, 3)
+        varied = Ensemble(scenario=Scenario(friction=law), fields={field.name: values})
+        ((rows, _),) = varied.map_groups(lambda scenario: scenario)
+        assert rows.size == 3
 
 
 def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
