@@ -68,7 +68,14 @@ class Loads:
     ----------
     scenario : Scenario
         With a penalty contact. At a thickness of zero, the disk must not lie flat.
+
+    Attributes
+    ----------
+    last : Loading
+        The last answer of `at`.
     """
+
+    last: Loading
 
     def __init__(self, scenario: Scenario) -> None:
         disk = self._disk = scenario.disk
@@ -83,7 +90,7 @@ class Loads:
         half_air = 0.5 * self._loss.air_drag
         self._push = half_air * pi * disk.radius**2
         self._brake = half_air * 8.0 / 15.0 * disk.radius**5
-        self._last: tuple[tuple[float, Matrix, Triple, Triple], Loading] | None = None
+        self._state: tuple[float, Matrix, Triple, Triple] | None = None
 
     def lowest(self, matrix: Matrix) -> Triple:
         """Lowest point from the centre in m, in inertial axes.
@@ -126,9 +133,9 @@ class Loads:
             Velocity of G in m/s and angular velocity in rad/s.
         """
         state = (centre_height, matrix, v, w)
-        if self._last is None or self._last[0] != state:
-            self._last = (state, self._new(*state))
-        return self._last[1]
+        if self._state != state:
+            self._state, self.last = state, self._new(*state)
+        return self.last
 
     def along(
         self, place: Array, rotation: Array, velocity: Array, angular: Array
@@ -146,12 +153,6 @@ class Loads:
         for matrix, (height, v, w) in zip(matrices, states, strict=True):
             load = self.at(height, matrix, v, w)
             yield load, hypot(*_contour(self.spread(matrix, -load.point[2]), w))
-
-    @property
-    def last(self) -> Loading:
-        """The last answer."""
-        assert self._last is not None
-        return self._last[1]
 
     def _new(self, centre_height: float, matrix: Matrix, v: Triple, w: Triple) -> Loading:
         px, py, pz = point = self.lowest(matrix)

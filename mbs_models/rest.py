@@ -29,7 +29,7 @@ from mbs_models.effort import rest_effort
 from mbs_models.endings import suspects, turning_negative, until_ending
 from mbs_models.floating import FloatingLie, quaternion_rates
 from mbs_models.integrators import Integrator
-from mbs_models.loads import largest_lever, loads_of
+from mbs_models.loads import largest_lever
 from mbs_models.model import Reading
 from mbs_models.probe import Probe
 from mbs_models.runs import run
@@ -332,32 +332,30 @@ class EngineWay(WayToRest):
 
     def still(self, states: Array) -> tuple[Array, Array]:
         """Kinetic energies, and how far the centre of gravity is above its height at rest."""
+        kinetic, cog = self._moving(states)
         disk, contact = self.scenario.disk, self.scenario.penalty_contact
-        height = states[:, 2] + disk.eccentricity * spatial(states).rotations[:, 2, 0]
-        rise = height - contact.resting_height(disk, self.scenario.weight)
-        return self._kinetic(states), rise
+        return kinetic, cog[:, 2] - contact.resting_height(disk, self.scenario.weight)
 
-    def _kinetic(self, states: Array) -> Array:
-        """Kinetic energy in J, shape (n,)."""
+    def _moving(self, states: Array) -> tuple[Array, Array]:
+        """Kinetic energies in J, shape (n,), and places of the centre of gravity, shape (n, 3)."""
         disk, local = self.scenario.disk, states[:, TURNING]
-        _, rotation, v, w = spatial(states)
-        about_centre = np.einsum("ni,ij,nj->n", local, disk.tensor, local)
+        place, rotation, velocity, angular = spatial(states)
         arm = disk.eccentricity * rotation[:, :, 0]
-        coupling = 2.0 * np.sum(v * np.cross(w, arm), axis=1)
-        return 0.5 * (about_centre + disk.mass * (np.sum(v * v, axis=1) + coupling))
+        speed = np.linalg.norm(velocity + np.cross(angular, arm), axis=1)
+        turning = np.einsum("ni,ij,nj->n", local, disk.tensor_about_cog, local)
+        return 0.5 * (disk.mass * speed**2 + turning), place + arm
 
     def readings(self, states: Array) -> dict[str, Any]:
         """Arrays of a `SpatialMotion` by their names."""
-        disk, loads = self.scenario.disk, loads_of(self.scenario)
         place, rotation, velocity, angular = poses = spatial(states)
         values = np.array(
             [
                 (*load.point, load.slip, contour, load.normal, load.elastic)
-                for load, contour in loads.along(*poses)
+                for load, contour in self.model.loads.along(*poses)
             ]
         )
-        cog = place + disk.eccentricity * rotation[:, :, 0]
-        potential = -disk.mass * cog @ np.array(self.scenario.table.vector)
+        kinetic, cog = self._moving(states)
+        potential = -self.scenario.disk.mass * cog @ np.array(self.scenario.table.vector)
         return {
             "positions": place,
             "quaternions": frames.quaternions(rotation),
@@ -367,6 +365,6 @@ class EngineWay(WayToRest):
             "slip_speeds": values[:, 3],
             "contour_speeds": values[:, 4],
             "normal_force": values[:, 5],
-            "energies": np.column_stack((self._kinetic(states), potential, values[:, 6])),
+            "energies": np.column_stack((kinetic, potential, values[:, 6])),
             "dissipated": states[:, TAKEN],
         }
