@@ -92,7 +92,7 @@ class Model(ABC):
         self._build()
         # What is added later needs that anew, which forgets initial accelerations.
         self.system.Assemble()
-        self._readings = [*self.pose_readings(), *self._force_readings()]
+        self._readings = [*self.pose_readings(), self.system.systemData.GetAECoordinates]
 
     @abstractmethod
     def _build(self) -> None:
@@ -139,11 +139,6 @@ class Model(ABC):
     @abstractmethod
     def pose_readings(self) -> list[Reading]:
         """What to read of a state for `decode`, one after the other."""
-
-    def _force_readings(self) -> list[Reading]:
-        """What `multipliers` takes of a state."""
-        has_any = self.has_constraints(self.scenario)
-        return [self.system.systemData.GetAECoordinates] * has_any
 
     def read(self) -> list[Array]:
         """The engine's current state: what makes a record, one after the other."""

@@ -214,8 +214,6 @@ class Probe:
         return change / (more - less)
 
     def _residuals(self, *, velocity: bool = True) -> Array:
-        if not self._equations:
-            return np.zeros(0)
         self._solver.ComputeAlgebraicEquations(self._system, velocity)
         return self._solver.GetSystemResidual()[self._size :]
 

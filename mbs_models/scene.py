@@ -13,7 +13,6 @@ from mbs_models.model import Model
 from mbs_models.trees import ContactTree, EulerTree
 
 _BY_ACCURACY: tuple[type[Model], ...] = (ContactTree, EulerTree, Floating, FloatingLie)
-_TO_REST: tuple[type[Model], ...] = (FloatingLie, Floating)
 
 CLASSES: dict[EngineFormulation, type[Model]] = {each.name: each for each in _BY_ACCURACY}
 
@@ -45,7 +44,8 @@ def formulations(scenario: Scenario) -> tuple[EngineFormulation, ...]:
     """
     contact = instance("scenario", scenario, Scenario).contact
     lies_flat = contact is not None and (scenario.is_smooth or scenario.dissipation.is_on)
-    ranked = _TO_REST if lies_flat else _BY_ACCURACY
+    # Of free bodies, which alone can lie flat, the one that explicit steps can take comes first.
+    ranked = _BY_ACCURACY[::-1] if lies_flat else _BY_ACCURACY
     if contact is None and sin(scenario.initial_state.coordinates[4]) < FREE_BELOW:
         ranked = tuple(sorted(ranked, key=lambda each: each.has_euler_angles))
     return tuple(each.name for each in ranked if not each.obstacle(scenario))

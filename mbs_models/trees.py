@@ -214,9 +214,9 @@ class ContactTree(_Tree):
             [ad, xd, yd + r * sin(beta) * bd, bd, gd],
         )
 
-    def _force_readings(self) -> list[Reading]:
+    def pose_readings(self) -> list[Reading]:
         # No constraint carries the contact force, so it is taken from the accelerations.
-        return [self.system.systemData.GetODE2Coordinates_tt]
+        return [*super().pose_readings(), self.system.systemData.GetODE2Coordinates_tt]
 
     def decode(self, records: Array) -> tuple[Array, Array]:
         r = self.scenario.disk.radius
