@@ -123,12 +123,10 @@ class Floating(Model):
             _system: Any, _t: Any, _item: Any, _displacement: Any, rotation: Any,
             velocity: Any, angular: Any, *_unused: Any,
         ) -> list[float]:  # fmt: skip
-            if is_sphere:
-                n1, n2, c0, c1, c2 = 0.0, 1.0, -r, 0.0, 0.0
-            else:
-                n1, n2 = -sin(rotation[0]), cos(rotation[0])
-                rise = r * sin(rotation[1])
-                c0, c1, c2 = -r * cos(rotation[1]), rise * n1, rise * n2
+            n1, n2 = -sin(rotation[0]), cos(rotation[0])
+            elevation = 0.0 if is_sphere else rotation[1]
+            rise = r * sin(elevation)
+            c0, c1, c2 = -r * cos(elevation), rise * n1, rise * n2
             slip_1 = velocity[1] + angular[2] * c0 - angular[0] * c2
             slip_2 = velocity[2] + angular[0] * c1 - angular[1] * c0
             # The normal's level direction (n1, n2) points against e_y.

@@ -1,7 +1,7 @@
 """What a scene consists of in the engine, and why; and ballast, to measure what more would cost.
 
-Ballast is a function that takes a model which is built and has not run, adds a part that this does
-not need, and assembles it anew. None of them changes the motion.
+Ballast is a function that takes a model which is built and has not run, and adds a part that this
+does not need; its system is to be assembled anew then. None of them changes the motion.
 """
 
 from collections.abc import Callable
@@ -103,7 +103,6 @@ def _item(model: Model, kind: Kind, number: int) -> Item:
 def idle_friction(model: Model) -> None:
     """Friction of coefficient zero, as a connector or in the tree's user function."""
     model.act(model.friction(lambda: 0.0), "friction of coefficient zero")
-    model.system.Assemble()
 
 
 def sensor_per_quantity(model: Model) -> None:
@@ -124,7 +123,6 @@ def sensor_per_quantity(model: Model) -> None:
             writeToFile=False,
         )
         model.system.AddSensor(sensor)
-    model.system.Assemble()
 
 
 def ten_markers(model: Model) -> None:
@@ -132,14 +130,12 @@ def ten_markers(model: Model) -> None:
     table = model.system.AddObject(items.ObjectGround())
     for _ in range(10):
         model.system.AddMarker(items.MarkerBodyRigid(bodyNumber=table))
-    model.system.Assemble()
 
 
 def second_body(model: Model) -> None:
     """A free rotating mass, unconnected: two more states to integrate."""
     node = model.system.AddNode(items.Node1D(referenceCoordinates=[0.0]))
     model.system.AddObject(items.ObjectRotationalMass1D(nodeNumber=node, inertia=1.0))
-    model.system.Assemble()
 
 
 def six_axes(model: Model) -> None:
@@ -159,7 +155,6 @@ def six_axes(model: Model) -> None:
     system.AddObject(
         items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 0])
     )
-    system.Assemble()
 
 
 BALLAST: dict[str, Ballast] = {

@@ -137,6 +137,7 @@ def test_ballast_does_not_change_the_motion(
     for load in (lambda _: None, part):
         loaded = build(scene)
         load(loaded)
+        loaded.system.Assemble()
         integrator = find_integrator(scene, None)
         times = np.linspace(0.0, 3e-2, 4)
         records = run(loaded, integrator, times, np.full(3, 10)).records

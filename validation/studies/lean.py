@@ -62,6 +62,7 @@ def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
     model = build(scene)
     for add in parts:
         add(model)
+        model.system.Assemble()
     recording = run(
         model,
         find_integrator(scene, None),
