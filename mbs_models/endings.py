@@ -14,13 +14,7 @@ import numpy.typing as npt
 from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array, ToleranceError
 from analysis.problem.choices import Method
-from analysis.solve.stepping import (
-    InitialValueProblem,
-    Run,
-    SolverError,
-    integrate,
-    pulls_at_start,
-)
+from analysis.solve.stepping import InitialValueProblem, SolverError, integrate, pulls_at_start
 from analysis.solve.watch import Watch, intervals
 from mbs_models.solving import EngineError, stepping
 
@@ -149,17 +143,17 @@ def until_ending(
         # Runs differ by their errors: what one shows to be negative may be so later in another.
         end, size = suspect.width + margin * bool(suspect.reason), suspect.row + 1
         try:
-            found, last = _located(records[suspect.row], end, motion, work, allow_pulling)
+            reason, later, last = _located(records[suspect.row], end, motion, work, allow_pulling)
         except EngineError as error:
             # Where a condition is known to be negative, an ending must not be passed over.
             if suspect.reason:
                 at = f"the ending {suspect.reason!r} after t = {moments[suspect.row]:.6g} s"
                 raise EngineError(f"{at} is not found: {error}") from error
             continue
-        if ended := found.ended or suspect.reason:
+        if ended := reason or suspect.reason:
             moments, records = moments[:size], records[:size]
-            if found.times[-1] > 0.0:
-                moments = np.append(moments, moments[-1] + found.times[-1])
+            if later > 0.0:
+                moments = np.append(moments, moments[-1] + later)
                 records = np.vstack((records, last))
             return ended, moments, records
     return None, moments, records
@@ -167,14 +161,14 @@ def until_ending(
 
 def _located(
     record: Array, end: float, motion: Stepped, work: Counter[str], allow_pulling: bool
-) -> tuple[Run, Array]:
-    """Motion from a record up to its first ending within `end` s, and the record there."""
+) -> tuple[str | None, float, Array]:
+    """Why a motion ends first within `end` s of a record, if it does; time and record there."""
     # On a stiff contact a search may be endless, and a run that broke off has then no ending.
     watch, times = Watch(most=MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
     with stepping(motion.system):
         problem = motion.starting_at(record)
         if pulls_at_start(problem, allow_pulling=True) and not allow_pulling:
-            return Run(times[:1], record[None], 0, CONTACT_WOULD_PULL, ()), record
+            return CONTACT_WOULD_PULL, 0.0, record
         try:
             found = integrate(
                 problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
@@ -182,7 +176,7 @@ def _located(
         except ToleranceError as error:
             raise SolverError(f"{MOST_STEPS_OF_A_SEARCH} steps are too few") from error
         work.update(steps=found.steps, right_hand_sides=found.evaluations)
-        return found, motion.samples(found.states[-1:])[0]
+        return found.ended, float(found.times[-1]), motion.samples(found.states[-1:])[0]
 
 
 def _dips(moments: Array, values: Array, reason: str) -> Iterator[Suspect]:

@@ -17,7 +17,6 @@ from analysis.problem.choices import EngineFormulation
 from analysis.problem.constraints import prescribed
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
-from mbs_models.loads import Loads, loads_of
 from mbs_models.model import Floats, Force, Load, Model, Reading
 
 _OUTPUT = exu.OutputVariableType
@@ -78,11 +77,6 @@ class Floating(Model):
         self._add_forces()
         if self.scenario.contact is None:
             self.joints.add(self._centre, self._disk_marker, self._turning)
-
-    @cached_property
-    def loads(self) -> Loads:
-        """What acts on the disk at its centre on a penalty contact."""
-        return loads_of(self.scenario)
 
     def _disk_marker(self, offset: float, why: str) -> int:
         return self.assembly.add(

@@ -14,9 +14,6 @@ from collections.abc import Callable, Iterator
 from math import cos, hypot, pi, sin, sqrt
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from analysis.motion import frames
 from analysis.problem.bodies import EllipticDisk, Sphere
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
@@ -302,13 +299,6 @@ def loads_of(scenario: Scenario) -> Loads:
 
 def _dot(a: Any, b: Any) -> Any:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def forces_on(scenario: Scenario, z: Array, u: Array) -> Array:
-    """Normal force in N, shape (n,), of coordinates z and rates u, shape (n, 6) each."""
-    (place, rotation), (velocity, angular) = frames.poses(z), frames.twists(z, u)
-    loadings = loads_of(scenario).along(place, rotation, velocity, angular)
-    return np.array([load.normal for load, _ in loadings])
 
 
 def largest_lever(body: Body, leaning: float, half_thickness: float) -> float:

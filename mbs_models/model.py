@@ -5,16 +5,18 @@ Each formulation is a class, which holds its traits.
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
+from analysis.motion import frames
 from analysis.problem.checks import Array
 from analysis.problem.choices import EngineFormulation
 from analysis.problem.scenario import Scenario
 from mbs_models.assembly import Assembly
 from mbs_models.joints import Joints
-from mbs_models.loads import forces_on
+from mbs_models.loads import Loads, loads_of
 
 Floats = Sequence[float]
 
@@ -105,6 +107,11 @@ class Model(ABC):
 
     # --- What acts on the disk -------------------------------------------------------------------
 
+    @cached_property
+    def loads(self) -> Loads:
+        """What acts on the disk at its centre on a penalty contact."""
+        return loads_of(self.scenario)
+
     @abstractmethod
     def act(self, force: Force, name: str) -> None:
         """Have a user function of this name act on the disk."""
@@ -189,5 +196,6 @@ class Model(ABC):
             Co-rotating coordinates and their rates, as `decode` makes them.
         """
         if self.scenario.contact is not None:
-            return forces_on(self.scenario, coordinates, rates)[:, None]
+            placed, moving = frames.poses(coordinates), frames.twists(coordinates, rates)
+            return np.array([[load.normal] for load, _ in self.loads.along(*placed, *moving)])
         return self.joints.forces(carriers, coordinates[:, 3])

@@ -214,8 +214,6 @@ class FloatingWithLosses(FloatingLie):
 
     def _build(self) -> None:
         super()._build()
-        # Asked for so often that it is kept.
-        self._pose = super().pose_readings()
         zeros = [0.0] * len(CAUSES)
         energies = self.assembly.add(
             items.NodeGenericODE1(
@@ -234,12 +232,12 @@ class FloatingWithLosses(FloatingLie):
 
     def powers(self) -> list[float]:
         """What each cause takes in W in the engine's current state, six floats."""
-        (_, _, height), matrix, v, w = [tuple(read().tolist()) for read in self._pose]
+        (_, _, height), matrix, v, w = [tuple(read().tolist()) for read in self._readings[:4]]
         return self.loads.at(height, matrix, v, w).taken
 
     def pose_readings(self) -> list[Reading]:
         """What `states_of` takes."""
-        return [*self._pose, self.system.systemData.GetODE1Coordinates]
+        return [*super().pose_readings(), self.system.systemData.GetODE1Coordinates]
 
 
 class EngineWay(WayToRest):
