@@ -27,7 +27,7 @@ from analysis import (
     Table,
     ToleranceError,
 )
-from mbs_models import FORMULATIONS, EngineError, Formulation, Integrator, Newton, Scene
+from mbs_models import FORMULATIONS, EngineError, Integrator, Newton, Scene
 from mbs_models.integrators import FINEST_LOCAL
 from tests.bodies import EGG, TIPPE_TOP
 from tests.calls import python
@@ -75,14 +75,9 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
      "contact must be left out"),
     (partial(mbs_models.eigenvalues, scene_of(table=Table(inclination=0.1), start=SPINNING)),
      "linearisation .* needs a horizontal table, got an inclination"),
-    (partial(mbs_models.state_matrix, Scene()), "start must be a stationary motion"),
     (partial(to_rest, rest_scene(), 1.0, step=0.0), "step must be positive, got 0"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-3), "the predicted stability limit"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-4, tolerance=1e-3), "either step or tolerance"),
-    (partial(to_rest, rest_scene(), 1.0, spacing=2.0), "spacing must not exceed end"),
-    (partial(to_rest, Scene(), 1.0), "contact must be a PenaltyContact, got None"),
-    (partial(to_rest, scene_of(1, "floating-lie", contact=YIELDING), 1.0),
-     "half_thickness must be positive"),
     (partial(to_rest, scene_of(1, "floating", contact=ROUNDED), 1.0),
      "must be of formulation 'floating-lie'"),
 ]  # fmt: skip
@@ -178,21 +173,26 @@ class Beyond(BaseException):
     pass
 
 
+PENDING: list[BaseException | None] = []
+"""What calls of a law or a condition raise in turn, the last one first."""
+
+
+def raise_in_turn() -> None:
+    error = PENDING.pop() if PENDING else None
+    if error is not None:
+        raise error
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failing(SmoothCoulomb):
-    """A law that raises at one of its next calls, once it is told to."""
-
     def per_speed(self, speed: float) -> float:
-        if PENDING:
-            calls, error = PENDING.pop()
-            if not calls:
-                raise error
-            PENDING.append((calls - 1, error))
+        raise_in_turn()
         return SmoothCoulomb.per_speed(self, speed)
 
 
-PENDING: list[tuple[int, BaseException]] = []
-"""After how many calls a law raises what."""
+def failing(_: State) -> float:
+    raise_in_turn()
+    return 1.0
 
 
 @pytest.mark.parametrize(
@@ -202,29 +202,18 @@ PENDING: list[tuple[int, BaseException]] = []
 )
 @pytest.mark.parametrize("formulation", [*FORMULATIONS, "to rest"])
 @pytest.mark.parametrize("by_steps", [False, True], ids=["tolerance", "step"])
-def test_what_a_law_raises_ends_a_run_and_comes_out_as_it_is(
-    formulation: Any, by_steps: bool, error: BaseException
+@pytest.mark.parametrize("asked", ["law", "condition"])
+def test_what_a_law_or_a_condition_raises_ends_a_run_and_comes_out_as_it_is(
+    formulation: Any, asked: str, by_steps: bool, error: BaseException
 ) -> None:
-    PENDING[:] = [(500, error)]
-    call = runner(formulation, TIMES, friction=Failing())
+    PENDING[:] = [error, *[None] * 100]
+    how: dict[str, Any] = {"step": 1e-5} if by_steps else {"tolerance": 1e-6}
+    how["stop_when"] = failing if asked == "condition" else ()
+    friction = Failing() if asked == "law" else SmoothCoulomb()
     with pytest.raises(type(error)) as caught:
-        call(**({"step": 1e-5} if by_steps else {"tolerance": 1e-6}))
+        runner(formulation, TIMES, friction=friction)(**how)
     assert caught.value is error
     assert caught.value.__cause__ is None
-
-
-@pytest.mark.parametrize("formulation", FORMULATIONS)
-def test_what_a_condition_raises_comes_out_as_it_is(formulation: Formulation) -> None:
-    error = LookupError("condition")
-
-    def failing(state: State) -> float:
-        if state.rates[4] > 0.5:
-            raise error
-        return 1.0
-
-    with pytest.raises(LookupError) as caught:
-        mbs_models.simulate(scene_of(1, formulation), TIMES, tolerance=1e-5, stop_when=failing)
-    assert caught.value is error
 
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
