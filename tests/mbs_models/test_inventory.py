@@ -19,7 +19,7 @@ from analysis import (
 )
 from mbs_models import Formulation, Scene
 from mbs_models.integrators import find_integrator
-from mbs_models.inventory import BALLAST, inventory, six_axes
+from mbs_models.inventory import BALLAST, Item, inventory, six_axes
 from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build
@@ -54,22 +54,17 @@ def expected(level: Level, formulation: Formulation, *, rough: bool) -> list[str
     return listed + ([CARRIER, RATE] if level >= 4 else [])
 
 
-def assert_holds(scene: Scene, *items: str) -> None:
-    """These items make up a scene, and each marker is used."""
-    found = sorted(f"{item.kind} {item.type}" for item in inventory(scene))
-    assert found == sorted(", ".join(items).split(", "))
-    built = build(scene)
-    system, used = built.system, set()
-    data = system.systemData
+def held_by(scene: Scene, *items: str) -> tuple[list[Item], Model]:
+    """These items make up a scene, and each marker is used; what is listed, and the model."""
+    found, built, used = inventory(scene), build(scene), set()
+    held = sorted(f"{item.kind} {item.type}" for item in found)
+    assert held == sorted(", ".join(items).split(", "))
+    system, data = built.system, built.system.systemData
     for number in range(data.NumberOfObjects()):
         used |= {int(each) for each in system.GetObject(number).get("markerNumbers", ())}
     used |= {int(system.GetLoad(number)["markerNumber"]) for number in range(data.NumberOfLoads())}
     assert used == set(range(data.NumberOfMarkers()))
-
-
-def functions_of(scene: Scene) -> int:
-    """Number of user functions."""
-    return sum(len(item.user_functions) for item in inventory(scene))
+    return found, built
 
 
 @pytest.mark.parametrize(
@@ -81,10 +76,9 @@ def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_
     level: Level, formulation: Formulation, friction: SmoothCoulomb
 ) -> None:
     scene, rough = scene_of(level, formulation, friction=friction), friction.coefficient > 0.0
-    assert_holds(scene, *expected(level, formulation, rough=rough))
-    assert functions_of(scene) == rough
-    found, built = inventory(scene), build(scene)
+    found, built = held_by(scene, *expected(level, formulation, rough=rough))
     data = built.system.systemData
+    assert sum(len(item.user_functions) for item in found) == rough
     assert sum(item.coordinates for item in found) == len(data.GetODE2Coordinates())
     assert sum(item.equations for item in found) == len(data.GetAECoordinates())
     # Contact; COG (2); rolling; spin; and what a formulation adds for itself.
@@ -98,10 +92,10 @@ def test_scene_holds_what_it_needs_and_nothing_else_and_counts_as_the_assembled_
 @ROUGHNESS
 def test_penalty_contact_needs_one_force_law_and_no_joint(friction: SmoothCoulomb) -> None:
     given: Any = {"contact": PenaltyContact(stiffness=1e5), "friction": friction}
-    assert_holds(scene_of(1, "euler-tree", **given), TREE)
+    held_by(scene_of(1, "euler-tree", **given), TREE)
     for formulation, node in NODES.items():
         items = (node, BODY, TABLE, FRICTION.split(", ")[1])
-        assert_holds(scene_of(1, formulation, **given), *items)
+        held_by(scene_of(1, formulation, **given), *items)
 
 
 @pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
@@ -109,9 +103,9 @@ def test_friction_is_in_a_scene_only_where_some_slip_is_left(constraints: Constr
     slips = not {"no-slip-along", "no-slip-across"} <= set(constraints)
     scenario = Scenario(constraints=constraints)
     for formulation in mbs_models.formulations(scenario):
-        scene = Scene(scenario, formulation)
-        assert functions_of(scene) == slips
-        assert any("friction" in item.why for item in inventory(scene)) is slips
+        found = inventory(Scene(scenario, formulation))
+        assert sum(len(item.user_functions) for item in found) == slips
+        assert any("friction" in item.why for item in found) is slips
 
 
 def test_command_prints_items_reasons_and_sums() -> None:
