@@ -22,10 +22,11 @@ from typing import Any, NamedTuple
 import pytest
 
 from tests.calls import ROOT
-from validation.kit.progress import say
+from validation.display.progress import say
 
 ROOMS = ("analysis", "mbs_models", *(f"validation/{each}" for each in (
-    "cli.py", "commands", "kit", "maps", "page", "parser", "run.py", "study.py", "sweeps",
+    "animation", "cli.py", "commands", "comparison", "display", "maps", "measurement", "page",
+    "parser", "run.py", "study.py", "sweeps",
 )))  # fmt: skip
 """Rooms that are tried by default."""
 

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from tests.toy_study import STUDY
-from validation.kit.figures import new_figure
+from validation.display.figures import new_figure
 from validation.page.content import Content, Rows
 from validation.study import at_most
 

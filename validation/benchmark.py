@@ -36,10 +36,10 @@ from analysis.stability import spectra
 from analysis.stability.chart import stability_chart
 from mbs_models import Scene
 from mbs_models.rest import largest_step
-from validation.kit.differences import deviation
-from validation.kit.limits import holds
-from validation.kit.progress import counted
-from validation.kit.timing import in_turns
+from validation.comparison.differences import deviation
+from validation.comparison.limits import holds
+from validation.display.progress import counted
+from validation.measurement.timing import in_turns
 from validation.run import run
 from validation.studies.stability.eigenvalue_check import engine_matrices
 from validation.study import Check

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from analysis.motion.files import write_whole
-from validation import study as kit
+from validation import study as studying
 from validation.animation import play
-from validation.kit.provenance import in_a_line, provenance
-from validation.kit.sources import behind
+from validation.measurement.provenance import in_a_line, provenance
+from validation.measurement.sources import behind
 from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
 from validation.parser.kinds import DISK, METHOD
@@ -164,7 +164,7 @@ def make(
     # What measures times runs last, beside its like.
     ordered = sorted(studies.values(), key=lambda study: study.timed)
     tasks = [task for study in ordered for task in study.tasks(whole=False)]
-    found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
+    found = studying.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
     sections = dict(zip(modules, _sections(modules, found, folder, results, workers), strict=True))
     shown = [
         {"path": path, "title": title, "sections": some}
@@ -188,7 +188,7 @@ def _sections(
     """Sections of studies, drawn as cases are measured: side by side, where they are not kept."""
     drawings = [_drawing(module, found, results) for module in modules]
     tasks = [task for each in drawings for task in each.tasks(whole=True)]
-    made = kit.measured(tasks, folder, workers=workers, title="draw")
+    made = studying.measured(tasks, folder, workers=workers, title="draw")
     rows = [made[task.key] for task in tasks]
     return [
         _broken(module, repr(row)) if isinstance(row, Exception) else MadeSection.of(*row)
@@ -224,11 +224,11 @@ def draw(case: tuple[str, Found, Path]) -> list[Row]:
     for study in module.STUDIES:
         try:
             if study.is_stored:
-                rows[study.name] = kit.load(study, results)
-                about[study.name] = kit.about(study, results)
-                checks += kit.confirm(study, found, rows[study.name])
+                rows[study.name] = studying.load(study, results)
+                about[study.name] = studying.about(study, results)
+                checks += studying.confirm(study, found, rows[study.name])
             else:
-                rows[study.name] = kit.whole_table(study, found)
+                rows[study.name] = studying.whole_table(study, found)
                 number = len(rows[study.name])
                 checks.append(Check(f"{study.name}: rows", number, "some", "fresh", number > 0))
         except (RuntimeError, ValueError, OSError) as error:
@@ -289,7 +289,7 @@ def stored_table(modules: Sequence[ModuleType], results: Path) -> pd.DataFrame:
     rows = []
     for study in (study for module in modules for study in module.STUDIES):
         if study.is_stored and (results / f"{study.name}.json").is_file():
-            about = kit.about(study, results)
+            about = studying.about(study, results)
             same = about["code"] == behind(study.measure.__module__)
             rows.append(
                 {
@@ -337,8 +337,8 @@ def measure(
     """
     made_with = provenance()  # The commit may move on meanwhile.
     tasks = study.tasks(whole=True)
-    found = kit.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
-    table = kit.whole_table(study, found)
+    found = studying.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
+    table = studying.whole_table(study, found)
     results.mkdir(parents=True, exist_ok=True)
-    kit.write(study, table, made_with, results)
+    studying.write(study, table, made_with, results)
     return table

@@ -24,11 +24,11 @@ from pebble import ProcessExpired
 
 from analysis.motion.files import write_whole
 from analysis.motion.trajectory import versions
-from validation.kit.limits import holds
-from validation.kit.processes import Processes
-from validation.kit.progress import bar
-from validation.kit.provenance import PACKAGES, machine
-from validation.kit.sources import behind
+from validation.comparison.limits import holds
+from validation.display.progress import bar
+from validation.measurement.processes import Processes
+from validation.measurement.provenance import PACKAGES, machine
+from validation.measurement.sources import behind
 
 Row = dict[str, Any]
 """Numbers, text, truth values and lists of numbers by column; a missing number is None or NaN."""

@@ -18,7 +18,7 @@ from mbs_models.endings import suspects
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import runner, scene_of
-from validation.kit.differences import ending_error
+from validation.comparison.differences import ending_error
 
 TIMES = np.linspace(0.0, 0.5, 51)
 LONG = np.linspace(0.0, 0.6, 121)

@@ -16,7 +16,7 @@ from mbs_models.runs import force_rounding
 from mbs_models.scene import build
 from mbs_models.solving import quiet
 from tests.scenes import LOADED, SHORT, TIMES, scene_of, truth
-from validation.kit.differences import deviation
+from validation.comparison.differences import deviation
 
 HELD: list[Formulation] = ["euler-tree", "floating", "floating-lie"]
 

@@ -34,7 +34,7 @@ from mbs_models.extrapolation import Ladder
 from mbs_models.simulation import advice
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
-from validation.kit.differences import deviation
+from validation.comparison.differences import deviation
 
 # --- To a tolerance ------------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from tests.calls import answer, printed
 from tests.helpers import failing
 from tests.toy_study import CASES, STUDY
 from validation import report
-from validation import study as kit
+from validation import study as studying
 from validation.page.content import Content
 from validation.page.section import Section
 from validation.study import Row, Study
@@ -70,8 +70,8 @@ def test_whatever_goes_wrong_on_the_spot_fails_a_check(
 ) -> None:
     study = replace(of(case), limit=1.0 if case == "hangs" else STUDY.limit)
     workers = int(case in {"ends", "hangs"})
-    found = kit.measured(study.tasks(whole=False), tmp_path, workers=workers)
-    checks = kit.confirm(study, found, kit.load(STUDY, results))
+    found = studying.measured(study.tasks(whole=False), tmp_path, workers=workers)
+    checks = studying.confirm(study, found, studying.load(STUDY, results))
     failed = {each.name: str(each.value) for each in checks if not each.holds}
     check, said = WRONG[case]
     assert said in failed[f"toy: one: {check}"]
@@ -83,12 +83,12 @@ def test_a_number_may_be_off_by_its_limit_and_by_no_more(
     column: str, apart: float, results: Path, tmp_path: Path
 ) -> None:
     study = replace(STUDY, sample=("two",))
-    found: Any = kit.measured(study.tasks(whole=False), tmp_path, workers=0)
+    found: Any = studying.measured(study.tasks(whole=False), tmp_path, workers=0)
     # The first row alone; one of the columns relative to its size.
     for row, off in zip(found["toy", "two"], (apart, 0.9e-9), strict=True):
         value = row[column]
         row[column] = value * (1.0 + off) if column == "value" else np.add(value, -off)
-    failed = failing(kit.confirm(study, found, kit.load(STUDY, results)))
+    failed = failing(studying.confirm(study, found, studying.load(STUDY, results)))
     assert failed == ({f"toy: two: {column}"} if apart > 1e-9 else set())
 
 
@@ -96,13 +96,13 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tasks = STUDY.tasks(whole=False)
-    first = kit.measured(tasks, tmp_path, workers=0)
-    assert kit.measured(tasks, tmp_path, workers=0) == first
-    assert kit.measured(tasks, tmp_path, workers=0, fresh=True) != first
-    latest = kit.measured(tasks, tmp_path, workers=0, fresh=True)
-    assert kit.measured(tasks, tmp_path, workers=0) == latest
-    monkeypatch.setattr(kit, "behind", lambda _: "other code")
-    assert kit.measured(tasks, tmp_path, workers=0) != latest
+    first = studying.measured(tasks, tmp_path, workers=0)
+    assert studying.measured(tasks, tmp_path, workers=0) == first
+    assert studying.measured(tasks, tmp_path, workers=0, fresh=True) != first
+    latest = studying.measured(tasks, tmp_path, workers=0, fresh=True)
+    assert studying.measured(tasks, tmp_path, workers=0) == latest
+    monkeypatch.setattr(studying, "behind", lambda _: "other code")
+    assert studying.measured(tasks, tmp_path, workers=0) != latest
 
 
 def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
@@ -116,17 +116,17 @@ def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
 
     tasks = replace(STUDY, measure=measure).tasks(whole=True)
     with pytest.raises(KeyboardInterrupt):
-        kit.measured(tasks, tmp_path, workers=0)
-    assert len(kit.measured(tasks, tmp_path, workers=0)) == 2
+        studying.measured(tasks, tmp_path, workers=0)
+    assert len(studying.measured(tasks, tmp_path, workers=0)) == 2
     assert called == [1.0, 2.0, 2.0]
 
 
 def test_a_table_is_not_made_of_crashes_or_of_what_no_file_can_hold(tmp_path: Path) -> None:
-    found = kit.measured(of("raises").tasks(whole=True), tmp_path, workers=0)
+    found = studying.measured(of("raises").tasks(whole=True), tmp_path, workers=0)
     with pytest.raises(RuntimeError, match="toy: 1 cases crashed"):
-        kit.whole_table(STUDY, found)
+        studying.whole_table(STUDY, found)
     with pytest.raises(TypeError, match="rows must hold numbers"):
-        kit.rows_of(lambda _: [{"value": 1j}], CASES)
+        studying.rows_of(lambda _: [{"value": 1j}], CASES)
 
 
 # --- Pages --------------------------------------------------------------------------------------
@@ -172,7 +172,7 @@ def test_a_second_call_measures_and_draws_nothing(
         assert not tasks
         return iter(())
 
-    monkeypatch.setattr(kit, "_run", none)
+    monkeypatch.setattr(studying, "_run", none)
     assert make().sections == first.sections
 
 
@@ -191,7 +191,7 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(make: Make, tmp_pa
 def test_two_reports_do_not_work_in_one_folder(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kit, "_run", lambda *_: make())
+    monkeypatch.setattr(studying, "_run", lambda *_: make())
     with pytest.raises(OSError, match="another process works in it"):
         make()
 

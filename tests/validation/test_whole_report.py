@@ -13,7 +13,7 @@ from PIL import Image
 from tests.calls import ROOT, python
 from tests.stated import missing, values
 from validation import report
-from validation import study as kit
+from validation import study as studying
 from validation.page.content import Rows
 from validation.parser.kinds import DISK, METHOD
 from validation.study import Check
@@ -79,9 +79,11 @@ def test_a_second_call_takes_what_the_first_has_left(folder: Path) -> None:
 def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder: Path) -> None:
     module = report.find(name)
     whole = [study for study in module.STUDIES if not study.is_stored]
-    rows = {study.name: kit.load(study) for study in module.STUDIES if study.is_stored}
+    rows = {study.name: studying.load(study) for study in module.STUDIES if study.is_stored}
     for study in whole:
-        rows[study.name] = kit.whole_table(study, kit.measured(study.tasks(whole=True), folder))
+        rows[study.name] = studying.whole_table(
+            study, studying.measured(study.tasks(whole=True), folder)
+        )
     assert all(check.holds for check in module.present(rows).checks)
     for study in whole:
         table = rows[study.name].copy()

@@ -17,7 +17,7 @@ from analysis.problem.checks import Array, within
 from analysis.problem.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.animation.body import LOOK, Shape, circle, in_sight, outline, shape
 from validation.animation.keyframes import between
-from validation.kit.progress import counted
+from validation.display.progress import counted
 
 MOST_FRAMES = 2000
 FASTEST = 50.0

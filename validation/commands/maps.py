@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from analysis.problem.checks import whole
 from analysis.simulation.compiled.library import require_heyoka
 from validation.commands.options import announce_cases, checked_end, in_cases
-from validation.kit.tables import Table
+from validation.display.tables import Table
 from validation.maps.panel import Panel, expected_cases, run_panel
 from validation.maps.problems import DISTANCES, PROBLEMS, panels, shifted_sweeps, uncertainty
 from validation.parser import kinds

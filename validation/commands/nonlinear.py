@@ -19,9 +19,9 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import declared
 from analysis.problem.variations import changed
 from validation.commands.options import Problem, checked_end, parse_spins
-from validation.kit.figures import MARKED, legend_above, new_figure
-from validation.kit.progress import counted, progress_bar
-from validation.kit.tables import Table
+from validation.display.figures import MARKED, legend_above, new_figure
+from validation.display.progress import counted, progress_bar
+from validation.display.tables import Table
 from validation.nonlinear import figures, tables
 from validation.nonlinear.tables import Motion
 from validation.parser.files import Result

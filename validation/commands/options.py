@@ -14,7 +14,7 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import Kinds
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
-from validation.kit.progress import say
+from validation.display.progress import say
 from validation.sweeps.axes import axis_from
 
 _CONSTRAINTS = ("model", "constraints")

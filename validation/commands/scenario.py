@@ -9,8 +9,8 @@ from analysis import Scenario, scenario_text
 from analysis.problem.checks import whole
 from analysis.problem.choices import EngineFormulation
 from validation.commands.options import checked_end
-from validation.kit.figures import against_limits, draw_still, new_figure
-from validation.kit.tables import Table
+from validation.display.figures import against_limits, draw_still, new_figure
+from validation.display.tables import Table
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, NamedProblem
 

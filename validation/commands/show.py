@@ -6,8 +6,8 @@ from pathlib import Path
 import validation
 from analysis import StoredRun
 from validation.commands.options import stored_runs
-from validation.kit.differences import difference_table, fields_table
-from validation.kit.figures import comparison
+from validation.comparison.differences import difference_table, fields_table
+from validation.display.figures import comparison
 from validation.parser.files import CsvOut, PictureOut, Result, names_of
 from validation.parser.kinds import AnimationOut, PageOut, Run, Runs, UserClasses
 

@@ -10,9 +10,9 @@ from analysis.problem.limits import REST_SPACING
 from analysis.problem.names import ArgumentError
 from analysis.stability.linearisation import unstable_start
 from validation.commands.options import announce, checked_end
-from validation.kit.figures import comparison, draw_story
-from validation.kit.progress import progress_bar
-from validation.kit.tables import Table
+from validation.display.figures import comparison, draw_story
+from validation.display.progress import progress_bar
+from validation.display.tables import Table
 from validation.parser.commands import Group
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, MotionOut

@@ -14,9 +14,9 @@ from analysis.stability import spectra
 from analysis.stability.critical import CriticalSpeeds, critical_speeds, spin_interval
 from analysis.stability.linearisation import ComplexArray
 from validation.commands.options import parse_spins
-from validation.kit import figures
-from validation.kit.progress import counted
-from validation.kit.tables import Table
+from validation.display import figures
+from validation.display.progress import counted
+from validation.display.tables import Table
 from validation.parser.files import Result
 from validation.parser.kinds import PlainProblem, Spectrum, Spins
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from analysis.problem.checks import whole
-from validation.kit.figures import against_limits
-from validation.kit.provenance import machine
-from validation.kit.tables import Table
+from validation.display.figures import against_limits
+from validation.display.tables import Table
+from validation.measurement.provenance import machine
 from validation.page.content import Verdict
 from validation.parser.files import Result
 from validation.parser.kinds import Folder, Numbers, OtherFolder, Sections, TextOut

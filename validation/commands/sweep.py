@@ -11,8 +11,8 @@ from analysis.problem.checks import choice
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario_file import read_toml
 from validation.commands.options import PATIENCE, announce_cases, in_cases
-from validation.kit.differences import flat
-from validation.kit.progress import say
+from validation.comparison.differences import flat
+from validation.display.progress import say
 from validation.parser import kinds
 from validation.parser.files import PictureOut, Result
 from validation.sweeps.axes import Design, axis_from, axis_from_text

@@ -24,7 +24,7 @@ from analysis.problem.checks import Array
 from analysis.problem.quantities import declared
 from analysis.problem.scenario import require_level
 from analysis.problem.variations import changed
-from validation.kit.figures import MARKED, legend_above, new_figure
+from validation.display.figures import MARKED, legend_above, new_figure
 from validation.maps.panel import Panel, cell
 from validation.maps.problems import critical_points
 from validation.sweeps.axes import Axis

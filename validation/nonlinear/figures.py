@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from analysis.problem.checks import Array
-from validation.kit import figures
+from validation.display import figures
 from validation.nonlinear.passage import LOST, Passage
 from validation.nonlinear.tables import HEADS, Motion
 

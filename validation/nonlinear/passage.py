@@ -30,7 +30,7 @@ from analysis.problem.checks import Array
 from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
 from analysis.stability.spectra import matrices_over_spin
-from validation.kit.tables import Table
+from validation.display.tables import Table
 from validation.run import even_times, run, run_to_rest
 
 LOST = np.pi / 2

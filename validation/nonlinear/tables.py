@@ -14,7 +14,7 @@ from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heter
 from analysis.nonlinear.hopf import Growth, HopfType
 from analysis.nonlinear.motions import KINDS, Event, Kind, PeriodicMotion
 from analysis.nonlinear.slow_manifold import SlowOrbit, slow_connection
-from validation.kit.tables import Cell, Table
+from validation.display.tables import Cell, Table
 
 Motion = Mapping[str, Any]
 """A periodic motion by the names of what is told of it."""

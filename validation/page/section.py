@@ -18,7 +18,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
-from validation.kit.tables import show
+from validation.display.tables import show
 from validation.page.content import Content, Verdict
 
 LONG = 12

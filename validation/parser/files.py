@@ -14,7 +14,7 @@ from shutil import get_terminal_size
 from typing import Annotated, Any
 
 from analysis.problem.quantities import listed
-from validation.kit.tables import Table
+from validation.display.tables import Table
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""

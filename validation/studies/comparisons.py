@@ -32,10 +32,10 @@ from analysis.problem.checks import Array
 from analysis.problem.constraints import independent_coordinates
 from analysis.stability import spectra
 from mbs_models import Formulation, Scene
-from validation.kit.differences import deviation
-from validation.kit.limits import holds, largest
-from validation.kit.progress import counted
-from validation.kit.tables import Table
+from validation.comparison.differences import deviation
+from validation.comparison.limits import holds, largest
+from validation.display.progress import counted
+from validation.display.tables import Table
 from validation.run import run, run_effort, run_to_rest
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT, distance, spinning
 

@@ -24,7 +24,7 @@ from analysis import (
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import Scene, formulations
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 from validation.page.content import Content, Rows, grade
 from validation.run import run_to_rest
 from validation.studies import comparisons

@@ -12,8 +12,8 @@ from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.motion.inversion import DEFINITION
 from analysis.motion.quantities import filled
 from analysis.problem.choices import SOURCES, Source
-from validation.kit.differences import deviation
-from validation.kit.figures import MARKERS, comparison, draw_still, legend_above, new_figure
+from validation.comparison.differences import deviation
+from validation.display.figures import MARKERS, comparison, draw_still, legend_above, new_figure
 from validation.page.content import Content, Rows, grade
 from validation.run import run
 from validation.study import Row, Study, at_most

@@ -13,8 +13,8 @@ from mbs_models.integrators import find_integrator
 from mbs_models.inventory import BALLAST, Ballast, six_axes
 from mbs_models.runs import run
 from mbs_models.scene import build
-from validation.kit.limits import largest
-from validation.kit.timing import in_turns, interval
+from validation.comparison.limits import largest
+from validation.measurement.timing import in_turns, interval
 from validation.page.content import Content, Rows
 from validation.study import Row, Study, at_most
 

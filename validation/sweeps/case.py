@@ -12,7 +12,7 @@ import numpy as np
 from analysis import Ensemble, Scenario, StoredRun, Trajectories, outcomes, simulate_many
 from analysis.motion.outcomes import DONE, OUTCOMES, Row
 from analysis.problem.variations import changed
-from validation.kit.differences import deviation
+from validation.comparison.differences import deviation
 from validation.sweeps.plan import TIME, Plan
 from validation.sweeps.sweep import Sweep
 

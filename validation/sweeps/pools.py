@@ -12,7 +12,7 @@ from analysis.problem.checks import choice, whole
 from analysis.problem.limits import MOST_WORKERS
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import error_text, is_user_name, user_object
-from validation.kit.processes import Processes
+from validation.measurement.processes import Processes
 
 _PATIENCE = "10s"
 """For which a scheduler may keep silent at first."""

@@ -14,8 +14,8 @@ from pebble import ProcessExpired
 
 from analysis.motion.outcomes import DONE, failed
 from analysis.problem.checks import instance
-from validation.kit.processes import Processes
-from validation.kit.progress import bar
+from validation.display.progress import bar
+from validation.measurement.processes import Processes
 from validation.sweeps.case import TIMERS, CaseRow, run_chunk
 from validation.sweeps.pools import Pool, open_pool
 from validation.sweeps.store import COMMIT_EVERY, Store

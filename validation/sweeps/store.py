@@ -18,8 +18,8 @@ from typing import Any
 
 from analysis.motion.outcomes import DONE
 from analysis.problem.user_modules import foreign_names
-from validation.kit.differences import flat
-from validation.kit.provenance import commit
+from validation.comparison.differences import flat
+from validation.measurement.provenance import commit
 from validation.sweeps.case import COLUMNS, CaseRow
 from validation.sweeps.plan import TIME
 from validation.sweeps.sweep import Sweep

@@ -19,7 +19,7 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import is_user_name, user_object
 from analysis.problem.variations import changed, check_fields
 from analysis.simulation.compiled.library import require_heyoka
-from validation.kit.sources import behind, digest
+from validation.measurement.sources import behind, digest
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 

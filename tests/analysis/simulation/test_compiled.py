@@ -49,7 +49,7 @@ from tests.helpers import (
     refusals,
 )
 from tests.wayward_law import Answering
-from validation.kit.differences import ending_error
+from validation.comparison.differences import ending_error
 
 pytest.importorskip("heyoka", reason="heyoka has wheels for Linux alone")
 

@@ -36,7 +36,7 @@ from analysis.solve import effort
 from mbs_models import Scene, formulations
 from tests.helpers import EITHER_METHOD, angles_apart, model, mostly_slow, not_none
 from tests.scenes import scene_of
-from validation.kit.differences import ending_error
+from validation.comparison.differences import ending_error
 from validation.run import run
 
 TIMES = np.linspace(0.0, 0.6, 121)

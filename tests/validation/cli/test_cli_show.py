@@ -22,7 +22,7 @@ from analysis import (
 from tests.calls import Capture, printed
 from tests.helpers import not_none, random_trajectory
 from validation import cli
-from validation.kit.differences import difference_table
+from validation.comparison.differences import difference_table
 
 
 def stored(**motions: Trajectory | SpatialMotion) -> list[str]:

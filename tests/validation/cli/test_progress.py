@@ -9,7 +9,7 @@ import pytest
 from analysis.problem.limits import duration
 from tests.calls import Capture, answer
 from tests.sweeps import sweep, swept
-from validation.kit import progress
+from validation.display import progress
 from validation.sweeps import runner
 
 SIMULATE = "simulate --source in-house --samples 3 --tolerance 1e-5 --out new.npz --end"

@@ -10,7 +10,7 @@ from jinja2.meta import find_undeclared_variables
 
 from tests.helpers import failing
 from validation import report
-from validation import study as kit
+from validation import study as studying
 from validation.page.section import environment
 from validation.parser.kinds import DISK, METHOD
 from validation.study import Found, Study
@@ -25,7 +25,7 @@ STORED = {
 
 @pytest.mark.parametrize("name", [*DISK, *METHOD])
 def test_constants_that_a_text_names_stand_in_its_module(name: str) -> None:
-    (text,) = Path(kit.__file__).parent.glob(f"studies/**/{name.replace('-', '_')}.md")
+    (text,) = Path(studying.__file__).parent.glob(f"studies/**/{name.replace('-', '_')}.md")
     named = find_undeclared_variables(environment(text.parent).parse(text.read_text("utf-8")))
     assert not {each for each in named if each.isupper()} - vars(report.find(name)).keys()
 
@@ -43,11 +43,11 @@ def fresh(study: Study, stored: pd.DataFrame) -> Found:
 def test_what_is_stored_is_confirmed_and_a_wrong_number_on_either_side_is_not(
     study: Study,
 ) -> None:
-    stored = kit.load(study).astype(object)
-    assert not failing(kit.confirm(study, fresh(study, stored), stored))
+    stored = studying.load(study).astype(object)
+    assert not failing(studying.confirm(study, fresh(study, stored), stored))
     (*_, other) = stored.loc[~stored["case"].isin(study.sample), "case"]
     missing = f"{study.name}: cases missing or too many"
-    found = kit.confirm(study, fresh(study, stored), stored[stored["case"] != other])
+    found = studying.confirm(study, fresh(study, stored), stored[stored["case"] != other])
     assert failing(found) == {missing}
     sampled = stored[stored["case"].isin(study.sample)]
     assert study.confirm
@@ -59,5 +59,5 @@ def test_what_is_stored_is_confirmed_and_a_wrong_number_on_either_side_is_not(
             for wrong in (far, np.full(np.shape(size), nan).tolist()):
                 table = stored.copy()
                 table.at[index, name] = wrong
-                assert failing(kit.confirm(study, fresh(study, stored), table)), name
-                assert failing(kit.confirm(study, fresh(study, table), stored)), name
+                assert failing(studying.confirm(study, fresh(study, stored), table)), name
+                assert failing(studying.confirm(study, fresh(study, table), stored)), name

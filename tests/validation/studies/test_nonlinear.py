@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tests.helpers import failing, planted
-from validation.kit.figures import new_figure
+from validation.display.figures import new_figure
 from validation.nonlinear import figures
 from validation.page.section import Section
 from validation.studies.nonlinear import measured, section

@@ -10,7 +10,7 @@ import pytest
 
 from analysis.problem.choices import SOURCES
 from tests.helpers import failing, planted
-from validation import study as kit
+from validation import study as studying
 from validation.studies.rest import closed_forms, creep, runs, section, starts
 from validation.study import Row
 
@@ -18,7 +18,7 @@ from validation.study import Row
 @pytest.fixture(scope="module")
 def fresh() -> pd.DataFrame:
     """In place of the runs made for each report, rows of stored ones."""
-    known = kit.load(runs.STUDY).set_index("case").to_dict("index")
+    known = studying.load(runs.STUDY).set_index("case").to_dict("index")
     rows = [
         {**known[runs.ENGINE[each]], "case": runs.INHOUSE[each]}
         for each in (runs.SHOWN, runs.VISCOUS)
@@ -62,14 +62,14 @@ CASES = {runs: runs.ENGINE[runs.SHOWN], creep: "ε = 0.3 m/s", starts: "random, 
 def test_what_departs_in_a_stored_table_fails_its_check(
     part: Any, column: str, change: Callable[[Any], Any], check: str, fresh: pd.DataFrame
 ) -> None:
-    right, case = kit.load(part.STUDY), CASES[part]
+    right, case = studying.load(part.STUDY), CASES[part]
     assert not judged(part, right, fresh)
     found = judged(part, wrong(right, case, column, change), fresh)
     assert any(check in name and (case in name or part is not runs) for name in found)
 
 
 def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(fresh: pd.DataFrame) -> None:
-    table = wrong(kit.load(runs.STUDY), "stiffness doubled", "rest", lambda time: time + 0.1)
+    table = wrong(studying.load(runs.STUDY), "stiffness doubled", "rest", lambda time: time + 0.1)
     table = wrong(table, "spin 1e-06 rad/s faster", "tilt", lambda x: [each + 1e-3 for each in x])
     assert judged(runs, table, fresh) == {
         f"rest, stiffness doubled: phases in s apart from {runs.INHOUSE[runs.SHOWN]}",

@@ -15,9 +15,9 @@ import mbs_models
 from analysis import MODELS, POSSIBLE_SETS, Scenario, Start, Trajectory
 from analysis.motion.endings import CONTACT_WOULD_PULL
 from tests.helpers import failing, not_none, planted
-from validation import study as kit
-from validation.kit.references import Reference, reference
-from validation.kit.ways import StepLimit, Way
+from validation import study as studying
+from validation.comparison.references import Reference, reference
+from validation.comparison.ways import StepLimit, Way
 from validation.studies.robustness import conservation, outcomes, penalty, section, steps
 from validation.studies.robustness.outcomes import CASES, CHOSEN, DOUBT, ways
 from validation.studies.robustness.problems import TOLERANCE, Problem, problems
@@ -56,7 +56,7 @@ def test_grid_covers_all_formulations_and_integrators_of_each_model_and_all_sets
 # --- What they are called -----------------------------------------------------------------------
 
 
-def judge(problem: Problem, run: Trajectory, truth: Any = None, **told: Any) -> kit.Row:
+def judge(problem: Problem, run: Trajectory, truth: Any = None, **told: Any) -> studying.Row:
     """What becomes of a run that promises something and gives this result."""
     found = outcomes.classified(
         problem, replace(run, error_estimate=1e-9), truth or known(problem)
@@ -64,7 +64,7 @@ def judge(problem: Problem, run: Trajectory, truth: Any = None, **told: Any) -> 
     return explained({"reason": "", **found, **told})
 
 
-def explained(found: kit.Row) -> kit.Row:
+def explained(found: studying.Row) -> studying.Row:
     return found | {"broken": outcomes.is_broken(found), "cause": outcomes.cause(found)}
 
 
@@ -177,7 +177,7 @@ def rows() -> dict[str, pd.DataFrame]:
             for each in steps.EXPLICIT
         ],
     }
-    stored = {study.name: kit.load(study) for study in (CASES, CHOSEN)}
+    stored = {study.name: studying.load(study) for study in (CASES, CHOSEN)}
     return stored | {name: pd.DataFrame(told) for name, told in right.items()}
 
 

@@ -14,7 +14,7 @@ from analysis.problem.constraints import set_name
 from analysis.stability import spectra
 from analysis.stability.critical import critical_speeds
 from tests.helpers import failing, planted
-from validation import study as kit
+from validation import study as studying
 from validation.studies.stability import figures, measured
 from validation.studies.stability.eigenvalue_check import (
     EIGENVALUE_LIMIT,
@@ -57,7 +57,7 @@ def rows() -> dict[str, pd.DataFrame]:
     for study in STUDIES:
         cases = study.cases()
         labels = scenes if study is measured.EIGENVALUES else cases
-        found = {label: kit.rows_of(study.measure, cases[label]) for label in labels}
+        found = {label: studying.rows_of(study.measure, cases[label]) for label in labels}
         made[study.name] = pd.DataFrame(
             {"case": label, **row} for label, each in found.items() for row in each
         )

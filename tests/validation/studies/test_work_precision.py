@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.helpers import failing, not_none, planted
-from validation import study as kit
+from validation import study as studying
 from validation.studies.work_precision import measuring
 from validation.studies.work_precision import section as wp
 from validation.studies.work_precision.measuring import Curve, errors, ladder_end, reference
@@ -43,14 +43,14 @@ def test_the_order_of_a_ladder_is_its_slope_where_errors_are_useful_and_measurab
 
 
 def test_the_fastest_ways_stand_under_the_side_that_has_taken_them() -> None:
-    told = wp.ways(wp.prepared(kit.load(CURVES)))
+    told = wp.ways(wp.prepared(studying.load(CURVES)))
     assert told["in the engine"].str.startswith(("contact-tree", "euler-tree", "floating")).any()
     assert told["in-house"].str.startswith(("index-1", "reduced")).any()
     assert not told["in-house"].str.contains("tree|floating").any()
 
 
 def test_everything_stored_holds_but_for_what_is_broken_in_doubt_or_of_another_order() -> None:
-    rows = {study.name: kit.load(study) for study in wp.STUDIES}
+    rows = {study.name: studying.load(study) for study in wp.STUDIES}
     assert set(rows["work-precision"]["case"]) == set(measuring.curves())
     assert not failing(wp.present(rows).checks)
     references, runs = (rows[study.name] for study in wp.STUDIES)

@@ -21,7 +21,7 @@ from analysis.motion.outcomes import DONE
 from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
-from validation.kit.sources import digest
+from validation.measurement.sources import digest
 from validation.run import run
 from validation.sweeps import runner, store
 from validation.sweeps.case import COLUMNS, run_chunk

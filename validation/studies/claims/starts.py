@@ -21,7 +21,7 @@ from analysis.motion.inversion import OUTCOMES as DECIDED
 from analysis.motion.inversion import STAYING
 from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
-from validation.kit import figures
+from validation.display import figures
 from validation.page.content import Judged, grade
 from validation.run import run
 from validation.study import Check, Row, Study, equal

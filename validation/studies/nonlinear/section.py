@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 
 from analysis.mechanics.paper import CriticalSpeed, critical_speed
-from validation.kit.figures import COLOURS, ENGINE, angle_axis, legend_above
-from validation.kit.limits import largest
-from validation.kit.tables import Table
+from validation.comparison.limits import largest
+from validation.display.figures import COLOURS, ENGINE, angle_axis, legend_above
+from validation.display.tables import Table
 from validation.nonlinear import figures, passage, tables
 from validation.page.content import Content, Rows, grade
 from validation.studies.nonlinear import measured

@@ -22,7 +22,7 @@ from analysis.stability.stationary_rolling import (
     upright_rolling_spin,
 )
 from mbs_models.rest import largest_step
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 from validation.page.content import Content
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most

@@ -20,7 +20,7 @@ import pandas as pd
 
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from analysis.problem.checks import Array
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 from validation.page.content import Content
 from validation.run import run_to_rest
 from validation.study import Check, Row, Study, at_most, relative

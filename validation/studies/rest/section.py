@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from analysis import RestCriterion, SpatialMotion
 from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
-from validation.kit.figures import COLOURS, draw_story
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
+from validation.display.figures import COLOURS, draw_story
 from validation.page.content import Content, Rows, grade
 from validation.studies.rest import closed_forms, creep, runs, starts
 from validation.studies.rest.runs import ENGINE, INHOUSE, PHASES, SHOWN, SLIDING, TAKEN, VARIANTS

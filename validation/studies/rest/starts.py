@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import Start
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 from validation.page.content import Content
 from validation.studies.rest.runs import COLUMNS, ENGINE_END, SHOWN, Case, course
 from validation.study import Row, Study, at_most, equal

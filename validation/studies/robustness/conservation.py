@@ -8,7 +8,7 @@ import pandas as pd
 import analysis
 from analysis import MODELS, STEEL_DISK, Level, Scenario, SmoothCoulomb, Trajectory
 from analysis.problem.checks import Array
-from validation.kit.ways import Way
+from validation.comparison.ways import Way
 from validation.page.content import Content
 from validation.study import Row, Study, at_most
 

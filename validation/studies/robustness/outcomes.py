@@ -13,9 +13,9 @@ import mbs_models
 from analysis import Method, Trajectory
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT
 from mbs_models import Scene
-from validation.kit.differences import deviation, ending_error, energy_error
-from validation.kit.references import STIFF, Reference, reference
-from validation.kit.ways import StepLimit, Way, WorkLimitError
+from validation.comparison.differences import deviation, ending_error, energy_error
+from validation.comparison.references import STIFF, Reference, reference
+from validation.comparison.ways import StepLimit, Way, WorkLimitError
 from validation.studies.robustness.problems import Problem, problems
 from validation.study import Row, Study, load
 

@@ -8,9 +8,9 @@ import pandas as pd
 
 import analysis
 from analysis import LOADS, STEEL_DISK, Load, PenaltyContact, Scenario, SmoothCoulomb
-from validation.kit.differences import deviation
-from validation.kit.limits import largest
-from validation.kit.ways import Way
+from validation.comparison.differences import deviation
+from validation.comparison.limits import largest
+from validation.comparison.ways import Way
 from validation.page.content import Content
 from validation.study import Row, Study, at_most
 

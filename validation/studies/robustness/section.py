@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from validation.kit import references  # noqa: F401 # the text names their limits
+from validation.comparison import references  # noqa: F401 # the text names their limits
 from validation.page.content import Content, Rows, grade
 from validation.studies.robustness import conservation, outcomes, penalty, steps
 from validation.studies.robustness.outcomes import BAD, CASES, CHOSEN, GOOD, explained

@@ -10,7 +10,7 @@ from analysis import Motion, Scenario, Start
 from analysis.problem.checks import Array
 from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation, Scene
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 
 EIGENVALUE_LIMIT = 1e-6
 """Largest difference that passes, relative to the larger of |lambda| and 1."""

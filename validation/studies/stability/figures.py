@@ -16,7 +16,7 @@ from analysis.mechanics.paper import closed_form
 from analysis.stability import spectra
 from analysis.stability.chart import stability_chart, static_gradient
 from analysis.stability.linearisation import ComplexArray
-from validation.kit.figures import ENGINE, SPIN, legend_above, new_figure
+from validation.display.figures import ENGINE, SPIN, legend_above, new_figure
 from validation.studies.stability import measured
 
 FULL, REDUCED = Scenario(constraints=MODELS[1]), Scenario(constraints=MODELS[4])

@@ -27,7 +27,7 @@ from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 from validation.studies.stability.eigenvalue_check import distance, engine_matrices, gaps, spinning
 from validation.studies.stability.variants import PRINTED, reproduces, variants
 from validation.study import Row, Study

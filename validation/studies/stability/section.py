@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from validation.kit.limits import largest
+from validation.comparison.limits import largest
 from validation.page.content import Content, Rows, grade
 from validation.studies.stability import figures, measured
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT

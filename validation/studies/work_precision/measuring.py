@@ -19,7 +19,7 @@ from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.problem.choices import ACCELERATED, FORMULATIONS, Source
 from mbs_models import Integrator
 from mbs_models.extrapolation import Ladder
-from validation.kit.ways import Way
+from validation.comparison.ways import Way
 from validation.study import Row, Study, relative
 
 # --- Problems -----------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from analysis.problem.choices import FORMULATIONS
 from mbs_models.integrators import EXPONENTS
-from validation.kit.figures import new_figure
+from validation.display.figures import new_figure
 from validation.page.content import Content, Rows, grade
 from validation.page.section import power, sig
 from validation.studies.work_precision import measuring  # noqa: F401 # the text names its times

@@ -3,7 +3,7 @@
 import subprocess
 from pathlib import Path
 
-from validation.kit.provenance import commit
+from validation.measurement.provenance import commit
 
 
 def git(folder: Path, *arguments: str) -> str:

@@ -2,7 +2,7 @@
 
 import time
 
-from validation.kit.processes import Processes
+from validation.measurement.processes import Processes
 
 
 def test_processes_end_at_once_where_their_context_is_left() -> None:

@@ -12,8 +12,8 @@ from analysis.motion.endings import FLAT
 from analysis.motion.spatial_motion import SAME_TIME
 from analysis.problem.checks import Array, ToleranceError
 from analysis.solve.to_tolerance import error_at_ending
-from validation.kit.limits import largest
-from validation.kit.tables import Cell, Table, show
+from validation.comparison.limits import largest
+from validation.display.tables import Cell, Table, show
 
 ANGLES = slice(4, 6)
 """Columns of beta and gamma."""

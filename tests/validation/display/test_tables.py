@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.kit.tables import Table
+from validation.display.tables import Table
 
 WIDE = Table(
     title="What is compared, and to which number of digits it has come out",

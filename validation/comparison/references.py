@@ -21,8 +21,8 @@ from analysis.motion.endings import (
 )
 from analysis.problem.checks import Array
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
-from validation.kit.differences import deviation, ending_error
-from validation.kit.ways import StepLimit, Way
+from validation.comparison.differences import deviation, ending_error
+from validation.comparison.ways import StepLimit, Way
 
 STIFF = 1e-3
 """Finest speed of friction in m/s below which explicit in-house methods are not tried."""

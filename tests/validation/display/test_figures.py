@@ -5,7 +5,7 @@ from math import inf, nan, pi
 import numpy as np
 import pytest
 
-from validation.kit.figures import (
+from validation.display.figures import (
     LOOKS,
     against_limits,
     angle_axis,

@@ -13,9 +13,9 @@ from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start,
 from analysis.motion.endings import CONTACT_WOULD_PULL, Ending
 from analysis.problem.checks import Array
 from tests.helpers import not_none
-from validation.kit.differences import deviation, ending_error, energy_error
-from validation.kit.references import Reference, reference, up_to_ending
-from validation.kit.ways import StepLimit, Way, WorkLimitError
+from validation.comparison.differences import deviation, ending_error, energy_error
+from validation.comparison.references import Reference, reference, up_to_ending
+from validation.comparison.ways import StepLimit, Way, WorkLimitError
 
 TREE = Way("engine", "contact-tree", "RK67")
 DOP853 = Way("in-house", "index-1", "DOP853")

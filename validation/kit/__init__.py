@@ -1,1 +1,0 @@
-"""What every study uses: tables, figures, processes."""

@@ -1,0 +1,1 @@
+"""What every measurement needs: its clock, its processes, and where its numbers come from."""
