@@ -22,7 +22,7 @@ _OUTPUT_LOST = 3
 """Exit code of a command that did its work and could not say so."""
 
 _FAILED, _REFUSED, _FAULT, _INTERRUPTED = 1, 2, 70, 130
-"""Exit codes of a run that failed, of a call that was refused, of this program's own faults."""
+"""Exit codes: a run failed, the call was refused, this program is at fault, it was interrupted."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -93,6 +93,8 @@ class Connection:
     least_tilt : float
         Of the rotating motions next to it in rad: zero where `last_amplitude` is pi. Where a
         motion swings beyond noninverted spinning, it passes with a tilt before it comes back.
+        motion swings beyond noninverted spinning, it passes with a tilt before it comes back. Both
+        are read off between steps of a run, to some 1e-5 rad.
     winding : float
         Imaginary part of the decaying pair of a saddle-focus in 1/s; 0 for two real ones.
     """

@@ -102,6 +102,8 @@ def within(
         wanted = "be positive" if is_above else "not be negative"
     elif is_below and result >= most and least in (0.0, -inf):
         wanted = f"be less than {high}"
+    elif is_above:
+        wanted = f"be above {low} and at most {high}"
     raise ArgumentError(name, f"must {wanted}, got {result:g}")
 
 

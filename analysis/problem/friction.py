@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from math import cos, sin
 from typing import Any, ClassVar
 
-from analysis.problem.checks import Described, bound, choice, number, positive, within
+from analysis.problem.checks import Described, bound, number, positive, within
 from analysis.problem.elementary import exp, hypot, tanh
 from analysis.problem.names import ArgumentError
-from analysis.problem.quantities import LOADS, STEEPEST_FRICTION, Load, default
+from analysis.problem.quantities import STEEPEST_FRICTION, Load, default
 from analysis.problem.user_modules import Kinds
 
 _LITTLE = 1e-7
@@ -36,8 +36,11 @@ class FrictionLaw(Described):
     Raises
     ------
     ValueError
-        If the load is unknown.
+        If the load is unknown, or a declared number of friction, which a law of one's own may
+        have as well, is out of its range.
     """
+
+    TABLE = "friction"
 
     IS_ISOTROPIC: ClassVar[bool] = True
     """Whether slip is opposed in all directions alike."""
@@ -46,9 +49,6 @@ class FrictionLaw(Described):
     """Whether the force grows in proportion to the load."""
 
     load: Load = default("friction.load")
-
-    def __post_init__(self) -> None:
-        choice("load", self.load, LOADS)
 
     def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
         """Force of the table on the disk in N, along its edge and across it.
@@ -128,8 +128,6 @@ class FrictionLaw(Described):
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Smoothed(FrictionLaw):
     """Friction that sets in over a slip speed."""
-
-    TABLE = "friction"
 
     smoothing: float = default("friction.smoothing")
 
@@ -266,8 +264,6 @@ class ViscousFriction(FrictionLaw):
     ValueError
         If a value is out of range.
     """
-
-    TABLE = "friction"
 
     finest_speed: ClassVar[float] = 1.0
     """It bends nowhere: a slip speed of the motions of a disk."""

@@ -245,6 +245,7 @@ WRONG: dict[str, Callable[[], Any]] = {
     "starts must be at most 10000": lambda: stationary.stationary_motions(REDUCED, 30.0, 10**9),
     "place must hold x, y, beta and gamma": lambda: _place(1.0, 2.0),
     "beta must lie in the open interval": lambda: _place(0.0, 0.0, 0.0, 1.5),
+    "stiffness must be above 0 and at most 1e": lambda: PenaltyContact(stiffness=2e12),
     "gradients must lie from 0 to 1e\\+12": lambda: hopf_curves(FULL, [1e15]),
     "interval must be lowest and highest value": lambda: stationary.stationary_branch(
         REDUCED, TILTED, [1.0]

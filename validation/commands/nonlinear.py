@@ -272,7 +272,10 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
         raise ArgumentError("over", f"{fault}, got {field}")
     if size > MOST_SCENARIOS:
         raise ArgumentError("over", f"must have at most {MOST_SCENARIOS} values, got {size}")
-    return axis, [changed(scenario, {field: value}) for value in axis.grid]
+    try:
+        return axis, [changed(scenario, {field: value}) for value in axis.grid]
+    except ValueError as error:
+        raise ArgumentError("over", f"gives no scenario: {error}") from None
 
 
 # --- Passage ------------------------------------------------------------------------------------

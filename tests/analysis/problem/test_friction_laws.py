@@ -187,6 +187,14 @@ def test_a_law_in_a_class_is_stored_and_read_again() -> None:
     assert Scenario.from_values(scenario.values()) == scenario
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bristles(FrictionLaw):
+    """A law of one's own with a number that is declared."""
+
+    smoothing: float
+    finest_speed = 0.1
+
+
 SLOPE = r"friction law '.*:Answering': slope of force at no slip must"
 PUSHED = r"friction law '.*:Pushing': Pushing.force\(0\.0955, 0\.0296, 0\.1\) must"
 ALONG = AnisotropicCoulomb(load="contact")
@@ -210,7 +218,10 @@ REFUSED: dict[str, dict[str, Any]] = {
 }
 
 test_what_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs = refusals(
-    {message: partial(Scenario, **fields) for message, fields in REFUSED.items()}
+    {
+        "^smoothing must lie from 1e-12": lambda: Bristles(smoothing=-1.0),
+        **{message: partial(Scenario, **fields) for message, fields in REFUSED.items()},
+    }
 )
 
 

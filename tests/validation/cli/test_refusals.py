@@ -46,6 +46,7 @@ REFUSED = {
     "cycles --rotating --spin 30": "--spin: spin does not go together with rotating",
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
     "cycles --over start.spin=1,2 --amplitude 1": "--over: over must be a number of disk, fri",
+    "cycles --over mu=-1:1:3 --spin 40": "--over: over gives no scenario: coefficient must not be",
     "heteroclinic --over mu=0.1:1:10001": "--over: over must have at most 10000 values, got 10",
     "passage --end 0.2": "inverts the disk",
     "passage --end 1e7": "--end: end asks for 5e+09 samples",
