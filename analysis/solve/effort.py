@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from analysis.problem.checks import Array, choice, positive
 from analysis.problem.choices import Method
-from analysis.problem.elementary import sin, sqrt
+from analysis.problem.elementary import cos, sin, sqrt
 from analysis.problem.limits import DEFAULT_TOLERANCE, Effort
 from analysis.problem.scenario import Scenario
 
@@ -44,9 +44,9 @@ STIFF = 2.0
 """Times what implicit steps should take at which explicit ones are estimated where they begin to
 take longer: motions pass the finest speed of friction only now and then."""
 
-LOW = 0.1
-"""Sine of the inclination at the start below which a disk soon falls, passes nearly flat and rises
-again,"""
+FALLS = 0.5
+"""Part of its inclination at the start to which a disk comes down that falls: again and again it
+passes nearly flat and rises,"""
 
 _PER_FALL = 16.0
 """and steps that each such fall takes, to an accuracy of a radian."""
@@ -147,8 +147,9 @@ def simulation_effort(
         (scenario.slip_decay / used.stable, "friction", f"gradient {gradient:g} s/m "),
         (turning / abs(sin(beta)), "beta", f"{beta:g} rad "),
     ]
-    if (low := sin(beta)) < LOW:
-        falls = sqrt(scenario.fall / (2.0 * low)) / 2.0
+    leaning = sin(beta)
+    if _lowest(scenario) < FALLS * leaning:
+        falls = sqrt(scenario.fall / (2.0 * leaning)) / 2.0
         rates.append((_PER_FALL * falls * sharpness, "beta", f"{beta:g} rad "))
     seconds = _SECONDS
     if scenario.contact is not None:
@@ -167,6 +168,20 @@ def simulation_effort(
         argument=argument,
         value=f"{value}up to t = {times[-1]:g} s",
     )
+
+
+def _lowest(scenario: Scenario) -> float:
+    """Inclination in rad, where it is small, at which a disk that falls turns back.
+
+    The angular momentum about the vertical, as if nothing rubbed, lets it come no lower.
+    """
+    (turn, tilt, roll), disk = scenario.initial_state.rates[3:], scenario.disk
+    beta = scenario.initial_state.coordinates[4]
+    across, _, axial = disk.inertia_about_cog
+    momentum = across * turn * sin(beta) ** 2 - axial * (turn * cos(beta) + roll) * (1 - cos(beta))
+    turning = across * (tilt**2 + (turn * sin(beta)) ** 2) / 2.0
+    energy = scenario.weight * disk.radius * sin(beta) + turning
+    return float(abs(momentum) / sqrt(2.0 * across * energy))
 
 
 def rest_effort(scenario: Scenario, end: float) -> Effort:

@@ -34,7 +34,7 @@ FIRST = 1e-6
 SHORTENED = 16
 """Times that a step is taken a tenth as long before its error is believed."""
 
-ITERATED = 1e-3
+ITERATED = 1e-4
 """Part of the error in a step that Newton's iteration may leave where the Jacobian is one of
 differences."""
 

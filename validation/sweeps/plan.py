@@ -102,7 +102,7 @@ class Plan(CaseOptions):
 
     @property
     def hanging(self) -> float:
-        """Processor time in s after which a case, two runs if it has a witness, is ended."""
+        """Processor time in s after which a run that does not look at its time limit is ended."""
         return 3.0 * self.time_limit + _GRACE
 
     @property

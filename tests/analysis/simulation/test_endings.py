@@ -292,7 +292,7 @@ def test_run_that_takes_far_more_steps_than_expected_says_where_unless_it_has_a_
     how: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(limits, "SPARE_SECONDS", 1e-3)
-    monkeypatch.setattr(effort, "LOW", 0.0)
+    monkeypatch.setattr(effort, "FALLS", 0.0)
     said = set()
     for _ in range(2):
         with pytest.raises(ArithmeticError, match=r"at t = 0\.0.* steps, far more than") as told:
