@@ -22,13 +22,21 @@ PICTURES = (".png", ".svg", ".pdf")
 
 def file(check: Callable[[str], Path], metavar: str = "FILE", **how: Any) -> dict[str, Any]:
     """Keywords of `argparse` for an option that takes a path."""
-    return {"type": check, "metavar": metavar} | how
+
+    def checked(value: str) -> Path:
+        try:
+            return check(value)
+        except OSError as error:
+            # A name that is too long, or a folder that may not be looked into.
+            raise ArgumentTypeError(f"is no path here, got {value!r} ({error.strerror})") from error
+
+    return {"type": checked, "metavar": metavar} | how
 
 
 def folder(value: str) -> Path:
     """Type of an argument that names a folder to write to, which is made if there is none."""
     path = _with_suffix(value, ())
-    there = next(each for each in (path, *path.absolute().parents) if each.exists())
+    there = next(each for each in (path, *path.absolute().parents) if os.path.lexists(each))
     if not there.is_dir() or not os.access(there, os.W_OK):
         raise ArgumentTypeError(f"must be a folder that can be written to, got {value!r}")
     return path

@@ -55,6 +55,8 @@ REFUSED = {
     "simulate --out run.txt": "--out: must end in .npz, got",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
     "show run.npz --plot circle.png": "--plot: must lead to a file, and leads in a circle",
+    f"simulate --out {'a' * 300}.npz": "--out: is no path here",
+    "report --out circle.png": "--out: must be a folder that can be written to",
     # What is not known is told before what is missing or wrong besides.
     "sweep spin=1,2 --kep x": "unrecognized arguments: --kep; did you mean --keep?",
     # Sizes that no memory holds.
