@@ -153,8 +153,8 @@ def test_a_fall_under_stiff_friction_does_not_iterate_on_rounding() -> None:
     scene = Scene(Scenario(constraints=held, friction=law, start=start), "floating")
     run = mbs_models.simulate(scene, [0.0, 0.3], tolerance=1e-8, integrator="Radau")
     assert not_none(run.ending).reason == "flat"
-    # Iterated to the end it takes three times as many.
-    assert run.counts["right_hand_sides"] < 60_000
+    # Iterated to the end it takes 150,000.
+    assert run.counts["right_hand_sides"] < 120_000
 
 
 def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digits() -> None:
