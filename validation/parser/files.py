@@ -28,7 +28,8 @@ def file(check: Callable[[str], Path], metavar: str = "FILE", **how: Any) -> dic
             return check(value)
         except OSError as error:
             # A name that is too long, or a folder that may not be looked into.
-            raise ArgumentTypeError(f"is no path here, got {value!r} ({error.strerror})") from error
+            fault = f"is no path here, got {value!r} ({error.strerror})"
+            raise ArgumentTypeError(fault) from error
 
     return {"type": checked, "metavar": metavar} | how
 
