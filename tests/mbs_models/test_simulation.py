@@ -76,6 +76,12 @@ def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() ->
     assert deviation(run, truth(scenario, times)) <= 1e-10
 
 
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_with_a_step_the_engine_itself_steps_where_constraints_are_left(level: Level) -> None:
+    with_step = mbs_models.simulate(scene_of(level), SHORT, step=5e-3)
+    assert with_step.method["integrator"] == "TrapezoidalIndex2"
+
+
 @pytest.mark.parametrize("level", [1, 2, 4])
 @pytest.mark.parametrize("density", [1e-6, 1e60])
 def test_a_motion_does_not_tell_how_heavy_the_disk_is(level: Level, density: float) -> None:

@@ -78,11 +78,16 @@ def test_witness_is_the_other_side_as_accurate_as_it_is_told_to_be() -> None:
     told: list[tuple[dict[str, Any], dict[str, Any]]] = [
         ({"witness_tolerance": 1e-2}, {"tolerance": 1e-2}),
         ({"witness_step": 5e-3}, {"tolerance": None, "step": 5e-3}),
-        ({"allow_pulling": True}, {"tolerance": 1e-4, "allow_pulling": True}),
     ]
     for how, run_as in told:
-        witness = asdict(sweep("spin=40:44:2", **how).plan.witness)
-        assert (run_as | {"source": "engine", "witnesses": 0}).items() <= witness.items()
+        wanted = sweep("spin=40:44:2", scenario=Scenario(), **how)
+        motion = wanted.plan.witness.motion(wanted.scenario_of(0))
+        assert motion.source == "engine"
+        assert run_as.items() <= motion.method.items()
+
+
+def test_witness_goes_on_where_the_contact_pulls_if_the_case_does() -> None:
+    assert sweep("spin=1,2", allow_pulling=True).plan.witness.allow_pulling
 
 
 def test_witness_that_fails_in_any_way_is_told_in_the_row(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,10 +133,15 @@ def test_an_empty_cell_is_none_beside_words_and_nan_beside_numbers(tmp_path: Pat
     # Of four cases one is refused, and one is seen by the other side.
     wanted = sweep("spin=30,40", "mu=0.2,-0.1", witnesses=1)
     found = swept(wanted, tmp_path / "a.db")
-    assert found.columns["ending"].tolist() == [None] * 4
-    assert [type(each) for each in found.columns["reason"]] == [type(None), str] * 2
-    others = sorted(map(str, found.columns["other_inversion"]))
-    assert others == ["None"] * 3 + ["not inverted"]
+    words = {
+        name: found.columns[name].tolist() for name in ("reason", "ending", "other_inversion")
+    }
+    assert words["ending"] == [None] * 4
+    assert [type(each) for each in words["reason"]] == [type(None), str] * 2
+    assert sorted(map(str, words["other_inversion"])) == ["None"] * 3 + ["not inverted"]
+    assert [{name: row[name] for name in words} for row in found.rows()] == [
+        dict(zip(words, cells, strict=True)) for cells in zip(*words.values(), strict=True)
+    ]
     assert np.isnan(found.columns["error_estimate"]).tolist() == [False, True] * 2
 
 
