@@ -17,6 +17,7 @@ from analysis.problem.choices import EngineFormulation
 from analysis.problem.constraints import prescribed
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
+from mbs_models.joints import CENTRE
 from mbs_models.model import Floats, Force, Load, Model, Reading
 
 _OUTPUT = exu.OutputVariableType
@@ -73,15 +74,19 @@ class Floating(Model):
             ("marker", 0): "what the weight acts on",
             ("load", 0): "the weight",
         }
-        self._centre = self._disk_marker(0.0, "the disk's centre")
+        self._markers: dict[float, int] = {}
         self._add_forces()
         if self.scenario.contact is None:
-            self.joints.add(self._centre, self._disk_marker, self._turning)
+            # The middle of a sphere stays at its height.
+            level = partial(self.joints.hold, "z", self._node, 2, "contact with the table")
+            self.joints.add(self._disk_marker, self._turning, level)
 
     def _disk_marker(self, offset: float, why: str) -> int:
-        return self.assembly.add(
-            items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0]), why
-        )
+        # What acts on the centre and what holds it share a marker.
+        if offset not in self._markers:
+            marker = items.MarkerBodyRigid(bodyNumber=self._body, localPosition=[offset, 0.0, 0.0])
+            self._markers[offset] = self.assembly.add(marker, why)
+        return self._markers[offset]
 
     def act(self, force: Force, name: str) -> None:
         # Friction alone asks for angles that are regular unless the disk lies flat.
@@ -95,7 +100,7 @@ class Floating(Model):
         )
         self.assembly.add(
             items.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[side, self._centre],
+                markerNumbers=[side, self._disk_marker(*CENTRE)],
                 useIntrinsicFormulation=False,
                 springForceTorqueUserFunction=force,
             ),
@@ -172,7 +177,8 @@ class Floating(Model):
         )
         self.assembly.add(
             items.ObjectJointGeneric(
-                markerNumbers=[across, self._centre], constrainedAxes=[0, 0, 0, 1, 0, 0]
+                markerNumbers=[across, self._disk_marker(*CENTRE)],
+                constrainedAxes=[0, 0, 0, 1, 0, 0],
             ),
             "takes the disk's axis along with the carrier",
         )

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import exudyn.itemInterface as items
 import numpy as np
 
 from analysis.motion.frames import turn_about_vertical
-from analysis.problem.bodies import Sphere
 from analysis.problem.checks import Array
 from analysis.problem.quantities import HELD, Constraint
 from analysis.problem.scenario import Scenario
@@ -16,6 +16,13 @@ from mbs_models.assembly import Assembly
 
 SLIP_AXES: dict[Constraint, int] = {"no-slip-along": 1, "no-slip-across": 0}
 """Axes of the engine's rolling joint: it holds slip forward and sideways; 2 is the contact."""
+
+
+CENTRE = 0.0, "the disk's centre"
+"""Where a marker of it stands, and why."""
+
+Gap = Callable[[Any], tuple[float, list[float]]]
+"""From coordinates to the height over the table of what touches it, in m, and its slopes."""
 
 
 class Joints:
@@ -35,55 +42,66 @@ class Joints:
 
     def add(
         self,
-        centre: int,
         disk_marker: Callable[[float, str], int],
         turning: Callable[[str], tuple[int, int]],
+        close: Callable[[], int],
     ) -> None:
         """Add them.
 
         Parameters
         ----------
-        centre : int
-            Marker at the disk's centre.
         disk_marker : callable
             Adds a marker on the disk, so far from its centre along its x axis, for a reason.
         turning : callable
             From a coordinate whose rate is held to a node and the place in it of that.
+        close : callable
+            Closes the contact of another body than a round disk; returns the joint.
         """
-        scenario, add, table = self._scenario, self._assembly.add, self._assembly.table
-        origin = add(items.MarkerBodyRigid(bodyNumber=table), "the table's side of the joints")
-        if isinstance(scenario.disk, Sphere):
-            self._level_middle(centre)
+        if self._scenario.disk.is_round_disk:
+            self._roll(disk_marker)
         else:
-            self._roll(origin, centre)
-        if "fixed-cog" in scenario.constraints:
-            cog = disk_marker(scenario.disk.eccentricity, "the disk's centre of gravity")
-            joint = add(
-                items.ObjectJointSpherical(markerNumbers=[origin, cog], constrainedAxes=[1, 1, 0]),
-                "holds the centre of gravity above the origin",
-            )
-            self._held["fixed-cog"] = joint, [0, 1, 2]
-        for name in scenario.constraints:
-            if coordinate := HELD[name].rate:
-                self._held[name] = self._hold_rate(coordinate, *turning(coordinate)), [0]
+            self._held["contact"] = close(), [0]
+        rates = self._scenario.initial_state.rates
+        for constraint in self._scenario.constraints:
+            if name := HELD[constraint].rate:
+                why = f"holds the rate of {name} constant; its torque is an output"
+                rate: dict[str, Any] = {
+                    "offset": rates[COORDINATES.index(name)],
+                    "velocityLevel": True,
+                }
+                self._held[constraint] = self.hold(name, *turning(name), why, **rate), [0]
 
-    def _level_middle(self, centre: int) -> None:
-        """Close the contact of a sphere."""
-        height = [0.0, 0.0, self._scenario.disk.radius]
-        above = self._assembly.add(
-            items.MarkerBodyRigid(bodyNumber=self._assembly.table, localPosition=height),
-            "the plane in which the middle of a sphere moves",
+    def touch(self, body: int, gap: Gap) -> int:
+        """Close the contact of a body of any surface, whose coordinates tell the gap below it."""
+
+        def residual(
+            _system: Any, _t: Any, _item: Any, q: Any, u: Any, is_velocity: bool
+        ) -> list[float]:
+            height, slopes = gap(q)
+            return [float(np.dot(slopes, u)) if is_velocity else height]
+
+        add, ground = self._assembly.add, self._ground("the contact")
+        fixed = add(items.MarkerNodeCoordinates(nodeNumber=ground), "the table's coordinates")
+        moving = add(
+            items.MarkerObjectODE2Coordinates(objectNumber=body), "the body's coordinates"
         )
-        joint = self._assembly.add(
-            items.ObjectJointGeneric(
-                markerNumbers=[above, centre], constrainedAxes=[0, 0, 1, 0, 0, 0]
+        return add(
+            items.ObjectConnectorCoordinateVector(
+                markerNumbers=[fixed, moving],
+                scalingMarker0=np.zeros((1, 1)),
+                constraintUserFunction=residual,
+                jacobianUserFunction=lambda _s, _t, _i, q, *_unused: np.array([gap(q)[1]]),
             ),
-            "contact with the table",
+            "contact with the table by a user function",
         )
-        self._held["contact"] = joint, [2]
 
-    def _roll(self, origin: int, centre: int) -> None:
-        """Close the contact of a disk, without the slip that is held at zero."""
+    def _roll(self, disk_marker: Callable[[float, str], int]) -> None:
+        """Close the contact of a disk, without the slip and with the place that are held."""
+        add, disk = self._assembly.add, self._scenario.disk
+        origin = add(
+            items.MarkerBodyRigid(bodyNumber=self._assembly.table),
+            "the table's side of the joints",
+        )
         held = {
             name: axis for name, axis in SLIP_AXES.items() if name in self._scenario.constraints
         }
@@ -91,36 +109,38 @@ class Joints:
         if held:
             directions = " and ".join(name.removeprefix("no-slip-") for name in held)
             why += f", without slip {directions} the edge"
-        joint = self._assembly.add(
+        joint = add(
             items.ObjectJointRollingDisc(
-                markerNumbers=[origin, centre],
+                markerNumbers=[origin, disk_marker(*CENTRE)],
                 constrainedAxes=[int(axis in (2, *held.values())) for axis in range(3)],
-                discRadius=self._scenario.disk.radius,
+                discRadius=disk.radius,
                 discAxis=[0.0, 0.0, 1.0],
             ),
             why,
         )
         self._held["contact"] = joint, [2]
         self._held |= {name: (joint, [axis]) for name, axis in held.items()}
+        if "fixed-cog" in self._scenario.constraints:
+            cog = disk_marker(disk.eccentricity, "the disk's centre of gravity")
+            joint = add(
+                items.ObjectJointSpherical(markerNumbers=[origin, cog], constrainedAxes=[1, 1, 0]),
+                "holds the centre of gravity above the origin",
+            )
+            self._held["fixed-cog"] = joint, [0, 1, 2]
 
-    def _hold_rate(self, name: str, node: int, place: int) -> int:
-        """Keep the rate of this coordinate as at the start; returns the joint."""
-        add = self._assembly.add
-        ground = add(items.NodePointGround(), f"what {name} is measured from")
+    def hold(self, name: str, node: int, place: int, why: str, **how: Any) -> int:
+        """Keep a coordinate of a node where it is, or as `how` tells; returns the joint."""
+        add, ground = self._assembly.add, self._ground(name)
         fixed = add(
             items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0), "the ground's coordinate"
         )
         moving = add(
             items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place), f"the coordinate {name}"
         )
-        return add(
-            items.ObjectConnectorCoordinate(
-                markerNumbers=[fixed, moving],
-                offset=self._scenario.initial_state.rates[COORDINATES.index(name)],
-                velocityLevel=True,
-            ),
-            f"holds the rate of {name} constant; its torque is an output",
-        )
+        return add(items.ObjectConnectorCoordinate(markerNumbers=[fixed, moving], **how), why)
+
+    def _ground(self, name: str) -> int:
+        return self._assembly.add(items.NodePointGround(), f"what {name} is measured from")
 
     @cached_property
     def equations(self) -> dict[Constraint, list[int]]:

@@ -84,16 +84,12 @@ class Scene:
 
     def __post_init__(self) -> None:
         instance("scenario", self.scenario, Scenario)
-        if self.formulation is not None:
-            choice("formulation", self.formulation, ENGINE_FORMULATIONS)
-        elif formulations(self.scenario):
+        if self.formulation is None:
             return
-        name = self.formulation or "floating"
-        if why := CLASSES[name].obstacle(self.scenario):
+        choice("formulation", self.formulation, ENGINE_FORMULATIONS)
+        if why := CLASSES[self.formulation].obstacle(self.scenario):
             able = ", ".join(formulations(self.scenario))
-            needy = f"{self.scenario.disk!r} needs a penalty contact, which takes any body"
-            hint = f"use one of {able}" if able else needy
-            raise ValueError(f"formulation {name!r} {why}; {hint}")
+            raise ValueError(f"formulation {self.formulation!r} {why}; use one of {able}")
 
     @classmethod
     def of(cls, given: "Scene | Scenario") -> "Scene":
@@ -141,7 +137,7 @@ def build(scene: Scene | Scenario) -> Model:
     Raises
     ------
     ValueError
-        If it is neither, or no formulation can build the scenario.
+        If it is neither.
 
     Examples
     --------

@@ -1,5 +1,6 @@
 """The disk as a kinematic tree: `euler-tree` and `contact-tree`."""
 
+from functools import partial
 from math import cos, sin
 from typing import Any, ClassVar
 
@@ -14,8 +15,6 @@ from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
 from mbs_models.loads import grip_of, normal_force
 from mbs_models.model import Floats, Force, Load, Model, Reading
-
-_ROUND = "has a round disk at its end"
 
 
 class _Tree(Model):
@@ -81,8 +80,6 @@ class EulerTree(_Tree):
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
         contact = scenario.contact
-        if not scenario.disk.is_round_disk:
-            return _ROUND
         if contact is not None and contact.is_rounded:
             return (
                 "is singular when the disk lies flat, which a contact with half_thickness = "
@@ -99,8 +96,8 @@ class EulerTree(_Tree):
     def _build(self) -> None:
         super()._build()
         if self.scenario.contact is None:
-            centre = self._disk_marker(0.0, "the disk's centre")
-            self.joints.add(centre, self._disk_marker, self._turning)
+            close = partial(self.joints.touch, self._tree, self._gap)
+            self.joints.add(self._disk_marker, self._turning, close)
 
     def _turning(self, coordinate: str) -> tuple[int, int]:
         return self._node, self._order.index(COORDINATES.index(coordinate))
@@ -113,38 +110,58 @@ class EulerTree(_Tree):
             why,
         )
 
+    def _lowest(self, beta: float, gamma: float) -> tuple[float, float, float]:
+        """Lowest point of the body seen from its centre, in axes of the R-frame."""
+        disk, s, c = self.scenario.disk, sin(beta), cos(beta)
+        if disk.is_round_disk:
+            return 0.0, -disk.radius * c, -disk.radius * s
+        turn, side = sin(gamma), cos(gamma)
+        x, y, z = disk.lowest_point((s * turn, s * side, c))
+        along = turn * x + side * y
+        return side * x - turn * y, c * along - s * z, s * along + c * z
+
+    def _gap(self, q: Any) -> tuple[float, list[float]]:
+        """Height of the lowest point over the table, and its slopes in the joint coordinates."""
+        # The point moves over the surface, which is level there.
+        x, y, z = self._lowest(q[4], q[5])
+        return q[3] + z, [0.0, 0.0, 0.0, 1.0, y, sin(q[4]) * x]
+
     def friction(self, load: Load) -> Force:
         """Generalised force on the joints (alpha, x, y, z, beta, gamma)."""
-        r, friction = self.scenario.disk.radius, free_slip_force(self.scenario, self.slip_part)
+        friction, lowest = free_slip_force(self.scenario, self.slip_part), self._lowest
 
         def force(_system: Any, _t: Any, _item: Any, q: Any, u: Any) -> list[float]:
-            x, arm, lift = q[1], r * cos(q[4]) - q[2], r * sin(q[4])
-            slip_x = u[1] + arm * u[0] + r * u[5]
-            slip_y = u[2] + x * u[0] + lift * u[4]
+            px, py, pz = lowest(q[4], q[5])
+            s, c = sin(q[4]), cos(q[4])
+            x, y, roll = q[1] + px, q[2] + py, s * pz + c * py
+            slip_x = u[1] - y * u[0] - roll * u[5]
+            slip_y = u[2] + x * u[0] + c * px * u[5] - pz * u[4]
             fx, fy = friction(slip_x, slip_y, load())
-            return [arm * fx + x * fy, fx, fy, 0.0, lift * fy, r * fx]
+            return [x * fy - y * fx, fx, fy, 0.0, -pz * fy, c * px * fy - roll * fx]
 
         return force
 
     def _contact_force(self) -> Force:
         """Generalised force on the same joints."""
-        contact = self.scenario.penalty_contact
-        r, grip = self.scenario.disk.radius, grip_of(self.scenario)
+        contact, grip = self.scenario.penalty_contact, grip_of(self.scenario)
         by_weight, weight = self.scenario.friction.load == "weight", self.scenario.weight
         load = 0.0
-        friction = self.friction(lambda: load)
+        friction, lowest = self.friction(lambda: load), self._lowest
 
         def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
             nonlocal load
-            side = r * cos(q[4])
-            _, normal = normal_force(contact, r * sin(q[4]) - q[3], u[3] - side * u[4])
+            x, y, z = lowest(q[4], q[5])
+            turn = sin(q[4]) * x
+            rise = u[3] + y * u[4] + turn * u[5]
+            _, normal = normal_force(contact, -q[3] - z, rise)
             if not (part := grip(normal)):
                 return [0.0] * 6
             # A contact that pulls is no load.
             load = weight if by_weight else max(0.0, normal)
             forces = [part * each for each in friction(system, time, item, q, u)]
             forces[3] = normal
-            forces[4] -= side * normal
+            forces[4] += y * normal
+            forces[5] += turn * normal
             return forces
 
         return force
@@ -174,7 +191,7 @@ class ContactTree(_Tree):
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:
         if not scenario.disk.is_round_disk:
-            return _ROUND
+            return "has a round disk at its end"
         if scenario.constraints != MODELS[1]:
             return f"exists for Model 1 alone, got {scenario.name}"
         if scenario.contact is not None:

@@ -16,6 +16,7 @@ from analysis import (
     LEVELS,
     POSSIBLE_SETS,
     STEEL_DISK,
+    Body,
     ConstraintSet,
     Level,
     PenaltyContact,
@@ -28,10 +29,11 @@ from analysis import (
 from analysis.mechanics.recorded import accelerations
 from analysis.problem.start import FlatError, State
 from analysis.problem.variations import changed
-from mbs_models import EngineError, Integrator, Scene
+from mbs_models import EngineError, Integrator, IntegratorName, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
 from mbs_models.simulation import advice
+from tests.bodies import EGG, ELLIPSE
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
 from validation.comparison.differences import deviation
@@ -66,6 +68,18 @@ def test_every_formulation_follows_the_in_house_motion_on_a_slope(
         np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-7)
         np.testing.assert_allclose(run.rates, expected.rates, atol=1e-5)
         np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
+
+
+@pytest.mark.parametrize("integrator", ["DOP853", "TrapezoidalIndex2"])
+@pytest.mark.parametrize("body", [ELLIPSE, EGG], ids=["ellipse", "own"])
+def test_bodies_of_any_surface_slide_on_the_ideal_contact_as_in_house(
+    body: Body, integrator: IntegratorName
+) -> None:
+    scenario = Scenario(disk=body, friction=LOADED, start=Start(beta=1.3, gamma=0.4, spin=15.0))
+    run = mbs_models.simulate(scenario, SHORT, tolerance=1e-6, integrator=integrator)
+    expected = truth(scenario, SHORT)
+    assert deviation(run, expected) <= not_none(run.error_estimate) <= 1e-6
+    np.testing.assert_allclose(run.normal_force, expected.normal_force, atol=1e-5)
 
 
 def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() -> None:

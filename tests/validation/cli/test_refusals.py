@@ -36,7 +36,7 @@ REFUSED = {
     SWEEP + "spin=1,2 --spin 3": "--spin: spin must be left out where it varies, got 3",
     SWEEP + "model=1,2 --constraints contact": "--constraints: constraints must be left out",
     "map basins --model 2": "--model: model must be left out where it varies, got 2",
-    "check --body ellipse": "needs a penalty contact, which takes any body",
+    "simulate --body ellipse --formulation floating": "holds round disks and spheres alone",
     "critical --spin 30": "--spin: spin must have 0 <= lowest < highest spin, got 30 to 30",
     "simulate --csv - --plot -": "--plot: plot must lead elsewhere: standard output takes one",
     "simulate --json --csv -": "--csv: csv must lead elsewhere: standard output takes one",
