@@ -51,7 +51,6 @@ def present(rows: Rows) -> Content:
     cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
     fits = families[families.kind != "motion"].set_index("kind").T
     hopf, connection = critical_speed(PAPER), connections.set_index("case").loc[measured.OF_PAPER]
-    apart = _apart(engine)
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
@@ -64,7 +63,7 @@ def present(rows: Rows) -> Content:
             "hopf": hopf,
             "connection": connection,
             "fits": fits,
-            "apart": apart.abs().max(skipna=False).clip(lower=KEPT),
+            "apart": _apart(engine).max(skipna=False).clip(lower=KEPT),
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
@@ -94,7 +93,7 @@ def present(rows: Rows) -> Content:
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
         checks=[
-            *_cycle_checks(fits, apart),
+            *_cycle_checks(fits, _apart(engine)),
             *_other_checks(connections, passages, law.exponent),
         ],
     )
@@ -146,9 +145,9 @@ def _bifurcations(
 
 
 def _apart(engine: pd.DataFrame) -> pd.DataFrame:
-    """Cycles of the engine less those found in-house, not a number where one is missing."""
+    """How far cycles of both sides are apart, not a number where one is missing."""
     values = engine.set_index(["source", "case"])[[*SAME_CYCLE]]
-    return values.loc["engine"] - values.loc["in-house"]
+    return (values.loc["engine"] - values.loc["in-house"]).abs()
 
 
 def _held_table(found: pd.DataFrame) -> pd.DataFrame:
@@ -174,7 +173,7 @@ def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
 
 def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
     for name, limit in SAME_CYCLE.items():
-        yield at_most(f"cycles: {name}, engine", largest(apart[name].abs()), limit)
+        yield at_most(f"cycles: {name}, engine", largest(apart[name]), limit)
     birth, end = fits.birth, fits.end
     yield at_most("cycles: end at the connection", end.off, SAME)
     ratios = {
