@@ -136,30 +136,25 @@ def simulation_effort(
     if local_tolerance is None:
         wanted = min(wanted, scenario.finest_slip)
     start, gradient = scenario.initial_state, scenario.friction_gradient
-    spin = abs(start.rates[3])
-    turning = sum(abs(rate) for rate in start.rates[3:])
+    spin, *others = map(abs, start.rates[3:])
+    turning = spin + sum(others)
     sharpness = wanted ** (-1.0 / (used.order))
     beta = start.coordinates[4]
+    leaning = sin(beta)
     # How many steps in a second are asked for, by what, and its value.
     rates = [
         (1.0 / longest_step(scenario), "times", ""),
         (0.4 * spin * sharpness, name, f"{wanted:g} "),
         (scenario.slip_decay / used.stable, "friction", f"gradient {gradient:g} s/m "),
-        (turning / abs(sin(beta)), "beta", f"{beta:g} rad "),
+        (turning / leaning, "beta", f"{beta:g} rad "),
     ]
-    leaning = sin(beta)
     if _lowest(scenario) < FALLS * leaning:
         falls = sqrt(scenario.fall / (2.0 * leaning)) / 2.0
         rates.append((_PER_FALL * falls * sharpness, "beta", f"{beta:g} rad "))
     seconds = _SECONDS
     if scenario.contact is not None:
         seconds = _FREE_BODY_SECONDS
-        stiffness = scenario.contact.stiffness
-        swinging = sqrt(stiffness * scenario.disk.contact_mobility) / min(used.stable, 3.0)
-        rates.append((swinging, "stiffness", f"{stiffness:g} N/m "))
-        damping = scenario.contact.damping
-        decay = damping / scenario.disk.mass
-        rates.append((decay / used.stable, "damping", f"{damping:g} N s/m "))
+        rates += _on_spring(scenario, used.stable)
     fastest, argument, value = max(rates)
     steps = float(times[-1] - times[0]) * fastest * (2.0 if local_tolerance is None else 1.0)
     return Effort(
@@ -168,6 +163,16 @@ def simulation_effort(
         argument=argument,
         value=f"{value}up to t = {times[-1]:g} s",
     )
+
+
+def _on_spring(scenario: Scenario, stable: float) -> list[tuple[float, str, str]]:
+    """Steps in a second that the spring and the damper of a penalty contact ask for."""
+    contact, disk = scenario.penalty_contact, scenario.disk
+    swinging = sqrt(contact.stiffness * disk.contact_mobility) / min(stable, 3.0)
+    return [
+        (swinging, "stiffness", f"{contact.stiffness:g} N/m "),
+        (contact.damping / (disk.mass * stable), "damping", f"{contact.damping:g} N s/m "),
+    ]
 
 
 def _lowest(scenario: Scenario) -> float:

@@ -86,9 +86,7 @@ def present(rows: Rows) -> Content:
             "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
-            "bifurcations": _bifurcations(
-                _family(cycles, hopf, connection, "amplitude"), hopf, families, engine
-            ),
+            "bifurcations": _bifurcations(cycles, hopf, connection, families, engine),
             "periods": _family(cycles, hopf, connection, "period", "multiplier", "log_strong"),
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
@@ -123,11 +121,16 @@ def _family(
 
 
 def _bifurcations(
-    figure: Any, hopf: CriticalSpeed, families: pd.DataFrame, engine: pd.DataFrame
+    cycles: list[Row],
+    hopf: CriticalSpeed,
+    connection: "pd.Series[Any]",
+    families: pd.DataFrame,
+    engine: pd.DataFrame,
 ) -> Any:
     """Amplitude over spin, with the stationary motions it leads between and cycles of others."""
     slow = families[families.case == SLOW]
     engine = engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")]
+    figure = _family(cycles, hopf, connection, "amplitude")
     (axes,) = figure.axes
     low, high = axes.get_xlim()
     for value, end in ((0.0, hopf.spin), (np.pi, high)):
