@@ -32,7 +32,7 @@ from analysis.stability.spectra import (
 Side = Literal["below", "above"]
 
 _DIP = 1e-4
-"""How exactly a dip is looked for, in parts of two steps: they may be much shorter than 1 rad/s."""
+"""How exactly a dip is looked for, in parts of two steps: those of slow disks are tiny."""
 
 _BESIDE = 1e-3
 """How far from a crossing its eigenvalue is told, in parts of the way to the middle of a step."""
