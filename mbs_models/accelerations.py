@@ -6,7 +6,7 @@ The accelerations are those of the scene's own formulation.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from math import cos, sin
+from math import cos, hypot, sin
 
 import exudyn as exu
 import numpy as np
@@ -301,23 +301,18 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     require_level(scenario, "the linearisation of a spinning motion")
     if scenario.contact is not None:
         raise ValueError("contact must be left out: a penalty contact is not linearised")
-    turning = abs(scenario.initial_state.rates[3]) + 1.0
-    speed, bending = CHANGE * scenario.disk.radius * turning, scenario.finest_slip
+    state, disk, bending = scenario.initial_state, scenario.disk, scenario.finest_slip
+    turning = abs(state.rates[3]) + 1.0
+    speed = CHANGE * disk.radius * turning
+    part, rim_speed = min(1.0, AT_NO_SLIP * bending / speed), speed
     # A disk that slides is linearised there, where friction has another slope than at no slip.
-    for part, rim_speed in (
-        (min(1.0, AT_NO_SLIP * bending / speed), speed),
-        (1.0, min(SLIDING * bending, speed)),
-    ):
-        motion = AccelerationProblem(scene, {}, part)
-        motion.quick = False
-        with solving(motion.system):
-            matrix, largest = _linearised(motion, turning, rim_speed)
-        if matrix is not None:
-            return matrix
-    raise ValueError(
-        "start must be a stationary motion to linearise about, got one with rates or "
-        f"accelerations of up to {largest:.3g}"
-    )
+    slip = hypot(*slip_velocity(disk.radius, state.coordinates, state.rates))
+    if disk.is_round_disk and slip > SLIDING * bending:
+        part, rim_speed = 1.0, min(SLIDING * bending, speed)
+    motion = AccelerationProblem(scene, {}, part)
+    motion.quick = False
+    with solving(motion.system):
+        return _linearised(motion, turning, rim_speed)
 
 
 def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
@@ -346,10 +341,8 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     return result
 
 
-def _linearised(
-    motion: AccelerationProblem, turning: float, speed: float
-) -> tuple[Array | None, float]:
-    """State matrix, shape (n, n), or None if the start is not stationary; what it moves by.
+def _linearised(motion: AccelerationProblem, turning: float, speed: float) -> Array:
+    """State matrix, shape (n, n); `ValueError` if the start is not stationary.
 
     By central differences, extrapolated in powers 1 and 2: odd ones appear because friction has a
     kink at no slip.
@@ -371,7 +364,10 @@ def _linearised(
 
     largest = float(np.max(np.abs(rates(0.0 * problem.start))))
     if largest > 1e-6 * turning**2:
-        return None, largest
+        raise ValueError(
+            "start must be a stationary motion to linearise about, got one with rates or "
+            f"accelerations of up to {largest:.3g}"
+        )
     columns = []
     for place in places:
         name = motion.names[place]
@@ -383,4 +379,4 @@ def _linearised(
             for part in (1.0, 0.5, 0.25)
         ]
         columns.append(np.dot((1.0, -6.0, 8.0), slopes) / 3.0)
-    return np.column_stack(columns), largest
+    return np.column_stack(columns)

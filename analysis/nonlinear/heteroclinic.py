@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
 
 from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed
@@ -40,12 +41,13 @@ _SETTLED = 1e-3
 _NEAR = 1e-2
 """Distance in rad from the saddle that motions on either side of a connection come within."""
 
-_TOLERANCE = 1e-12
-"""Relative error of a step of a run."""
+_TOLERANCE, _STIFF_TOLERANCE = 1e-12, 3e-11
+"""Relative error of a step of a run, and of a stiff one, whose method makes smaller errors."""
 
-_STALLING = 1e4
-"""Gradient of friction in s/m from which LSODA, a tenth as long under way otherwise, may take the
-stiff motion for none and a hundred times the steps."""
+_STIFF = 500.0
+"""Gradient of friction in s/m from which LSODA, a tenth as long under way otherwise, is less
+accurate than it is told to be, and may take the stiff motion for none and a hundred times the
+steps."""
 
 _STEEPEST = 1e5
 """Gradient of friction in s/m beyond which runs lose the digits of the spin."""
@@ -65,11 +67,17 @@ class Fall:
     distances : ndarray, shape (n,)
         In rad, from the saddle, a turn further, of beta, gamma, and the rate of beta over that at
         which the growing direction grows.
+    swing : float
+        Largest deviation of gamma from pi/2 in rad.
+    tilt : float
+        With which it first passes the saddle's gamma, in rad; 0 if it never does.
     """
 
     states: Array
     side: float
     distances: Array
+    swing: float
+    tilt: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,8 +101,6 @@ class Connection:
     least_tilt : float
         Of the rotating motions next to it in rad: zero where `last_amplitude` is pi. Where a
         motion swings beyond noninverted spinning, it passes with a tilt before it comes back.
-        motion swings beyond noninverted spinning, it passes with a tilt before it comes back. Both
-        are read off between steps of a run, to some 1e-5 rad.
     winding : float
         Imaginary part of the decaying pair of a saddle-focus in 1/s; 0 for two real ones.
     """
@@ -164,16 +170,15 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     spin = positive("spin", spin)
     values, growing = saddle(scenario, spin)
     growth = values[0].real
-    how: dict[str, Any] = {"method": "LSODA"}
-    if scenario.friction.gradient > _STALLING:
+    how: dict[str, Any] = {"method": "LSODA", "rtol": _TOLERANCE, "atol": _TOLERANCE * 1e-2}
+    if scenario.friction.gradient > _STIFF:
         jacobian = reduced.jacobian(scenario, spin)
-        how = {"method": "Radau", "jac": lambda _, state: jacobian(state)}
+        how = {"method": "Radau", "rtol": _STIFF_TOLERANCE, "atol": _STIFF_TOLERANCE}
+        how["jac"] = lambda _, state: jacobian(state)
     run = solve_ivp(
         reduced.right_hand_side(scenario, spin),
         (0.0, _LONGEST / growth),
         np.array((np.pi / 2, -np.pi / 2, 0.0)) + _DEPARTURE * growing,
-        rtol=_TOLERANCE,
-        atol=_TOLERANCE * 1e-2,
         events=_ENDINGS,
         **how,
     )
@@ -190,8 +195,22 @@ def fall(scenario: Scenario, spin: float) -> Fall:
             f"the motion from noninverted spinning at {spin:.9g} rad/s neither turns back nor "
             f"goes over within {run.t[-1]:.3g} s: {run.message}"
         )
-    goes_over = has_passed or (is_flat and run.y[1, -1] > 1.5 * np.pi)
-    return Fall(states=run.y.T, side=1.0 if goes_over else -1.0, distances=distances(1.5))
+    # A run may end where its last step has begun.
+    times, kept = np.unique(run.t, return_index=True)
+    beta, gamma, beta_rate = run.y[:, kept]
+    goes_over = has_passed or (is_flat and gamma[-1] > 1.5 * np.pi)
+    # Between steps by the rates, of which that of gamma is known.
+    turning = CubicHermiteSpline(times, gamma, -spin * np.cos(beta))
+    turns = turning.derivative().roots(extrapolate=False)
+    passes = turning.solve(1.5 * np.pi, extrapolate=False)[:1]
+    tilts = CubicHermiteSpline(times, beta, beta_rate)(passes) - np.pi / 2
+    return Fall(
+        states=run.y.T,
+        side=1.0 if goes_over else -1.0,
+        distances=distances(1.5),
+        swing=float(np.nanmax(turning([*turns, times[-1]]))) - np.pi / 2,
+        tilt=float(tilts.sum()),
+    )
 
 
 def _ending(direction: float, of: Callable[[Array], float]) -> Any:
@@ -224,8 +243,8 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     Returns
     -------
     Connection
-        Found to 1e-11 rad/s. The runs add some 1e-10 to its error, 3e-9 for friction a hundred
-        times as steep as the paper's, 2e-8 for a thousand times and 2e-7 for three thousand times.
+        Found to 1e-11 rad/s. The runs add some 1e-10 to its error, and some 1e-8 for friction
+        that is more than a hundred times as steep as the paper's.
 
     Raises
     ------
@@ -236,24 +255,25 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     """
     tried: dict[float, Fall] = {}
 
-    def side(spin: float) -> float:
+    def missed(spin: float) -> float:
+        """By what a motion misses the saddle, to its side: that grows about with the spin."""
         if spin not in tried:
             tried[spin] = fall(scenario, spin)
-        return tried[spin].side
+        return tried[spin].side * float(tried[spin].distances.min()) ** 2
 
     centre = critical_speed(scenario).spin
-    found = nearest_root(side, centre)
+    found = nearest_root(missed, centre)
     if found is None:
-        does = "turns back" if side(centre) < 0.0 else "goes over"
+        does = "turns back" if tried[centre].side < 0.0 else "goes over"
         raise NoConnectionError(
             f"no heteroclinic connection between {centre * (1 - WIDEST):.6g} and "
             f"{centre * (1 + WIDEST):.6g} rad/s: the motion from noninverted spinning {does} at "
             "all spins tried"
         )
     # The nearest ones on either side.
-    lowest = side(min(tried))
-    below = max(each for each in tried if side(each) == lowest)
-    above = min(each for each in tried if side(each) != lowest)
+    lowest = tried[min(tried)].side
+    below = max(each for each in tried if tried[each].side == lowest)
+    above = min(each for each in tried if tried[each].side != lowest)
     turning, going = sorted((tried[below], tried[above]), key=attrgetter("side"))
     distance = max(turning.distances.min(), going.distances.min())
     if distance > _NEAR:
@@ -263,7 +283,6 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
             f"{distance:.2g} rad"
         )
     growing, slow, strong = saddle(scenario, found)[0].tolist()
-    swing = float(np.max(turning.states[:, 1])) - np.pi / 2
     return Connection(
         spin=found,
         below=below,
@@ -271,18 +290,10 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
         growing=growing.real,
         slow=slow.real,
         strong=strong.real,
-        last_amplitude=max(np.pi, swing),
-        least_tilt=_tilt_passed(going.states) if swing > np.pi else 0.0,
+        last_amplitude=max(np.pi, turning.swing),
+        least_tilt=going.tilt if turning.swing > np.pi else 0.0,
         winding=abs(slow.imag),
     )
-
-
-def _tilt_passed(way: Array) -> float:
-    """Tilt in rad with which a motion that swings beyond noninverted spinning first passes it."""
-    beta, gamma, _ = way.T
-    first = int(np.argmax(gamma >= 1.5 * np.pi))
-    passing = slice(first - 1, first + 1)
-    return float(np.interp(1.5 * np.pi, gamma[passing], beta[passing])) - np.pi / 2
 
 
 def period_growth(cycles: Sequence[PeriodicMotion], connection: Connection) -> dict[str, float]:

@@ -31,6 +31,9 @@ from analysis.stability.spectra import (
 
 Side = Literal["below", "above"]
 
+_DIP = 1e-4
+"""How exactly a dip is looked for, in parts of two steps: those of slow disks are tiny."""
+
 _BESIDE = 1e-3
 """How far from a crossing its eigenvalue is told, in parts of the way to the middle of a step."""
 
@@ -211,10 +214,11 @@ class Spectra:
         kept = count == self._still
         kept[[0, -1]] = True
         self._spins, self._values = spins[kept].tolist(), values[kept]
-        dips = sorted({*self._dips()})
-        order = np.argsort([*self._spins, *dips])
-        self._values = np.vstack((self._values, *map(self._at, dips)))[order]
-        self._spins = sorted((*self._spins, *dips))
+        # A dip at a spin of the grid takes its place there.
+        found = dict(zip(self._spins, self._values, strict=True))
+        found |= {dip: self._at(dip) for dip in self._dips()}
+        self._spins = sorted(found)
+        self._values = np.array([found[spin] for spin in self._spins])
 
     def _eigenvalues(self, spins: Array) -> ComplexArray:
         return np.linalg.eigvals(self._matrices(spins)).astype(complex)
@@ -258,7 +262,8 @@ class Spectra:
             return sign * float(self._damped(self._at(spin))[place].real)
 
         ends = self._spins[step], self._spins[step + 2]
-        least = minimize_scalar(size, bounds=ends, method="bounded")
+        how = {"xatol": _DIP * (ends[1] - ends[0])}
+        least = minimize_scalar(size, bounds=ends, method="bounded", options=how)
         below = least.fun < -ROUND_OFF * self._largest
         return float(least.x) if below else None
 

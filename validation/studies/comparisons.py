@@ -207,8 +207,7 @@ def compare_accelerations(scene: Scene, states: int) -> Iterator[Comparison]:
         how = f"relative, at {number} of {states} random states: the others have no solution"
     for side, quantity in enumerate(("accelerations", "constraint forces")):
         worst = largest(pair[side] for pair in found)
-        way = scene.built_as
-        yield Comparison(quantity, way, ACCELERATION_LIMIT, worst, how, counted=number)
+        yield Comparison(quantity, scene.built_as, ACCELERATION_LIMIT, worst, how, counted=number)
 
 
 def _relative(found: Array, expected: Array, least: float) -> float:

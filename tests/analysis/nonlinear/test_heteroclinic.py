@@ -2,11 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from analysis import DISKS, Disk, Scenario, SmoothCoulomb
+from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
 from analysis.nonlinear.families import cycle_family
@@ -37,6 +40,14 @@ def test_motions_fall_to_different_sides_of_the_connection() -> None:
         assert fall(scenario, spin - 1e-6).side > 0.0 > fall(scenario, spin + 1e-6).side
 
 
+@pytest.mark.parametrize("smoothing", [1e-4, 5e-5])
+def test_stiff_motions_fall_to_different_sides_as_near_to_it(smoothing: float) -> None:
+    # It nears that on the slow manifold with the square of the smoothing.
+    limit = slow_connection(PAPER).spin
+    spin, scenario = limit - 11.239 * smoothing**2, with_smoothing(smoothing)
+    assert fall(scenario, spin - 2e-8).side > 0.0 > fall(scenario, spin + 2e-8).side
+
+
 @pytest.mark.slow
 def test_cycles_end_in_the_connection() -> None:
     found = heteroclinic_connection(PAPER)
@@ -57,7 +68,22 @@ def test_motions_wind_about_a_saddle_focus_and_fall_to_different_sides() -> None
     assert [way.side for way in falls] == [1.0, -1.0]
     # Back where it came from, or a turn further, and beyond the saddle before it turns back.
     assert [way.states[-1, 1] for way in falls] == pytest.approx([2.5 * np.pi, 0.5 * np.pi])
-    assert np.max(falls[1].states[:, 1]) == pytest.approx(1.5 * np.pi + 0.12917, abs=1e-4)
+    assert falls[1].swing == pytest.approx(np.pi + 0.1291609, abs=1e-6)
+
+
+@pytest.mark.parametrize("side", [-1e-6, 1e-6])
+def test_swing_and_tilt_are_those_of_much_finer_steps(side: float) -> None:
+    scenario, spin = with_smoothing(1.0), 29.528215473 + side
+    found = fall(scenario, spin)
+    rates = reduced.right_hand_side(scenario, spin)
+    how: dict[str, Any] = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
+    path = solve_ivp(rates, (0.0, 5.0), found.states[0], dense_output=True, **how).sol
+    beta, gamma, _ = path(np.linspace(0.0, 5.0, 500_001))
+    passed = np.flatnonzero(gamma > 1.5 * np.pi)[0] + np.arange(-1, 1)
+    tilt = np.interp(1.5 * np.pi, gamma[passed], beta[passed]) - np.pi / 2
+    assert found.tilt == pytest.approx(tilt, abs=1e-8)
+    if side > 0.0:
+        assert found.swing == pytest.approx(np.max(gamma) - np.pi / 2, abs=1e-8)
 
 
 @pytest.mark.slow

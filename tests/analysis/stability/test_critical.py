@@ -137,6 +137,24 @@ def test_two_pairs_that_cross_within_a_step_are_both_found(part: float) -> None:
     assert {first.stable_side, second.stable_side} == {"above", "below"}
     # Below the corner, both pairs decay in between.
     assert found.stable == (((first.spin, second.spin),) if part < 1.0 else ())
+    # A millionth of the gravity slows all motions thousandfold.
+    slow = model(1, table=Table(gravity=GRAVITY / 1e6))
+    slowed = critical_speeds(with_gradient(slow, 1e3 * part * corner.gradient), (0.0, 0.06))
+    spins = [1e3 * crossing.spin for crossing in slowed.hopf]
+    assert spins == pytest.approx([first.spin, second.spin], rel=1e-6)
+
+
+def test_a_dip_at_a_spin_of_the_grid_tells_the_crossings_beside_it() -> None:
+    """Eigenvalues -1 and 1e-6 - (Omega - 1)², which rounding in a stack makes negative at 1."""
+
+    def matrices(spins: Array) -> Array:
+        values = np.zeros((spins.size, 2, 2))
+        values[:, 0, 0] = 1e-6 - (spins - 1.0) ** 2 - 2e-6 * (spins.size > 1)
+        values[:, 1, 1] = -1.0
+        return values
+
+    first, second = Spectra(matrices, np.array((0.5, 0.75, 1.0, 1.25, 1.5))).crossings()
+    assert (first.spin, second.spin) == pytest.approx((0.999, 1.001), abs=1e-9)
 
 
 def test_a_disk_that_moves_slowly_has_the_same_crossings_at_slow_spins() -> None:
