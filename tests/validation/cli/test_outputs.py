@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from analysis import load_run
-from tests.calls import Capture, printed, run
+from tests.calls import Capture, printed, refusal, run
 from tests.helpers import mostly_slow
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
@@ -91,6 +91,22 @@ def test_a_file_on_standard_output_stands_there_alone(
 @every
 def test_a_device_needs_no_suffix(name: str) -> None:
     save(name, os.devnull)
+
+
+CLOSED = {
+    **{f"/proc/{name}": call for name, call in WAYS.items()},
+    "/proc/new.db": "sweep spin=1,2 --out",
+    "/proc/folder": "report --out",
+}
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that nobody can fill")
+@pytest.mark.parametrize("path", CLOSED)
+def test_a_folder_that_says_it_can_be_written_to_and_cannot_is_refused_by_the_option(
+    path: str,
+) -> None:
+    option = CLOSED[path].rpartition(" ")[2]
+    assert f"error: argument {option}: must be a f" in refusal(CLOSED[path], path)
 
 
 SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
