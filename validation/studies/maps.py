@@ -79,7 +79,7 @@ class Case(NamedTuple):
     """A panel of a map, or some of its cells alone."""
 
     sweep: Sweep
-    to_rest: bool
+    by_face: bool
     levels: int = 0
     numbers: Sequence[int] = ()
 
@@ -93,7 +93,7 @@ def whole() -> dict[str, Case]:
         sweeps = panels(problem, Scenario(), end=problem.end, **size)
         for sweep in sweeps:
             label = f"{name} {sweep.scenario.model}" if problem.basins else name
-            made[label] = Case(sweep, problem.to_rest, levels)
+            made[label] = Case(sweep, problem.by_face, levels)
     return made
 
 
@@ -105,7 +105,7 @@ def cases() -> dict[str, Case]:
         **known,
         **{_again(name): _both(known[name], numbers) for name, numbers in REPEATED.items()},
         **{
-            _pairs(distance): Case(sweep, rest.to_rest, numbers=range(PAIRS))
+            _pairs(distance): Case(sweep, rest.by_face, numbers=range(PAIRS))
             for distance, sweep in zip((0.0, *DISTANCES), pairs, strict=True)
         },
     }
@@ -124,7 +124,7 @@ def _both(known: Case, numbers: Sequence[int]) -> Case:
     plan, size = known.sweep.plan, known.sweep.design.size
     step = None if plan.source == "engine" else STEP
     plan = replace(plan, witnesses=size, witness_step=step)
-    return Case(replace(known.sweep, plan=plan), known.to_rest, numbers=numbers)
+    return Case(replace(known.sweep, plan=plan), known.by_face, numbers=numbers)
 
 
 def measure(case: Case) -> list[Row]:
@@ -134,7 +134,7 @@ def measure(case: Case) -> list[Row]:
     def run(numbers: Iterable[int]) -> list[Row]:
         for number in numbers:
             (row,) = run_chunk(sweep, [number])
-            found.append(cell(sweep, row, to_rest=case.to_rest) | sweep.design.values_of(number))
+            found.append(cell(sweep, row, by_face=case.by_face) | sweep.design.values_of(number))
         return found
 
     if case.levels:
