@@ -65,6 +65,9 @@ BANDS = (0.1, NEAR, 0.5, 0.7)
 ABOVE = 3.0
 """Spin in rad/s by which the disk may have to be faster than the second critical speed."""
 
+NEARLY_ALL = 95.0
+"""Part in % of the starts of which the reduced system has to tell the end."""
+
 SPEED_MAPS = {"spin-friction": 0.2, "spin-eccentricity": 1.5e-3}
 """Maps over the spin, and from where on along the other axis they are judged.
 
@@ -187,7 +190,7 @@ def present(rows: Rows) -> Content:
             "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
             "agreement": models[BANDS[-1]],
             "near": near,
-            "answer": grade(yes=far >= 95.0, partly=near >= 95.0),
+            "answer": grade(yes=far >= NEARLY_ALL, partly=near >= NEARLY_ALL),
             "fineness": fine,
             "repeated": len(again),
         },
