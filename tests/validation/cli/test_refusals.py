@@ -34,6 +34,8 @@ REFUSED = {
     SWEEP + "spin=1,2 --executor json:dumps": "cannot be made: TypeError: dumps() missing",
     SWEEP + "spin=1,2 mu=0.1 --plot a.png": "--plot: plot cannot be made: several axes",
     SWEEP + "spin=1,2 --spin 3": "--spin: spin must be left out where it varies, got 3",
+    SWEEP + "spin=1:2 --layout random": "--layout: layout needs a number of points, got 'random'",
+    SWEEP + "spin=1,2 --number 3": "--number: number belongs to drawn points, not to a grid",
     SWEEP + "model=1,2 --constraints contact": "--constraints: constraints must be left out",
     "map basins --model 2": "--model: model must be left out where it varies, got 2",
     "check --body ellipse": "needs a penalty contact, which takes any body",
