@@ -29,7 +29,10 @@ _MODULES = (
 _LIGHT = ("pathlib", "typing", "validation.parser", "analysis.problem.choices")
 """Modules from which signatures have their names."""
 
-_NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
+_NEGATIVE = re.compile(r"-(\d|\.\d|pi|inf|nan|$)")
+"""What begins like an option and is a value; `-` is standard output."""
+
+_NUMBERS = {float: "a number", int: "a whole number"}
 
 _METAVARS: dict[Any, str] = {float: "NUMBER", int: "N", str: "NAME"}
 
@@ -57,7 +60,7 @@ class Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Options of a call, all of which must be known; those that are not are told first."""
         known, words = self._option_string_actions, takewhile("--".__ne__, args)
-        flags = [word for word in words if word.startswith("--")]
+        flags = [word for word in words if word.startswith("-") and not _NEGATIVE.match(word)]
         for flag in flags:
             if flag.endswith("=--"):
                 # Taken for the end of the options, it would leave a list without a value.
@@ -74,6 +77,14 @@ class Parser(argparse.ArgumentParser):
             super()._check_value(action, value)
         except argparse.ArgumentError as error:
             error.message += nearest(value, action.choices or ())
+            raise
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        try:
+            return super()._get_value(action, arg_string)
+        except argparse.ArgumentError as error:
+            if action.type in _NUMBERS:
+                error.message = f"must be {_NUMBERS[action.type]}, got {arg_string!r}"
             raise
 
     def error(self, message: str) -> NoReturn:
