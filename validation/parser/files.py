@@ -50,8 +50,8 @@ def existing(*suffixes: str) -> Callable[[str], Path]:
 
     def checked(value: str) -> Path:
         path = _with_suffix(value, suffixes)
-        if path.is_dir() or not path.exists():
-            raise ArgumentTypeError(f"must be a file that exists, got {value!r}")
+        if path.is_dir() or not os.access(path, os.R_OK):
+            raise ArgumentTypeError(f"must be an existing file that can be read, got {value!r}")
         return path
 
     return checked
@@ -101,8 +101,8 @@ def _is_writable(place: Path) -> bool:
 def store(value: str) -> Path:
     """Type of an argument that names a database to write, which can be no pipe."""
     path = writable(".db")(value)
-    if path.exists() and not path.is_file():
-        raise ArgumentTypeError(f"must be a regular file, got {value!r}")
+    if path.exists() and not (path.is_file() and _is_writable(path)):
+        raise ArgumentTypeError(f"must be a regular file that can be written, got {value!r}")
     return _with_suffix(value, (".db",))
 
 

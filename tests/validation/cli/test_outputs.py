@@ -109,6 +109,23 @@ def test_a_folder_that_says_it_can_be_written_to_and_cannot_is_refused_by_the_op
     assert f"error: argument {option}: must be a f" in refusal(CLOSED[path], path)
 
 
+LOCKED = {
+    "show run.npz": "FILE: must be an existing file that can be read, got 'run.npz'",
+    "check --scenario run.npz": "--scenario: must be an existing file that can be read",
+    "sweep spin=1,2 --out old.db": "--out: must be a regular file that can be written",
+}
+
+
+@pytest.mark.parametrize("call", LOCKED)
+def test_a_file_that_may_not_be_read_or_written_is_refused_by_the_option(
+    call: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("old.db").touch()
+    # Whoever runs the tests may be allowed everything.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert f"error: argument {LOCKED[call]}" in refusal(call)
+
+
 SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
 WRONG = "simulate --model 5 --out new.npz"
 LOST = "tippedisk: standard output "
@@ -119,6 +136,7 @@ STREAMS = [
     (WRONG, ">/dev/full", 2, "tippedisk simulate: error: "),
     (WRONG, "2>/dev/full", 2, ""),
     (WRONG, "2>&-", 2, ""),
+    (WAYS["run.csv"], "/dev/full", 2, "tippedisk show: error: .*: '/dev/full'$"),
     ("simulate --help", ">/dev/full", 3, LOST),
     (f"{WAYS['new.npz']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['picture.png']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
@@ -133,7 +151,7 @@ STREAMS = [
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:7]), ids=str)
+@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:8]), ids=str)
 def test_lost_streams_are_said_in_one_line_and_hide_neither_a_run_nor_a_wrong_call(
     case: tuple[str, str, int, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
