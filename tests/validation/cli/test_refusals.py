@@ -18,6 +18,8 @@ REFUSED = {
     # Options that do not fit each other, or the scenario.
     "scenario --law viscous --mu 1": "--mu: coefficient is unknown here; [friction] takes law",
     "scenario --law tanh,coefficient=1 --mu 2": "--law: law tells coefficient, which is told tw",
+    "scenario --law tanh,foo=1": "--law: foo is unknown here; [friction] takes law, load, smooth",
+    "scenario --body sphere,foo=1": "--body: foo is unknown here; [disk] takes body, radius, ma",
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     ENGINE + "--source in-house --formulation floating": "formulation must be one of index-1",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
