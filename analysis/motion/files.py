@@ -100,7 +100,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
                 copyfileobj(content, stream)
         except OSError as error:
             if not is_output:
-                raise
+                # Nor does a full device say its name.
+                raise OSError(error.errno, error.strerror, str(path)) from error
             raise OutputLostError(f"standard output could not be written to: {error}") from error
 
 

@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.sampled import optional
+from analysis.motion.sampled import xarray_module
 from analysis.problem.checks import TimeLimitError
 from analysis.problem.constraints import PRESCRIBED
 from analysis.problem.contact import CAUSES
@@ -111,7 +112,7 @@ class OutcomeTable:
 
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame` with "number" as its index and the units in its `attrs`."""
-        frame = optional("pandas", "to_dataframe").DataFrame(self.columns).set_index("number")
+        frame = import_module("pandas").DataFrame(self.columns).set_index("number")
         frame.attrs = {"units": self.units}
         return frame
 
@@ -128,7 +129,7 @@ class OutcomeTable:
             name: ("number", column, {"units": units[name]} if units.get(name) else {})
             for name, column in self.columns.items()
         }
-        return optional("xarray", "to_xarray").Dataset(held).set_coords(["number", *self.axes])
+        return xarray_module().Dataset(held).set_coords(["number", *self.axes])
 
 
 def failure(error: BaseException) -> Row:

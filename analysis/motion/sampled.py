@@ -205,7 +205,7 @@ class SampledMotion(Quantities):
 
     def to_dataframe(self) -> Any:
         """`to_dict` as a `pandas.DataFrame` over time, with the units in its `attrs`."""
-        frame = optional("pandas", "to_dataframe").DataFrame(self.to_dict()).set_index("time")
+        frame = import_module("pandas").DataFrame(self.to_dict()).set_index("time")
         frame.attrs = self._summary() | {"units": self.units}
         return frame
 
@@ -217,7 +217,7 @@ class SampledMotion(Quantities):
         ImportError
             If xarray is not installed; it comes with `pip install 'tippedisk[export]'`.
         """
-        xarray = optional("xarray", "to_xarray")
+        xarray = xarray_module()
         variables = {
             name: ("time", values, {"units": unit})
             for name, (values, unit) in self.columns().items()
@@ -260,7 +260,7 @@ class SampledMotion(Quantities):
                     f"names must have one unit, got {names[0]} in {unit} and {name} in {other}"
                 )
         if ax is None:
-            ax = optional("matplotlib.figure", "plot").Figure(layout="constrained").subplots()
+            ax = import_module("matplotlib.figure").Figure(layout="constrained").subplots()
         elif not hasattr(ax, "plot"):
             raise ArgumentError("ax", f"must be the axes of a figure, got {ax!r}")
         values = self.to_dict()
@@ -310,7 +310,7 @@ class SampledMotion(Quantities):
         np.float64(0.05)
         """
         # The player knows motions, and these know it by name alone, as they do matplotlib.
-        animate = optional("validation.animation.player", "animate").animate
+        animate = import_module("validation.animation.player").animate
         return animate(self, begin, end, title=title, caption=caption, speed=speed)
 
     def _summary(self) -> dict[str, str]:
@@ -394,12 +394,12 @@ def described(kind: type[SampledMotion]) -> list[str]:
     return [field.name for field in fields(kind) if field.name not in left_out]
 
 
-def optional(package: str, wanted_by: str) -> Any:
-    """A module of an optional package, loaded only when it is asked for."""
+def xarray_module() -> Any:
+    """The package xarray, which does not come with a plain install as the others do."""
     try:
-        return import_module(package)
+        return import_module("xarray")
     except ImportError as error:
         raise ImportError(
-            f"{wanted_by} needs {package}, which is not installed; "
+            "to_xarray needs xarray, which is not installed; "
             "pip install 'tippedisk[export]' installs it"
         ) from error

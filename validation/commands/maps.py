@@ -90,7 +90,7 @@ def map(  # noqa: A001 - the command's name
     with open_pool(**pool) as opened:
         out.mkdir(parents=True, exist_ok=True)
         place = out / name
-        done = _run_panels(runs, place, opened, to_rest=mapped.to_rest)
+        done = _run_panels(runs, place, opened, by_face=mapped.by_face)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
     table = Table.of(rows, mapped.title, _fineness(starts))
@@ -104,7 +104,7 @@ def map(  # noqa: A001 - the command's name
 
 
 def _run_panels(
-    runs: Sequence[tuple[Sweep, int, int]], place: Path, pool: Pool, *, to_rest: bool
+    runs: Sequence[tuple[Sweep, int, int]], place: Path, pool: Pool, *, by_face: bool
 ) -> list[Panel]:
     """Panels of sweeps, each halved so often and of about so many cases, in stores by number."""
     stores = [place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1)]
@@ -117,7 +117,7 @@ def _run_panels(
     some = f"some {in_cases(sum(count for *_, count in runs))}"
     announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
     return [
-        run_panel(sweep, store, pool, to_rest=to_rest, levels=halved)
+        run_panel(sweep, store, pool, by_face=by_face, levels=halved)
         for (sweep, halved, _), store in zip(runs, stores, strict=True)
     ]
 

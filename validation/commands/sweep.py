@@ -125,9 +125,10 @@ def _design(words: Sequence[str], file: Path | None, drawing: Mapping[str, Any])
         try:
             for name in stated:
                 choice("key", name, ("axes", "layout", "number", "seed"))
-            # What is no table is refused as an axis of that name.
-            found = flat(stated.pop("axes", {}))
-            axes = [*(axis_from(field, value) for field, value in found.items()), *axes]
+            found = stated.pop("axes", {})
+            if not isinstance(found, dict):
+                raise ArgumentError("axes", f"must be a table, got {found!r}")
+            axes = [*(axis_from(field, value) for field, value in flat(found).items()), *axes]
         except ValueError as error:
             raise ValueError(f"{file}: {error}") from None
     return Design(axes=tuple(axes), **{**stated, **drawing})

@@ -198,8 +198,8 @@ def draw_sweep(results: Results) -> Figure:
         If `check_drawable` does.
     """
     check_drawable(results.sweep)
-    sweep, to_rest = results.sweep, results.sweep.plan.to_rest
-    cells = pd.DataFrame([cell(sweep, row, to_rest=to_rest) for row in results.rows()])
+    sweep, by_face = results.sweep, results.sweep.plan.to_rest
+    cells = pd.DataFrame([cell(sweep, row, by_face=by_face) for row in results.rows()])
     table = pd.DataFrame(results.columns).assign(outcome=cells["outcome"])
     axes = sweep.design.axes
     for axis in filter(_is_named, axes):

@@ -99,7 +99,7 @@ class Panel:
         return np.column_stack(np.divmod(cells["number"].to_numpy(int), self.shape[1]))
 
 
-def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
+def cell(sweep: Sweep, row: Mapping[str, Any], *, by_face: bool) -> Cell:
     """What a map takes from the row of a case.
 
     Returns
@@ -110,10 +110,10 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
         (`difference` in rad); `seconds` of processor time.
     """
     scenario = sweep.scenario
-    if to_rest and row["status"] == DONE:
+    if by_face and row["status"] == DONE:
         scenario = sweep.scenario_of(row["number"])
-    outcome = became(scenario, row, to_rest=to_rest)
-    if to_rest:
+    outcome = became(scenario, row, by_face=by_face)
+    if by_face:
         alike = (row.get("face_end") or 0.0) * (row.get("other_face_end") or 0.0) > 0.0
     else:
         alike = row.get("inversion") == row.get("other_inversion")
@@ -129,15 +129,15 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, to_rest: bool) -> Cell:
     }
 
 
-def became(scenario: Scenario, row: Mapping[str, Any], *, to_rest: bool) -> str:
+def became(scenario: Scenario, row: Mapping[str, Any], *, by_face: bool) -> str:
     """What became of the disk in a case: of its inversion, or which of its faces is up.
 
     A face is up for good once the disk cannot pass through standing on its rim any more, however
     long it takes to come to rest there.
     """
     if row["status"] != DONE:
-        return "refused" if row["status"] == "refused" and not to_rest else "failed"
-    if to_rest:
+        return "refused" if row["status"] == "refused" and not by_face else "failed"
+    if by_face:
         barrier = scenario.weight * _least_upright_height(scenario.disk)
         if float(row["energy_end"] or np.inf) >= barrier and row["ending"] != "flat":
             return "not decided"
@@ -213,7 +213,7 @@ def _missing(cells: Iterable[Cell], shape: Sequence[int], step: int) -> list[int
     return sorted(wanted)
 
 
-def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: int = 0) -> Panel:
+def run_panel(sweep: Sweep, path: Path, pool: Pool, *, by_face: bool, levels: int = 0) -> Panel:
     """Run a panel, or what its store does not hold of it.
 
     Parameters
@@ -223,7 +223,7 @@ def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: in
     path : Path
         Of the store.
     pool : Pool
-    to_rest : bool
+    by_face : bool
         See `became`.
     levels : int
         How often cells are halved.
@@ -232,7 +232,7 @@ def run_panel(sweep: Sweep, path: Path, pool: Pool, *, to_rest: bool, levels: in
 
         def run(numbers: Iterable[int] | None = None) -> list[Cell]:
             run_cases(store, pool, numbers=numbers)
-            return [cell(sweep, row, to_rest=to_rest) for row in Results.load(path).rows()]
+            return [cell(sweep, row, by_face=by_face) for row in Results.load(path).rows()]
 
         cells = refine(sweep.design.shape, levels, run) if levels else run()
     return Panel(sweep=sweep, cells=pd.DataFrame(cells))

@@ -52,8 +52,8 @@ class Problem(NamedTuple):
         Of each motion in s, unless another is asked for.
     basins : bool
         Whether Models 1 to 4 are beside each other.
-    to_rest : bool
-        Whether it asks which face is up in the end, instead of the inversion.
+    by_face : bool
+        Whether its cases are told apart by the face that is up in the end, not by the inversion.
     """
 
     title: str
@@ -61,7 +61,7 @@ class Problem(NamedTuple):
     up: Axis
     end: float = 4.0
     basins: bool = False
-    to_rest: bool = False
+    by_face: bool = False
 
 
 _TILT = Axis(field="start.beta", first=pi / 2 - 0.7, last=pi / 2 + 0.7)
@@ -79,7 +79,7 @@ PROBLEMS = {
     "attitude": Problem("Inversion over the attitude at the start", _TURN, _TILT),
     "tilting": Problem("Inversion over tilt and tilting rate at the start", _TILTING, _TILT),
     "basins": Problem("Starts that end in inverted spinning, by model", _TURN, _TILT, basins=True),
-    "rest": Problem("Which face is up at rest", _NEAR_CRITICAL, _NEAR_UPRIGHT, 20.0, to_rest=True),
+    "rest": Problem("Which face is up at rest", _NEAR_CRITICAL, _NEAR_UPRIGHT, 20.0, by_face=True),
 }
 """By the names of the command."""
 
@@ -115,7 +115,7 @@ def panels(
         If a number is out of range, or a map that is decided by the energy has a leaning table,
         which brings more and more of it.
     """
-    if problem.to_rest:
+    if problem.by_face:
         require_level(scenario, "a map of the face that is up")
     within("cells", cells, 1, 10_000)
     within("levels", levels, 0, 12)

@@ -29,7 +29,10 @@ _MODULES = (
 _LIGHT = ("pathlib", "typing", "validation.parser", "analysis.problem.choices")
 """Modules from which signatures have their names."""
 
-_NEGATIVE = re.compile(r"-(\d|\.\d|pi)")
+_NEGATIVE = re.compile(r"-(\d|\.\d|pi|inf|nan|$)")
+"""What begins like an option and is a value; `-` is standard output."""
+
+_NUMBERS = {float: "a number", int: "a whole number"}
 
 _METAVARS: dict[Any, str] = {float: "NUMBER", int: "N", str: "NAME"}
 
@@ -54,26 +57,37 @@ class Parser(argparse.ArgumentParser):
         """Options and arguments of the command."""
         return self._actions
 
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Options of a call, all of which must be known; those that are not are told first."""
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Options of a call, all of which must be known; those that are not are told first.
+
+        Arguments may stand between them.
+        """
         known, words = self._option_string_actions, takewhile("--".__ne__, args)
-        flags = [word for word in words if word.startswith("--")]
+        flags = [word for word in words if word.startswith("-") and not _NEGATIVE.match(word)]
         for flag in flags:
             if flag.endswith("=--"):
                 # Taken for the end of the options, it would leave a list without a value.
                 self.error(f"argument {flag[:-3]}: expected a value behind =, got '--'")
         left = [each for each in flags if each.partition("=")[0] not in known]
-        options, more = (namespace, []) if left else super().parse_known_args(args, namespace)
+        options, more = (namespace, []) if left else self.parse_known_intermixed_args(args)
         if left := left or more:
             hints = (nearest(word.partition("=")[0], known) for word in left)
             self.error(f"unrecognized arguments: {' '.join(left)}{''.join(hints)}")
-        return options, left
+        return options
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         try:
             super()._check_value(action, value)
         except argparse.ArgumentError as error:
             error.message += nearest(value, action.choices or ())
+            raise
+
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        try:
+            return super()._get_value(action, arg_string)
+        except argparse.ArgumentError as error:
+            if action.type in _NUMBERS:
+                error.message = f"must be {_NUMBERS[action.type]}, got {arg_string!r}"
             raise
 
     def error(self, message: str) -> NoReturn:
@@ -342,6 +356,7 @@ def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
         if (
             (argument and argument == table)
             or (name == "law" and f"friction.{argument}" in QUANTITIES)
+            or (name in ("law", "body") and argument.startswith(f"{table}."))
             or (argument == "contact" and key in ("model", "constraints"))
         ):
             near = near or flag

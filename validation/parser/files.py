@@ -8,9 +8,11 @@ import os
 import sys
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import get_terminal_size
+from tempfile import TemporaryFile
 from typing import Annotated, Any
 
 from analysis.problem.quantities import listed
@@ -38,7 +40,7 @@ def folder(value: str) -> Path:
     """Type of an argument that names a folder to write to, which is made if there is none."""
     path = _with_suffix(value, ())
     there = next(each for each in (path, *path.absolute().parents) if os.path.lexists(each))
-    if not there.is_dir() or not os.access(there, os.W_OK):
+    if not there.is_dir() or not _is_writable(there):
         raise ArgumentTypeError(f"must be a folder that can be written to, got {value!r}")
     return path
 
@@ -48,8 +50,8 @@ def existing(*suffixes: str) -> Callable[[str], Path]:
 
     def checked(value: str) -> Path:
         path = _with_suffix(value, suffixes)
-        if path.is_dir() or not path.exists():
-            raise ArgumentTypeError(f"must be a file that exists, got {value!r}")
+        if path.is_dir() or not os.access(path, os.R_OK):
+            raise ArgumentTypeError(f"must be an existing file that can be read, got {value!r}")
         return path
 
     return checked
@@ -80,18 +82,27 @@ def writable(*suffixes: str) -> Callable[[str], Path]:
                 raise ArgumentTypeError(f"must lead to a file, and leads in a circle: {value!r}")
             if not target.is_dir():
                 raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
-        if path.is_dir() or not os.access(target, os.W_OK):
+        if path.is_dir() or not _is_writable(target):
             raise ArgumentTypeError(f"must be a file that can be written, got {value!r}")
         return path
 
     return checked
 
 
+def _is_writable(place: Path) -> bool:
+    """Whether a file, or a folder, can be written to; a folder such as /proc only says so."""
+    if not place.is_dir():
+        return os.access(place, os.W_OK)
+    with suppress(OSError), TemporaryFile(dir=place):
+        return True
+    return False
+
+
 def store(value: str) -> Path:
     """Type of an argument that names a database to write, which can be no pipe."""
     path = writable(".db")(value)
-    if path.exists() and not path.is_file():
-        raise ArgumentTypeError(f"must be a regular file, got {value!r}")
+    if path.exists() and not (path.is_file() and _is_writable(path)):
+        raise ArgumentTypeError(f"must be a regular file that can be written, got {value!r}")
     return _with_suffix(value, (".db",))
 
 

@@ -23,8 +23,8 @@ TITLE = "The inversion"
 TOLERANCE = 1e-7
 """Tolerance of all runs in rad."""
 
-SPACING = 5e-3
-"""Of their samples in s."""
+END, SPACING = 4.0, 5e-3
+"""Of the runs of Models 1 to 4 and of their samples in s."""
 
 INSTANTS = (0.0, 0.2, 0.3, 0.38, 0.45, 0.55, 0.8)
 """Times in s at which the disk is drawn."""
@@ -50,7 +50,7 @@ Runs = Mapping[tuple[str, Source], Trajectory]
 
 def cases() -> dict[str, Case]:
     """Models 1 to 4, and Model 1 with the contact force as the load of the friction law."""
-    models = [(Scenario(constraints=MODELS[level]), 4.0) for level in LEVELS]
+    models = [(Scenario(constraints=MODELS[level]), END) for level in LEVELS]
     contact = Scenario(friction=SmoothCoulomb(load="contact"))
     return {CONTACT: (contact, 2.0), **dict(zip(NAMES, models, strict=True))}
 

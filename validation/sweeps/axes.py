@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.problem.checks import Array, choice, instance, several, whole
 from analysis.problem.limits import check_storage
-from analysis.problem.names import full_name
+from analysis.problem.names import ArgumentError, full_name
 from analysis.problem.quantities import declared
 from analysis.problem.values import Value, read_value
 from validation.parser.runs import LAYOUTS, Layout
@@ -163,9 +163,12 @@ class Design:
                 raise ValueError(f"axis {name} is given twice")
         is_grid = self.layout == "grid"
         if not is_grid:
+            if self.number is None:
+                raise ArgumentError("layout", f"needs a number of points, got {self.layout!r}")
             whole("number", self.number)
         elif self.number is not None:
-            raise ValueError(f"number belongs to drawn points, not to a grid, got {self.number}")
+            fault = f"belongs to drawn points, not to a grid, got {self.number}"
+            raise ArgumentError("number", fault)
         for axis in self.axes:
             if is_grid and not axis.size:
                 raise ValueError(f"axis {axis.field} needs a count on a grid: first:last:count")

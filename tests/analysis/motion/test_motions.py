@@ -278,12 +278,15 @@ def test_every_way_out_holds_every_column_with_its_unit(motion: StoredRun, tmp_p
     assert dataset.attrs["scenario"] == "Model 1"
 
 
-def test_missing_package_says_what_to_install(
-    motion: StoredRun, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("name", ["xarray", "pandas", "matplotlib.figure"])
+def test_missing_package_is_named_and_an_extra_only_where_it_installs_it(
+    name: str, motion: StoredRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(ImportError, match=r"needs xarray, .*tippedisk\[export\]") as found:
-        motion.to_xarray()
+    monkeypatch.setitem(sys.modules, name, None)
+    leave = {"xarray": motion.to_xarray, "pandas": motion.to_dataframe}.get(name, motion.plot)
+    with pytest.raises(ImportError, match=name) as found:
+        leave()
+    assert ("pip install 'tippedisk[export]'" in str(found.value)) == (name == "xarray")
     assert "\n" not in str(found.value)
 
 

@@ -21,7 +21,8 @@ CALL = f"sweep spin=30:40:5 {SHORT}"
 
 
 def test_sweep_fills_its_store_and_tells_what_failed() -> None:
-    said = answer(f"sweep spin=30:40:2 mu=0.2,-0.3 {SHORT} --csv a.csv")
+    # An axis may stand behind options, too.
+    said = answer(f"sweep spin=30:40:2 {SHORT} mu=0.2,-0.3 --csv a.csv")
     assert (said.code, said.out) == (0, "a.db: 4 cases, 2 of them failed\n")
     assert Path("a.csv").read_text().count("\n") == 5
     assert "2 of 4 cases looked at are refused, such as: coefficient must not be" in said.err
@@ -43,6 +44,8 @@ def test_axes_come_from_a_file_as_well() -> None:
     assert (design.layout, design.number, design.seed) == ("sobol", 3, 6)
     fields = [axis.field for axis in design.axes]
     assert fields == ["start.spin", "friction.coefficient", "model", "start.gamma"]
+    Path("axes.toml").write_text("axes = 3")
+    assert "axes.toml: axes must be a table, got 3" in refusal("sweep --axes axes.toml --out b.db")
 
 
 def test_what_cannot_run_here_is_refused_before_anything_is_kept(

@@ -120,6 +120,10 @@ WRONG = {
     "": "the following arguments are required: COMMAND",
     "simulat": "did you mean simulate?",
     "simulate --mu=--": "argument --mu: expected a value behind =, got '--'",
+    "-v": "unrecognized arguments: -v",
+    "simulate --spin -inf": "--spin: spin must be a finite number, got -inf",
+    "simulate --end 2s": "argument --end: must be a number, got '2s'",
+    "simulate --samples 1e3": "argument --samples: must be a whole number, got '1e3'",
 }
 
 

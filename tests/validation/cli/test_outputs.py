@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from analysis import load_run
-from tests.calls import Capture, printed, run
+from tests.calls import Capture, printed, refusal, run
 from tests.helpers import mostly_slow
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
@@ -93,6 +93,39 @@ def test_a_device_needs_no_suffix(name: str) -> None:
     save(name, os.devnull)
 
 
+CLOSED = {
+    **{f"/proc/{name}": call for name, call in WAYS.items()},
+    "/proc/new.db": "sweep spin=1,2 --out",
+    "/proc/folder": "report --out",
+}
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that nobody can fill")
+@pytest.mark.parametrize("path", CLOSED)
+def test_a_folder_that_says_it_can_be_written_to_and_cannot_is_refused_by_the_option(
+    path: str,
+) -> None:
+    option = CLOSED[path].rpartition(" ")[2]
+    assert f"error: argument {option}: must be a f" in refusal(CLOSED[path], path)
+
+
+LOCKED = {
+    "show run.npz": "FILE: must be an existing file that can be read, got 'run.npz'",
+    "check --scenario run.npz": "--scenario: must be an existing file that can be read",
+    "sweep spin=1,2 --out old.db": "--out: must be a regular file that can be written",
+}
+
+
+@pytest.mark.parametrize("call", LOCKED)
+def test_a_file_that_may_not_be_read_or_written_is_refused_by_the_option(
+    call: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("old.db").touch()
+    # Whoever runs the tests may be allowed everything.
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert f"error: argument {LOCKED[call]}" in refusal(call)
+
+
 SIMULATE = "simulate --end 0.01 --samples 3 --out new.npz"
 WRONG = "simulate --model 5 --out new.npz"
 LOST = "tippedisk: standard output "
@@ -103,6 +136,7 @@ STREAMS = [
     (WRONG, ">/dev/full", 2, "tippedisk simulate: error: "),
     (WRONG, "2>/dev/full", 2, ""),
     (WRONG, "2>&-", 2, ""),
+    (WAYS["run.csv"], "/dev/full", 2, "tippedisk show: error: .*: '/dev/full'$"),
     ("simulate --help", ">/dev/full", 3, LOST),
     (f"{WAYS['new.npz']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
     (f"{WAYS['picture.png']} - --csv beside.csv", ">/dev/full", 3, NO_FILE),
@@ -117,7 +151,7 @@ STREAMS = [
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:7]), ids=str)
+@pytest.mark.parametrize("case", mostly_slow(STREAMS, STREAMS[:8]), ids=str)
 def test_lost_streams_are_said_in_one_line_and_hide_neither_a_run_nor_a_wrong_call(
     case: tuple[str, str, int, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

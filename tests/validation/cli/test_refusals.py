@@ -18,6 +18,8 @@ REFUSED = {
     # Options that do not fit each other, or the scenario.
     "scenario --law viscous --mu 1": "--mu: coefficient is unknown here; [friction] takes law",
     "scenario --law tanh,coefficient=1 --mu 2": "--law: law tells coefficient, which is told tw",
+    "scenario --law tanh,foo=1": "--law: foo is unknown here; [friction] takes law, load, smooth",
+    "scenario --body sphere,foo=1": "--body: foo is unknown here; [disk] takes body, radius, ma",
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     ENGINE + "--source in-house --formulation floating": "formulation must be one of index-1",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
@@ -34,6 +36,8 @@ REFUSED = {
     SWEEP + "spin=1,2 --executor json:dumps": "cannot be made: TypeError: dumps() missing",
     SWEEP + "spin=1,2 mu=0.1 --plot a.png": "--plot: plot cannot be made: several axes",
     SWEEP + "spin=1,2 --spin 3": "--spin: spin must be left out where it varies, got 3",
+    SWEEP + "spin=1:2 --layout random": "--layout: layout needs a number of points, got 'random'",
+    SWEEP + "spin=1,2 --number 3": "--number: number belongs to drawn points, not to a grid",
     SWEEP + "model=1,2 --constraints contact": "--constraints: constraints must be left out",
     "map basins --model 2": "--model: model must be left out where it varies, got 2",
     "simulate --body ellipse --formulation floating": "holds round disks and spheres alone",

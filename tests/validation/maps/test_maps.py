@@ -82,7 +82,7 @@ INVERSIONS: list[tuple[dict[str, Any], str]] = [
 
 @pytest.mark.parametrize(("row", "expected"), INVERSIONS)
 def test_outcomes_are_told_apart(row: dict[str, Any], expected: str) -> None:
-    assert cell(grid(), DONE | row, to_rest=False)["outcome"] == expected
+    assert cell(grid(), DONE | row, by_face=False)["outcome"] == expected
 
 
 FLAT = replace(ELLIPSE, eccentricity=0.0)
@@ -102,7 +102,7 @@ def test_face_is_up_once_the_disk_cannot_stand_on_its_rim_in_its_own_case(disk: 
         ):
             energy = part * gravity * disk.mass * LEAST[disk]
             row = DONE | {"number": number, "energy_end": energy, "face_end": face}
-            assert cell(wanted, row, to_rest=True)["outcome"] == expected
+            assert cell(wanted, row, by_face=True)["outcome"] == expected
 
 
 def test_faces_are_not_decided_by_energy_on_a_leaning_table() -> None:
@@ -114,12 +114,12 @@ def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
     row = DONE | {"inversion": "inverted", "inverted_at": 0.5}
     told = [(None, False, False), ("inverted", True, True), ("failed", True, False)]
     for other, seen, alike in told:
-        found = cell(grid(), row | {"other_inversion": other}, to_rest=False)
+        found = cell(grid(), row | {"other_inversion": other}, by_face=False)
         assert (found["seen"], found["alike"]) == (seen, alike)
     # To rest, the face that is up in the end is compared.
     row |= {"other_inversion": "failed", "face_end": 0.9, "energy_end": 0.0}
     for face in (0.8, -0.8):
-        found = cell(grid("rest", Scenario.rest()), row | {"other_face_end": face}, to_rest=True)
+        found = cell(grid("rest", Scenario.rest()), row | {"other_face_end": face}, by_face=True)
         assert found["alike"] == (face > 0.0)
 
 
@@ -180,11 +180,11 @@ def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
     sweep = grid(levels=1)
     monkeypatch.setattr(room, "became", lambda _, row, **__: str(row["start.spin"] > 45.0))
     path = tmp_path / "a.db"
-    panel = run_panel(sweep, path, direct(), to_rest=False, levels=1)
+    panel = run_panel(sweep, path, direct(), by_face=False, levels=1)
     spins = panel.values[1][panel.places(panel.cells)[:, 1]]
     # Left of 40 rad/s the coarse grid alone, on the right every value.
     assert sorted(set(spins)) == [20.0, 40.0, 50.0, 60.0]
-    again = run_panel(sweep, path, direct(), to_rest=False, levels=1)
+    again = run_panel(sweep, path, direct(), by_face=False, levels=1)
     pd.testing.assert_frame_equal(again.cells, panel.cells)
     assert Results.load(path).columns["number"].size == 3 + 3 * 5
 

@@ -1,6 +1,10 @@
 """Worker processes: what becomes of calls when their pool is left."""
 
+import os
 import time
+from pathlib import Path
+
+import pytest
 
 from validation.measurement.processes import Processes
 
@@ -12,3 +16,13 @@ def test_processes_end_at_once_where_their_context_is_left() -> None:
         assert done.result() == 1
     assert time.monotonic() - begin < 30.0
     assert all(call.exception() for call in calls if call.done() and not call.cancelled())
+
+
+@pytest.mark.skipif(os.name != "posix", reason="elsewhere no folder goes that a process is in")
+def test_workers_that_have_no_folder_to_start_in_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    tmp_path.rmdir()
+    with pytest.raises(OSError, match="working directory"):
+        Processes(1)

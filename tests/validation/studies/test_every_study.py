@@ -1,5 +1,6 @@
 """What is stored of any study is confirmed, and a wrong number on either side is not."""
 
+import re
 from math import nan
 from pathlib import Path
 
@@ -23,11 +24,35 @@ STORED = {
 }
 
 
-@pytest.mark.parametrize("name", [*DISK, *METHOD])
-def test_constants_that_a_text_names_stand_in_its_module(name: str) -> None:
+MEASURED = re.compile(r"(?<![\w.])\d[\d.e-]*\s+(?:%|rad/s|rad|m?s|m|1/s|s/m|N|spins|rows)(?!\w)")
+OF_THE_PAPER = {
+    "claims": {"0.5 s", "1e-2 rad", "35 rad/s", "2 s"},
+    "numbers": {"100 1/s", "50 rad/s"},
+}
+"""What its statements say."""
+
+texts = pytest.mark.parametrize("name", [*DISK, *METHOD])
+
+
+def text_of(name: str) -> Path:
     (text,) = Path(studying.__file__).parent.glob(f"studies/**/{name.replace('-', '_')}.md")
+    return text
+
+
+@texts
+def test_constants_that_a_text_names_stand_in_its_module(name: str) -> None:
+    text = text_of(name)
     named = find_undeclared_variables(environment(text.parent).parse(text.read_text("utf-8")))
     assert not {each for each in named if each.isupper()} - vars(report.find(name)).keys()
+
+
+@texts
+def test_a_number_with_a_unit_comes_from_the_code(name: str) -> None:
+    text = text_of(name)
+    parts = environment(text.parent).lex(text.read_text("utf-8"))
+    written = "".join(part if kind in ("data", "string") else "x" for _, kind, part in parts)
+    found = {" ".join(each.split()) for each in MEASURED.findall(written)}
+    assert found == OF_THE_PAPER.get(name, set())
 
 
 def fresh(study: Study, stored: pd.DataFrame) -> Found:

@@ -100,7 +100,7 @@ test_what_is_no_axis_or_no_design_is_refused = refusals(
         "axes must be at least one": design,
         r"^axis start\.spin is given twice": lambda: design("spin=1:2:3", "start.spin=4,5"),
         r"^axis start\.spin needs a count on a grid": lambda: design("spin=1:2"),
-        "number must be a whole number, got None": lambda: design("spin=1:2", layout="sobol"),
+        "layout needs a number of points, got 'sobol'": lambda: design("spin=1:2", layout="sobol"),
         r"^number asks for 1e\+09 samples of 1 numbers": lambda: design("spin=1:2", **HUGE),
         r"friction\.load must be text, got 1": lambda: axis_from("load", 1),
         r"^values of axis start\.spin must be a list of": lambda: Axis(field="spin", values=5.0),  # type: ignore[arg-type]

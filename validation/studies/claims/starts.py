@@ -67,16 +67,19 @@ SPINS = (25.0, 31.0, 33.0, 36.0, 40.0, 50.0, 60.0, 80.0, 100.0)
 NUMBER, BLOCK = 100, 10
 """Random starts of Models 1 and 4 at each spin, of which so many are a case."""
 
-NEARLY_ALL = 0.95
-"""Part of the starts."""
+NEARLY_ALL, CONFIDENCE = 0.95, 0.95
+"""Part of the starts, and the probability of its interval."""
+
+NEAR, FLATTEST = 0.2, 0.1
+"""Largest tilt from upright of starts near it, and least from flat of all others, in rad."""
 
 
 class Starts(NamedTuple):
     """Random starts at a spin in rad/s, given by the number of the first one.
 
-    Near upright, beta lies within 0.2 rad of pi / 2; otherwise every direction of the axis is
-    equally likely, up to 0.1 rad from flat. gamma is anything in both. Starts of the same number
-    and tilt have the same position at every spin and model.
+    Near upright, beta lies within `NEAR` of pi / 2; otherwise every direction of the axis is
+    equally likely, up to `FLATTEST` from flat. gamma is anything in both. Starts of the same
+    number and tilt have the same position at every spin and model.
     """
 
     level: Level
@@ -97,9 +100,9 @@ class Starts(NamedTuple):
         rng = np.random.default_rng((TILTS.index(self.tilt), number))
         gamma = rng.uniform(-pi, pi)
         if self.tilt == "near upright":
-            beta = pi / 2 + rng.uniform(-0.2, 0.2)
+            beta = pi / 2 + rng.uniform(-NEAR, NEAR)
         else:
-            beta = acos(rng.uniform(-1.0, 1.0) * np.cos(0.1))
+            beta = acos(rng.uniform(-1.0, 1.0) * np.cos(FLATTEST))
         start = Start(beta=beta, gamma=gamma, spin=self.spin)
         return Scenario(constraints=MODELS[self.level], start=start)
 
@@ -147,12 +150,12 @@ IN_ENGINE = Study(
 
 
 def shares(table: pd.DataFrame) -> pd.DataFrame:
-    """How often each outcome is reached, and the share that inverts with its 95 % interval."""
+    """How often each outcome is reached, and the share that inverts with its interval."""
     rows = []
     for (level, tilt, spin), group in table.groupby(["level", "tilt", "spin"], sort=False):
         count = Counter(group["outcomes"].sum())
         ups = sum(number for result, number in count.items() if inverts(result))
-        low, high = binomtest(ups, count.total()).proportion_ci(0.95)
+        low, high = binomtest(ups, count.total()).proportion_ci(CONFIDENCE)
         found = {"model": f"Model {level}", "starts": tilt, "spin": spin, "number": count.total()}
         found |= {"inverted in %": 100 * ups / count.total(), "from": 100 * low, "to": 100 * high}
         rows.append(found | {each: count[each] for each in OUTCOMES})

@@ -14,6 +14,9 @@ from validation.study import Row, Study, at_most, equal
 SLOW_SPINS = (10.0, 20.0, 28.0)
 """Spins in rad/s below the critical one of 30.9 rad/s, with the centre of gravity low."""
 
+FASTEST = 50.0
+"""Largest rate of a random start in rad/s."""
+
 NUMBER = 30
 """Of random starts."""
 
@@ -25,14 +28,14 @@ UNEXPLAINED = 1e-7
 
 
 def random_start(seed: int) -> Start:
-    """Any attitude, and rates of up to 50 rad/s."""
+    """Any attitude, and rates of up to `FASTEST`."""
     rng = np.random.default_rng(seed)
     return Start(
         beta=acos(rng.uniform(-1.0, 1.0)),
         gamma=rng.uniform(-pi, pi),
-        spin=rng.uniform(-50.0, 50.0),
+        spin=rng.uniform(-FASTEST, FASTEST),
         beta_rate=rng.uniform(-5.0, 5.0),
-        gamma_rate=rng.uniform(-50.0, 50.0),
+        gamma_rate=rng.uniform(-FASTEST, FASTEST),
     )
 
 
