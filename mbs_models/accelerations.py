@@ -52,8 +52,8 @@ AT_NO_SLIP, SLIDING = 1e-5, 3e-3
 """Parts of the finest speed of friction: at which the slope at no slip is taken, where it hardly
 bends, and by which that of a disk that slides may be changed."""
 
-NEUTRAL = ("alpha", "alpha_rate")
-"""What stationary motions exist for any value of."""
+UPRIGHT = 1e-9
+"""Cosines of beta and gamma up to which a disk spins upright: nothing then changes its spin."""
 
 _Solved = tuple[list[float], list[float], Array, Array]
 """Coordinates, rates, and the engine's accelerations and multipliers."""
@@ -254,8 +254,9 @@ def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
 
     The engine's accelerations are differentiated along the constraint manifold in independent
     coordinates. The neutral directions alpha and its rate are left out: the equations do not
-    depend on alpha, and a stationary motion exists for every spin, so that both would only add
-    eigenvalues of zero.
+    depend on alpha, and where the spin is free, a stationary motion exists for neighbouring ones,
+    so that both would only add eigenvalues of zero. A tilted one changes with the spin: what is
+    told is how a motion departs from the one at its own spin.
 
     Parameters
     ----------
@@ -356,7 +357,10 @@ def _linearised(motion: AccelerationProblem, turning: float, speed: float) -> Ar
         By which the rim is moved in m/s; by the way that it turns through by that, too.
     """
     scenario = motion.scenario
-    places = [number for number, name in enumerate(motion.names) if name not in NEUTRAL]
+    tilt, turn = scenario.initial_state.coordinates[4:]
+    is_upright = max(abs(cos(tilt)), abs(cos(turn))) < UPRIGHT
+    neutral = ("alpha", "alpha_rate") if is_upright else ("alpha",)
+    places = [number for number, name in enumerate(motion.names) if name not in neutral]
     problem = motion.starting_at(scenario.initial_state.vector)
 
     def rates(change: Array) -> Array:
@@ -379,4 +383,28 @@ def _linearised(motion: AccelerationProblem, turning: float, speed: float) -> Ar
             for part in (1.0, 0.5, 0.25)
         ]
         columns.append(np.dot((1.0, -6.0, 8.0), slopes) / 3.0)
-    return np.column_stack(columns)
+    matrix, names = np.column_stack(columns), [motion.names[place] for place in places]
+    return (
+        _beside_neighbours(matrix, names.index("alpha_rate")) if "alpha_rate" in names else matrix
+    )
+
+
+def _beside_neighbours(matrix: Array, spin: int) -> Array:
+    """State matrix of what departs from the stationary motion at the present spin.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (n + 1, n + 1)
+        With the spin among the states, which itself departs.
+    spin : int
+        Where it stands.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+    """
+    others = np.delete(np.arange(len(matrix)), spin)
+    inner = matrix[np.ix_(others, others)]
+    # How the others change from one stationary motion to the next.
+    along, *_ = np.linalg.lstsq(inner, -matrix[others, spin], rcond=UPRIGHT)
+    return inner - np.outer(along, matrix[spin, others])

@@ -10,6 +10,7 @@ import mbs_models
 from analysis import (
     CENTRED_DISK,
     MODELS,
+    Body,
     ConstraintSet,
     Scenario,
     SmoothCoulomb,
@@ -25,7 +26,7 @@ from analysis.nonlinear.stationary import (
 )
 from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
-from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP
+from tests.bodies import BODIES, EGG, ELLIPSE, TIPPE_TOP
 from tests.helpers import not_none, refusals
 
 HELD = Scenario(constraints=("contact", "constant-spin"))
@@ -125,6 +126,20 @@ def test_a_disk_that_slides_on_a_circle_is_linearised_as_in_the_engine() -> None
     assert tilted.eigenvalues.size == engine.size - 2
     apart = np.abs(tilted.eigenvalues[:, None] - engine).min(axis=1)
     assert np.max(apart) < 1e-6
+
+
+@pytest.mark.parametrize("body", [ELLIPSE, TIPPE_TOP, EGG], ids=["ellipse", "sphere", "own"])
+def test_a_body_tilted_at_a_free_spin_is_linearised_as_in_the_engine(body: Body) -> None:
+    scenario = Scenario(disk=body, friction=FRICTIONLESS)
+    tilted = stationary_motions(scenario, 100.0, starts=10)[1]
+    assert tilted.is_tilted
+    place = {which: getattr(tilted, which) for which in ("x", "y", "beta", "gamma")}
+    start = Start(spin=100.0, **place, x_rate=0.0, y_rate=0.0, beta_rate=0.0, gamma_rate=0.0)
+    engine = mbs_models.eigenvalues(replace(scenario, start=start))
+    # It slides where it will: the place turns with the frame, and is a double eigenvalue.
+    told = tilted.eigenvalues[np.abs(np.abs(tilted.eigenvalues.imag) - 100.0) > 0.1]
+    assert told.size == 4
+    assert np.max(np.abs(told[:, None] - engine).min(axis=1)) < 1e-6
 
 
 def test_motions_of_other_bodies_are_followed_in_the_spin() -> None:
