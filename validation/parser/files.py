@@ -12,7 +12,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import get_terminal_size
-from tempfile import TemporaryFile
 from typing import Annotated, Any
 
 from analysis.problem.quantities import listed
@@ -93,6 +92,9 @@ def _is_writable(place: Path) -> bool:
     """Whether a file, or a folder, can be written to; a folder such as /proc only says so."""
     if not place.is_dir():
         return os.access(place, os.W_OK)
+    # No help should wait for it.
+    from tempfile import TemporaryFile
+
     with suppress(OSError), TemporaryFile(dir=place):
         return True
     return False
