@@ -72,7 +72,15 @@ class Joints:
                 self._held[constraint] = self.hold(name, *turning(name), why, **rate), [0]
 
     def touch(self, body: int, gap: Gap) -> int:
-        """Close the contact of a body of any surface, whose coordinates tell the gap below it."""
+        """Close the contact of a body of any surface; returns the joint.
+
+        Parameters
+        ----------
+        body : int
+            Object whose coordinates tell the gap below it.
+        gap : callable
+            See `Gap`.
+        """
 
         def residual(
             _system: Any, _t: Any, _item: Any, q: Any, u: Any, is_velocity: bool
@@ -129,7 +137,19 @@ class Joints:
             self._held["fixed-cog"] = joint, [0, 1, 2]
 
     def hold(self, name: str, node: int, place: int, why: str, **how: Any) -> int:
-        """Keep a coordinate of a node where it is, or as `how` tells; returns the joint."""
+        """Keep a coordinate of a node where the engine counts it from; returns the joint.
+
+        Parameters
+        ----------
+        name : str
+            Of the coordinate.
+        node, place : int
+            Node, and number of the coordinate in it.
+        why : str
+            Why the joint is there.
+        **how
+            Of the engine's item: another offset, or its rate in place of it (`velocityLevel`).
+        """
         add, ground = self._assembly.add, self._ground(name)
         fixed = add(
             items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0), "the ground's coordinate"
