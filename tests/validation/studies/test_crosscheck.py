@@ -237,7 +237,7 @@ def compared() -> pd.DataFrame:
         for formulation in mbs_models.formulations(scenario)
         for each in found
         if kind != crosscheck.SETS or "motion" not in each.quantity
-        if crosscheck.has_spectra(scenario) or "eigenvalues" not in each.quantity
+        if crosscheck.is_defined(each.quantity, scenario)
     ]
     table = pd.DataFrame(rows)
     return table.assign(counted=table["kind"].map(crosscheck.STATES), lasting=comparisons.END)
