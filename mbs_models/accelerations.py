@@ -48,9 +48,12 @@ CHANGE = 1e-3
 """Part of the size of a disk, and of its turning, by which differences change its motion: by less
 they would lose digits to the engine's rounding."""
 
-AT_NO_SLIP, SLIDING = 1e-5, 3e-3
+AT_NO_SLIP, SLIPPING, SLIDING = 1e-5, 1e-6, 3e-3
 """Parts of the finest speed of friction: at which the slope at no slip is taken, where it hardly
-bends, and by which that of a disk that slides may be changed."""
+bends; from which on a disk slides; and by which its slip may be changed,"""
+
+PART_OF_SLIP = 0.05
+"""if that is less than this part of it: no slip, where friction has its kink, is not near."""
 
 UPRIGHT = 1e-9
 """Cosines of beta and gamma up to which a disk spins upright: nothing then changes its spin."""
@@ -308,8 +311,8 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     part, rim_speed = min(1.0, AT_NO_SLIP * bending / speed), speed
     # A disk that slides is linearised there, where friction has another slope than at no slip.
     slip = hypot(*slip_velocity(disk.radius, state.coordinates, state.rates))
-    if disk.is_round_disk and slip > SLIDING * bending:
-        part, rim_speed = 1.0, min(SLIDING * bending, speed)
+    if disk.is_round_disk and slip > SLIPPING * bending:
+        part, rim_speed = 1.0, min(SLIDING * bending, PART_OF_SLIP * slip, speed)
     motion = AccelerationProblem(scene, {}, part)
     motion.quick = False
     with solving(motion.system):

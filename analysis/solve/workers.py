@@ -7,6 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
+from pathlib import Path
 from threading import Thread
 from typing import Any
 
@@ -33,6 +34,11 @@ class Spawning:
         Whether Ctrl-C, which reaches all processes of a terminal, is left to this one; it ends
         the others at once.
 
+    Raises
+    ------
+    OSError
+        If the working directory is gone.
+
     Attributes
     ----------
     context : multiprocessing context
@@ -43,6 +49,10 @@ class Spawning:
     def __init__(self, *, deaf: bool) -> None:
         if getattr(current_process(), "_inheriting", False):
             sys.exit(UNGUARDED)
+        try:
+            Path.cwd()
+        except OSError as error:
+            raise OSError("workers start in the working directory, and that is gone") from error
         self.context = get_context("spawn")
         self._begun = self.context.Event()
         self.first: dict[str, Any] = {"initializer": _begin, "initargs": (deaf, self._begun)}

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from pathlib import Path
 from typing import Any
 
 from pebble import ProcessPool
@@ -17,18 +16,9 @@ class Processes(Executor):
     ----------
     workers : int
         Number of processes; a new one is started for each that ends.
-
-    Raises
-    ------
-    OSError
-        If the working directory is gone.
     """
 
     def __init__(self, workers: int) -> None:
-        try:
-            Path.cwd()
-        except OSError as error:
-            raise OSError("workers start in the working directory, and that is gone") from error
         spawning = Spawning(deaf=True)
         self.check_begun = spawning.check_begun
         self._pool = ProcessPool(workers, context=spawning.context, **spawning.first)

@@ -116,10 +116,12 @@ def test_stationary_motions_of_every_body_stay_where_they_are(name: str) -> None
             assert run.coordinate(which) == pytest.approx(value, abs=1e-7)
 
 
-def test_a_disk_that_slides_on_a_circle_is_linearised_as_in_the_engine() -> None:
-    tilted = stationary_motions(HELD, 60.0, starts=20)[1]
+# At the second one it slips by a thousandth of what friction is smoothed over.
+@pytest.mark.parametrize("spin", [60.0, 73.794])
+def test_a_disk_that_slides_on_a_circle_is_linearised_as_in_the_engine(spin: float) -> None:
+    tilted = stationary_motions(HELD, spin, starts=20)[1]
     place = {which: getattr(tilted, which) for which in ("x", "y", "beta", "gamma")}
-    start = Start(spin=60.0, **place, x_rate=0.0, y_rate=0.0, beta_rate=0.0, gamma_rate=0.0)
+    start = Start(spin=spin, **place, x_rate=0.0, y_rate=0.0, beta_rate=0.0, gamma_rate=0.0)
     assert tilted.is_tilted
     engine = mbs_models.eigenvalues(replace(HELD, start=start))
     # Those about the vertical and of the place are neutral ones of its neighbours.
