@@ -93,6 +93,15 @@ def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
     assert angles_apart(run, pure) < 1e-7
 
 
+def test_slip_that_begins_at_none_takes_the_sign_it_comes_to() -> None:
+    # Of these, rounding leaves the slip at the start on either side of zero.
+    scenario = Scenario(constraints=("contact", "no-slip-along"))
+    for gamma in np.linspace(-0.9, 0.9, 10):
+        begun = replace(scenario, start=Start(beta=1.9, gamma=gamma, spin=7.5))
+        run = simulate(begun, [0.0, 0.1, 0.2], method="taylor")
+        assert angles_apart(run, simulate(begun, run.times)) < 2e-8
+
+
 @pytest.mark.parametrize("level", [1, 3])
 def test_a_motion_that_never_slips_is_not_held_up_at_the_kink(level: Level) -> None:
     # Slip in two directions, or in one.
