@@ -37,8 +37,8 @@ class Structure(NamedTuple):
         Whether the table is level.
     products : bool
         Whether the disk has products of inertia.
-    body : Body, optional
-        Other than a round disk; its surface is part of what is recorded.
+    body : type or Body, optional
+        Other than a round disk: its class, of which all have one code, or one without a `SURFACE`.
     chart : EulerAngles or EulerTurning
         What a state holds.
     """
@@ -48,19 +48,21 @@ class Structure(NamedTuple):
     law: type[FrictionLaw] = SmoothCoulomb
     horizontal: bool = True
     products: bool = False
-    body: Body | None = None
+    body: type[Body] | Body | None = None
     chart: type[EulerAngles] = EulerAngles
 
     @classmethod
     def of(cls, scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> "Structure":
         """That of a scenario, or of `Members` that are alike in it."""
+        disk = scenario.disk
+        body = disk if disk.SURFACE is None else type(disk)
         return cls(
             scenario.constraints,
             scenario.friction.load if scenario.rubs else None,
             type(scenario.friction),
             bool(scenario.table.is_horizontal),
-            scenario.disk.has_products,
-            None if scenario.disk.is_round_disk else scenario.disk,
+            disk.has_products,
+            None if disk.is_round_disk else body,
             chart,
         )
 

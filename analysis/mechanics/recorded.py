@@ -98,29 +98,37 @@ NUMBERS = (
     *(f"inertia_{axis}" for axis in ("x", "y", "z", "xy", "xz", "yz")),
     *(f"gravity_{axis}" for axis in "xyz"),
 )
-"""Names of what code is bound to: the disk, with its inertia about S, and gravity on the table."""
+"""Names of what code is bound to: the disk, with its inertia about S, and gravity on the table;
+behind them stands the `SURFACE` of a body that has one."""
 
 
 def numbers(scenario: Any) -> tuple[Any, ...]:
-    """Those of `NUMBERS` of a scenario, or of `Members`."""
+    """Those of `NUMBERS` of a scenario, or of `Members`, and of the surface."""
     disk = scenario.disk
     inertia = *disk.inertia_about_cog, *disk.products
-    return disk.mass, disk.radius, disk.eccentricity, *inertia, *scenario.table.vector
+    surface = (getattr(disk, name) for name in disk.SURFACE or ())
+    return disk.mass, disk.radius, disk.eccentricity, *inertia, *scenario.table.vector, *surface
 
 
-def disk_of(values: Numbers, body: Body | None = None) -> Any:
+def disk_of(values: Numbers, body: type[Body] | Body | None = None) -> Any:
     """A round disk of the first ones of `NUMBERS`, of any kind, or one with another surface.
 
     Parameters
     ----------
     values : 9 numbers or more
-    body : Body, optional
-        The one that has the surface.
+        All of them, and those of the surface, for a class of bodies.
+    body : type or Body, optional
+        That has the surface.
     """
     mass, radius, eccentricity, a, b, c, *products = values[:9]
+    lowest_point = body and body.lowest_point
+    if isinstance(body, type):
+        surface = dict(zip(body.SURFACE or (), values[len(NUMBERS) :], strict=True))
+        one_like: Any = SimpleNamespace(radius=radius, **surface)
+        lowest_point = partial(body.lowest_point, one_like)
     return SimpleNamespace(
         is_round_disk=body is None,
-        lowest_point=body and body.lowest_point,
+        lowest_point=lowest_point,
         mass=mass,
         radius=radius,
         eccentricity=eccentricity,
@@ -154,9 +162,11 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     results : list
         The derivative and the multipliers, 12 + n.
     """
-    recorder = Recorder(NUMBERS, STATE)
-    along, across, down = recorder.constants[9:]
-    disk = disk_of(recorder.constants, structure.body)
+    kind = structure.body
+    surface = kind.SURFACE or () if isinstance(kind, type) else ()
+    recorder = Recorder((*NUMBERS, *surface), STATE)
+    along, across, down = recorder.constants[9 : len(NUMBERS)]
+    disk = disk_of(recorder.constants, kind)
     if not structure.products:
         # Zeros take no time in what is recorded.
         disk.products = (0.0, 0.0, 0.0)

@@ -158,6 +158,9 @@ class Symbol:
     def __rtruediv__(self, other: Any) -> Any:
         return 0.0 if _is(other, 0.0) else self._with("{} / {}", other, self)
 
+    def __pow__(self, exponent: float) -> "Symbol":
+        return self.recorder.keep("{} ** {}", self, exponent)
+
 
 _KNOWN = (Symbol, float, int)
 

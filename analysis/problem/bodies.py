@@ -1,6 +1,7 @@
 """Bodies other than the round disk, and bodies by name."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from analysis.problem.body import Body, Triple
 from analysis.problem.checks import Array, bound, number, one, within
 from analysis.problem.disk import Disk
-from analysis.problem.elementary import cos, sin, sqrt
+from analysis.problem.elementary import Members, cos, sin, sqrt
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import default
 from analysis.problem.user_modules import Kinds
@@ -41,6 +42,8 @@ class Sphere(Body):
     (-0.0, -0.0, -0.02)
     """
 
+    SURFACE: ClassVar[tuple[str, ...]] = ()
+
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Triple:  # noqa: ARG002
         """Lowest point of the surface; see `Body`."""
         x, y, z = up
@@ -72,6 +75,8 @@ class EllipticDisk(Body):
     """
 
     has_edge: ClassVar[bool] = True
+
+    SURFACE: ClassVar[tuple[str, ...]] = ("other_radius", "long_axis")
 
     other_radius: float = default("disk.other_radius")
     long_axis: float = default("disk.long_axis")
@@ -109,6 +114,11 @@ def check_surface(body: Body) -> None:
     deepest = body.radius * (1.0 + 1e-9)
     with BODIES.answering(body):
         _check_kind(body)
+        if body.SURFACE is not None:
+            # Whatever else it depends on, code for all of them would not know.
+            told = {each: np.atleast_1d(getattr(body, each)) for each in ("radius", *body.SURFACE)}
+            one_like: Any = SimpleNamespace(**{k: each.view(Members) for k, each in told.items()})
+            type(body).lowest_point(one_like, _DIRECTIONS[1])
         for up in _DIRECTIONS[body.has_edge :]:
             what = f"lowest_point({up})"
             point = [number(what, each) for each in body.lowest_point(up)]

@@ -56,6 +56,10 @@ class Body(Described):
     has_edge: ClassVar[bool] = False
     """Whether its lowest point is undefined in some attitude, unless the edge is rounded."""
 
+    SURFACE: ClassVar[tuple[str, ...] | None] = None
+    """Fields besides the radius that its surface depends on, if these are numbers of any kind.
+    Code is then made, and compiled, once for all bodies of a class."""
+
     radius: float
     mass: float
     eccentricity: float

@@ -42,7 +42,9 @@ class Samples(InCoordinates):
         """
         count = count or max(motion.times.size for motion in motions)
         first = motions[0].scenario
-        numbers = np.array([recorded.numbers(motion.scenario) for motion in motions])
+        # Surfaces are left out, which differ in how many numbers they have.
+        size = len(recorded.NUMBERS)
+        numbers = np.array([recorded.numbers(motion.scenario)[:size] for motion in motions])
         rows = [(each, np.minimum(np.arange(count), each.times.size - 1)) for each in motions]
         arrays = (
             np.array([getattr(motion, name)[some] for motion, some in rows])

@@ -112,7 +112,9 @@ def _changes(
     m, e, x, y, z = (changing(name, getattr(disk, name)) for name in _PARAMETERS[:5])
     about_cog = x, y - m * e * e, z - m * e * e
     products = (changing("products", each) for each in disk.products)
-    numbers = (m, disk.radius, e, *about_cog, *products, *scenario.table.vector)
+    # Gravity, and the surface.
+    others = recorded.numbers(scenario)[9:]
+    numbers = (m, disk.radius, e, *about_cog, *products, *others)
     # At no slip a law is its slope, and the load the weight, Eq. (40).
     structure = Structure.of(with_gradient(scenario, gradient))
     linear = {"speed": lambda *_: 0.0, "per_speed": lambda _: changing("gradient", gradient)}

@@ -98,9 +98,9 @@ class Structure(NamedTuple):
             raise CannotCompileError(
                 "method 'taylor' knows the ideal contact alone, no formulation 'free-body'"
             )
-        if not disk.is_round_disk:
+        if not disk.is_round_disk and disk.SURFACE is None:
             kind = type(disk).__name__
-            raise CannotCompileError(f"method 'taylor' knows round disks alone, got a {kind}")
+            raise CannotCompileError(f"method 'taylor' takes bodies with a SURFACE, got a {kind}")
         if disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
             raise CannotCompileError(
                 "method 'taylor' takes minutes to compile a disk with products of inertia and "
@@ -197,7 +197,9 @@ _Speed = Callable[[Any, Any], Any]
 def _symbolic(structure: Structure) -> Any:
     """Stand-in for a scenario, with parameters for numbers."""
     symbols = (heyoka().par[number] for number in count(SPIN))
-    spin, turned, *given = islice(symbols, 2 + len(recorded.NUMBERS))
+    body = structure.equations.body
+    surface = body.SURFACE or () if isinstance(body, type) else ()
+    spin, turned, *given = islice(symbols, 2 + len(recorded.NUMBERS) + len(surface))
     # A law checks its numbers when it is made, and symbols are none.
     law = object.__new__(structure.equations.law)
     options = dict(structure.options)
@@ -206,7 +208,7 @@ def _symbolic(structure: Structure) -> Any:
         object.__setattr__(law, field.name, value)
     return SimpleNamespace(
         numbers=given,
-        disk=recorded.disk_of(given),
+        disk=recorded.disk_of(given, body),
         per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed)
         if structure.equations.load
         else lambda _: 0.0,
@@ -285,6 +287,7 @@ def _solution(
         *constants,
         sin=library.sin,
         cos=library.cos,
+        sqrt=library.sqrt,
         speed=noted,
         per_speed=per_speed,
         # It grows beyond all bounds as each newton comes to call for another one.

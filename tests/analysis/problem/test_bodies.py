@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -181,6 +181,12 @@ class _Folded(Egg):
         return -up[0] / height, -0.5 * up[1] / height, -0.5 * up[2] / height
 
 
+class _Untold(Egg):
+    """Its surface depends on more than it says."""
+
+    SURFACE: ClassVar[tuple[str, ...]] = ()
+
+
 class _Long(Sphere):
     lowest_point = Egg.lowest_point
 
@@ -214,6 +220,7 @@ REFUSED: dict[str, Callable[[], Any]] = {
     r"depth of lowest_point\(.*\) must not be negative": scenario(disk=_Flat(**NUMBERS)),
     r"lowest_point\(.*\) must be told by the four": scenario(disk=_Folded(**NUMBERS)),
     r"lowest_point\(.*\) must be where the surface is": scenario(disk=_NotLowest(**NUMBERS)),
+    "AttributeError: .* no attribute 'waist'": scenario(disk=_Untold(**NUMBERS)),
     "lowest_point must be that of a Sphere, which": scenario(disk=_Long(**NUMBERS)),
     "lowest_point must be that of a Disk, which": scenario(disk=_Round(**NUMBERS)),
     "half_thickness must be 0 for a Sphere": scenario(disk=TIPPE_TOP, contact=ROUNDED),

@@ -2,10 +2,10 @@
 
 import math
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from math import pi
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ from analysis.simulation.compiled.ensemble import integrate, simulate_compiled
 from analysis.simulation.compiled.library import CannotCompileError
 from analysis.simulation.request import Request
 from analysis.solve.watch import Watch
-from tests.bodies import COMPOSED, TIPPE_TOP
+from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg, random_start
 from tests.helpers import (
     angles_apart,
     assert_close,
@@ -61,11 +61,21 @@ def drawn(constraints: ConstraintSet, law: FrictionLaw, *, products: float = 0.0
     return random_scenario(constraints, 12, law, products)[0]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shared(Egg):
+    """One that says what its surface depends on."""
+
+    SURFACE: ClassVar[tuple[str, ...]] = ("waist",)
+
+
+SHARED = Shared(**{each.name: getattr(EGG, each.name) for each in fields(EGG)})
+
 ROUGH = [SmoothCoulomb(load=load, coefficient=0.2, smoothing=0.5) for load in LOADS]
 REDUCED_OF = [replace(drawn(MODELS[4], law()), table=Table()) for law in LAWS.values()]
 SYSTEMS = [
     *(each for each in REDUCED_OF if each.friction.is_simple),
     drawn(MODELS[1], SmoothCoulomb(), products=0.1),
+    *(Scenario(disk=each, start=random_start(3)) for each in (TIPPE_TOP, ELLIPSE, SHARED)),
     *(drawn(held, law) for held in POSSIBLE_SETS for law in ROUGH),
 ]
 QUICK = [each for each in SYSTEMS if each.model in (1, 4)]
@@ -171,7 +181,7 @@ test_what_cannot_be_compiled_is_refused_in_one_line = refusals(
         ),
         "cannot express stop_when 'fast'": partial(taylor, model(4), stop_when=fast, **REDUCED),
         "knows the ideal contact alone": partial(taylor, PENALTY),
-        "knows round disks alone, got a Sphere": partial(taylor, Scenario(disk=TIPPE_TOP)),
+        "takes bodies with a SURFACE, got a Egg": partial(taylor, Scenario(disk=EGG)),
         "more than 4 constraint forces, got Model 4": partial(taylor, model(4, disk=COMPOSED)),
         "allow_pulling must be left out": partial(
             taylor, Scenario(friction=LOADED), allow_pulling=True
@@ -236,6 +246,16 @@ def test_members_that_taylor_takes_to_no_tolerance_run_with_dop853(
             np.testing.assert_array_equal(outcome.coordinates, alone.coordinates)
     insisting = simulate_many(list(spins), TIMES, **how, method="taylor")
     assert all(isinstance(outcome, ToleranceError) for outcome in insisting)
+
+
+def test_bodies_of_a_kind_run_in_one_batch() -> None:
+    fields = {"other_radius": np.array([0.03, 0.04]), "long_axis": np.array([0.2, 1.0])}
+    start = Start(beta=2.0, gamma=0.5, spin=20.0)
+    ensemble = Ensemble(scenario=Scenario(disk=ELLIPSE, start=start), fields=fields)
+    runs = simulate_many(ensemble, [0.0, 0.1, 0.2], method="taylor", local_tolerance=1e-12)
+    assert len(runs.compiled) == 1
+    for run, scenario in zip(runs, ensemble, strict=True):
+        assert angles_apart(run, simulate(scenario, run.times)) < 1e-8
 
 
 def test_members_of_a_batch_pull_when_they_do_alone() -> None:
