@@ -13,6 +13,7 @@ import analysis
 from analysis import Progress, Scenario, SpatialMotion, Trajectory, multiplier_names
 from analysis.problem.checks import Array, increasing_times
 from analysis.problem.limits import REST_SPACING, Effort, check_storage
+from analysis.problem.names import ArgumentError
 from analysis.solve import effort as inhouse_effort
 from validation.parser.runs import RunOptions
 
@@ -93,7 +94,7 @@ def run_to_rest(
     ArithmeticError
         If the run fails; both sides tell how.
     """
-    side, subject, given = _asked(scenario, _of_rest(**how), *_HOW, *_ENDS)
+    side, subject, given = _asked(scenario, _of_rest(scenario, how), *_HOW, *_ENDS)
     given |= {"spacing": spacing, "progress": progress}
     return side.simulate_to_rest(subject, end, **given)
 
@@ -116,13 +117,15 @@ def rest_effort(scenario: Scenario, end: float, **how: Any) -> Effort:
     Raises
     ------
     ValueError
-        If an argument is out of range, or belongs to the other side.
+        If an argument is out of range, or belongs to the other side, or the rim is sharp.
     """
-    side, subject, given = _asked(scenario, _of_rest(**how), "step")
+    side, subject, given = _asked(scenario, _of_rest(scenario, how), "step")
     return _efforts(side).rest_effort(subject, end, **given)
 
 
-def _of_rest(**how: Any) -> RunOptions:
+def _of_rest(scenario: Scenario, how: dict[str, Any]) -> RunOptions:
+    if scenario.contact is not None and not scenario.is_smooth:
+        raise ArgumentError("half_thickness", "must be positive for the disk to lie flat, got 0")
     options = RunOptions(**how)
     for name in ("formulation", "integrator", "allow_pulling"):
         options.refuse(name, "a run to rest")

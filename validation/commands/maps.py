@@ -86,9 +86,8 @@ def map(  # noqa: A001 - the command's name
     shifted = shifted_sweeps(mapped, scenario, number=pairs, **how)
     runs = [(each, levels, expected_cases(cells, levels)) for each in wanted]
     runs += [(each, 0, pairs) for each in shifted]
-    # Workers that cannot be had are not announced, and leave no folder behind.
+    # Workers that cannot be had are not announced.
     with open_pool(**pool) as opened:
-        out.mkdir(parents=True, exist_ok=True)
         place = out / name
         done = _run_panels(runs, place, opened, by_face=mapped.by_face)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
@@ -114,6 +113,8 @@ def _run_panels(
             with Store(store, sweep):
                 pass
     seconds = sum(count * look_ahead(sweep)[0] for sweep, _, count in runs)
+    # What is refused leaves no folder behind.
+    place.parent.mkdir(parents=True, exist_ok=True)
     some = f"some {in_cases(sum(count for *_, count in runs))}"
     announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
     return [

@@ -1,14 +1,16 @@
 """The commands on stored motions, and a page to play with: `show`, `animate` and `play`."""
 
+from argparse import ArgumentTypeError
 from collections.abc import Sequence
 from pathlib import Path
 
 import validation
 from analysis import StoredRun
+from analysis.problem.names import ArgumentError
 from validation.commands.options import stored_runs
 from validation.comparison.differences import difference_table, fields_table
 from validation.display.figures import comparison
-from validation.parser.files import CsvOut, PictureOut, Result, names_of
+from validation.parser.files import CsvOut, PictureOut, Result, names_of, writable
 from validation.parser.kinds import AnimationOut, PageOut, Run, Runs, UserClasses
 
 
@@ -96,7 +98,10 @@ def animate(
     width
         GIF only: width and height in pixels (480).
     """
-    out = out or file.with_suffix(".html")
+    try:
+        out = out or writable(".html")(str(file.with_suffix(".html")))
+    except ArgumentTypeError as error:
+        raise ArgumentError("out", f"{error}; --out leads elsewhere") from None
     of_gif = {"fps": fps, "width": width}
     (run,) = stored_runs([file], **classes)
     title = f"The tippedisk: {names_of([file])[0]}"

@@ -16,7 +16,7 @@ from types import MappingProxyType, NoneType
 from typing import Annotated, Any, Literal, NamedTuple, NoReturn, get_args, get_origin
 
 from analysis.problem.names import nearest
-from analysis.problem.quantities import QUANTITIES, SECTIONS, Quantity, of_table, short
+from analysis.problem.quantities import KEYS, QUANTITIES, SECTIONS, Quantity, of_table, short
 from validation import commands as package
 from validation.parser.files import Result, existing, file
 
@@ -71,7 +71,9 @@ class Parser(argparse.ArgumentParser):
         left = [each for each in flags if each.partition("=")[0] not in known]
         options, more = (namespace, []) if left else self.parse_known_intermixed_args(args)
         if left := left or more:
-            hints = (nearest(word.partition("=")[0], known) for word in left)
+            # A word that is no option stands for none.
+            wrong = (word.partition("=")[0] for word in left if word.startswith("-"))
+            hints = (nearest(flag, known) for flag in wrong)
             self.error(f"unrecognized arguments: {' '.join(left)}{''.join(hints)}")
         return options
 
@@ -343,7 +345,7 @@ def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
     options : iterable of (str, value)
         Keys of quantities, or names, and what is given for them.
     """
-    near = ""
+    near, part = "", KEYS.get(argument, argument).partition(".")[0]
     for key, value in options:
         table, _, name = key.rpartition(".")
         if value is None or value is False:
@@ -351,13 +353,9 @@ def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
         flag = QUANTITIES[key].flag if key in QUANTITIES else f"--{name.replace('_', '-')}"
         if argument in (key, name, f"{name}s"):
             return flag
-        # A law takes its parameters along, and a table stands for what is given of it; the contact
-        # is refused for the constraints that it cannot take.
-        if (
-            (argument and argument == table)
-            or (name == "law" and f"friction.{argument}" in QUANTITIES)
-            or (name in ("law", "body") and argument.startswith(f"{table}."))
-            or (argument == "contact" and key in ("model", "constraints"))
-        ):
+        # What is refused may follow from what is given of its table: a mass from a radius, a
+        # parameter from the law. The contact is refused for the constraints that it cannot take.
+        is_model = part in ("contact", "constraints") and key in ("model", "constraints")
+        if (argument and part == table) or is_model:
             near = near or flag
     return near
