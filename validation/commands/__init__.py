@@ -21,7 +21,7 @@ examples:
   tippedisk simulate --inclination 2deg --law tanh --gamma -pi/2+0.3 --out slope.npz
   tippedisk sweep spin=25:45:41 mu=0.1,0.3 --out inversion.db
   tippedisk map spin-friction                        who inverts, refined where it changes
-  tippedisk eigenvalues --system full --spin 0:50:501 --plot figure-6.png
+  tippedisk eigenvalues --system full --spin 0:50:501 --csv six.csv --plot six.png
   tippedisk critical --system full                   where eigenvalues cross, where it is stable
   tippedisk rest --rolling 1e-3 --pivoting 5e-5 --plot rest.png
   tippedisk animate engine.npz                       a page that plays the motion

@@ -94,6 +94,8 @@ def rest(
         Largest error in rad and parts of the energy (1e-3).
     step
         Engine only: a single run of fixed steps in s instead.
+    time_limit
+        Processor time in s after which the run ends as it is, without an error estimate (none).
     end
         Longest time in s.
     out

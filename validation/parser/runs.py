@@ -53,7 +53,8 @@ class RunOptions:
         Go on where the ideal contact would have to pull, instead of ending there; friction with
         the load weight still rubs under it, and with the load contact not at all.
     time_limit : float, optional
-        Processor time in s after which the run ends as it is (none).
+        Processor time in s after which the run ends as it is, or fails if nothing agrees to the
+        tolerance by then (none).
 
     Raises
     ------
