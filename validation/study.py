@@ -9,7 +9,7 @@ measured on the spot, with what is stored.
 import json
 import os
 import sqlite3
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
@@ -54,9 +54,9 @@ class Study:
     cases : callable
         Returns the cases by label; each is the argument of one call of `measure`.
     measure : callable
-        From a case to its rows, at least one, in an order of their own: measured again, a row is
-        compared with that in its place. What fails by itself has None for what it lacks; anything
-        raised is a crash. Importable by its name, for worker processes.
+        From a case to its rows, at least one, which it may yield, in an order of their own:
+        measured again, a row is compared with that in its place. What fails by itself has None for
+        what it lacks; anything raised is a crash. Importable by its name, for worker processes.
     sample : sequence of str
         Labels of the cases that are measured again. With some, the table comes with the package;
         without, all cases are measured for each report.
@@ -75,7 +75,7 @@ class Study:
 
     name: str
     cases: Callable[[], Mapping[str, Any]]
-    measure: Callable[[Any], list[Row]]
+    measure: Callable[[Any], Iterable[Row]]
     sample: Sequence[str] = ()
     confirm: Mapping[str, Limit | None] = field(default_factory=dict)
     timed: bool = False
@@ -249,7 +249,7 @@ def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception
         return RuntimeError(repr(error))
 
 
-def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
+def rows_of(measure: Callable[[Any], Iterable[Row]], case: Any) -> list[Row]:
     """Rows of a case with numbers and lists in place of NumPy's, cut to `DIGITS`.
 
     Raises
@@ -259,7 +259,7 @@ def rows_of(measure: Callable[[Any], list[Row]], case: Any) -> list[Row]:
     ValueError
         If nothing was measured.
     """
-    text = json.dumps(measure(case), default=_of_numpy)
+    text = json.dumps([*measure(case)], default=_of_numpy)
     rows: list[Row] = json.loads(
         text, parse_float=lambda number: float(f"{float(number):.{DIGITS}g}")
     )

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
-from analysis.motion.inversion import DEFINITION
+from analysis.motion.inversion import DEFINITION  # noqa: F401 # the text states it
 from analysis.motion.quantities import filled
 from analysis.problem.choices import SOURCES, Source
 from validation.comparison.differences import deviation
@@ -113,7 +113,6 @@ def present(rows: Rows) -> Content:
     caption = "Table 3's start. Drag to turn the view."
     return Content(
         numbers={
-            "definition": DEFINITION,
             "times": listed,
             "inverted": len(times),
             "answer": grade(yes=len(times) == len(NAMES), partly=bool(times)),

@@ -1,5 +1,6 @@
 """The price of carrying what a scene does not need."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from statistics import median
@@ -72,25 +73,23 @@ def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
     return recording.seconds, np.hstack(model.decode(recording.records[-1:]))
 
 
-def price(case: Case) -> list[Row]:
+def price(case: Case) -> Iterator[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
     part, scene = case
     runs = in_turns(partial(timed, scene, PARTS[part]), partial(timed, scene), pairs=PAIRS)
     (carried, there), (left_out, here) = (zip(*same, strict=True) for same in runs)
     ratios = interval([a / b for a, b in zip(carried, left_out, strict=True)])
     price, least, most = (100.0 * (ratio - 1.0) for ratio in ratios)
-    return [
-        {
-            "part carried": part,
-            "scene": scene_name(scene),
-            "with in ms": 1e3 * median(carried),
-            "without in ms": 1e3 * median(left_out),
-            "price in %": price,
-            "from": least,
-            "to": most,
-            "change": np.max(np.abs(there[-1] - here[-1])),
-        }
-    ]
+    yield {
+        "part carried": part,
+        "scene": scene_name(scene),
+        "with in ms": 1e3 * median(carried),
+        "without in ms": 1e3 * median(left_out),
+        "price in %": price,
+        "from": least,
+        "to": most,
+        "change": np.max(np.abs(there[-1] - here[-1])),
+    }
 
 
 PRICES = Study(name="lean", cases=cases, measure=price, timed=True)
@@ -109,7 +108,6 @@ def present(rows: Rows) -> Content:
         numbers={
             "dear": int(dear.sum()),
             "unclear": int((~dear & (table["to"] > 0.0)).sum()),
-            "number": len(table),
             "dearest": table.loc[table["price in %"].idxmax()],
             "change": change,
         },

@@ -180,25 +180,22 @@ def present(rows: Rows) -> Content:
     table = rows["maps"]
     found = _panels(table)
     basins = [each for name, each in found.items() if name.startswith("basins")]
-    models, again = agreement(basins), _repeated(table)
+    models = agreement(basins)
     near, far = (models.at["Model 4", band] for band in (NEAR, BANDS[-1]))
     fine = uncertainty([_of(table, _pairs(each))["outcome"] for each in (0.0, *DISTANCES)])
     return Content(
         numbers={
-            "cells": sum(len(each.cells) for each in found.values()),
-            "of": sum(each.sweep.design.size for each in found.values()),
             "seconds": float(sum(each.cells["seconds"].sum() for each in found.values())),
             "agreement": models[BANDS[-1]],
             "near": near,
             "answer": grade(yes=far >= NEARLY_ALL, partly=near >= NEARLY_ALL),
             "fineness": fine,
-            "repeated": len(again),
         },
         tables={
             "claims": pd.DataFrame(_claims(found, fine)),
             "models": models.rename(columns="% within {:g} rad".format).reset_index(),
             "panels": pd.DataFrame({"map": name, **each.summary} for name, each in found.items()),
-            "repeated": again,
+            "repeated": _repeated(table),
         },
         figures={
             "maps": figures.draw({PROBLEMS[name].title: found[name] for name in MAPS}),

@@ -1,6 +1,6 @@
 """The numbers that the paper prints beside ours, and its misprints."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -105,13 +105,11 @@ PLACES = {
 }
 
 
-def misprints(_: Any) -> list[Row]:
+def misprints(_: Any) -> Iterator[Row]:
     """The largest number that is left over at each place."""
-    found = []
     for place, left_over in PLACES.items():
         printed, corrected = (np.max(np.abs(each)) for each in left_over())
-        found.append({"place": place, "as printed": printed, "corrected": corrected})
-    return found
+        yield {"place": place, "as printed": printed, "corrected": corrected}
 
 
 MISPRINTS = Study(name="misprints", cases=measured.paper, measure=misprints)

@@ -42,7 +42,7 @@ def present(rows: Rows) -> Content:
             "long": longs.iloc[0],
             "counted": counted,
             "answer": grade(yes=counted["yes"] == counted.total(), partly=True),
-            "critical": starts.critical_speed(),
+
             "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
         tables={

@@ -102,23 +102,22 @@ def cases() -> dict[str, Rolling | str]:
     return found | {name: name for name in STAGES}
 
 
-def measure(case: Rolling | str) -> list[Row]:
+def measure(case: Rolling | str) -> Iterator[Row]:
     """Quantities and their closed forms (`exact`): of what rolls on both sides, else in-house."""
     if isinstance(case, str):
-        return [{"source": "in-house", **row} for row in _last_moments(case)]
+        yield from _last_moments(case)
+        return
     scenario = replace(ON_TABLE, start=case.start)
     step = 0.6 * largest_step(scenario)
     controls: dict[Any, Any] = {"engine": {"step": step}, "in-house": {"local_tolerance": 1e-10}}
-    found = []
     for source in SOURCES:
         motion = run_to_rest(scenario, case.end, source=source, spacing=1e-2, **controls[source])
         for quantity, exact in case.exact.items():
             value = float(QUANTITIES[quantity](motion))
-            found.append({"source": source, "quantity": quantity, "exact": exact, "value": value})
-    return found
+            yield {"source": source, "quantity": quantity, "exact": exact, "value": value}
 
 
-def _last_moments(case: str) -> list[Row]:
+def _last_moments(case: str) -> Iterator[Row]:
     """Power laws of inclination and precession, fitted with one end."""
     losses, tilting, turning = STAGES[case]
     scenario = Scenario.rest(disk=DISK, contact=RIM, dissipation=losses)
@@ -130,13 +129,10 @@ def _last_moments(case: str) -> list[Row]:
     part = slice(int(np.argmax(leaning < FIT[0])), int(np.argmax(leaning < FIT[1])))
     law = fit_power_law(times[part], leaning[part])
     turn = fit_power_law(times[part], precession(motion)[part], law.end)
-    found = (
-        ("exponent of β", tilting, law.exponent),
-        ("exponent of Ω", turning, turn.exponent),
-        ("flat after s", flat, law.end),
-    )
-    fit = {"error": law.error, "decades": law.decades}
-    return [{"quantity": q, "exact": e, "value": v} | fit for q, e, v in found]
+    fit = {"source": "in-house", "error": law.error, "decades": law.decades}
+    yield {"quantity": "exponent of β", "exact": tilting, "value": law.exponent} | fit
+    yield {"quantity": "exponent of Ω", "exact": turning, "value": turn.exponent} | fit
+    yield {"quantity": "flat after s", "exact": flat, "value": law.end} | fit
 
 
 STUDY = Study(name="rest-closed", cases=cases, measure=measure)

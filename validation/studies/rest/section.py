@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis import RestCriterion, SpatialMotion
+from analysis import RestCriterion, SpatialMotion  # noqa: F401 # the text names the criterion
 from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
 from validation.comparison.limits import largest
@@ -167,7 +167,7 @@ def numbers(courses: Mapping[str, Row]) -> Row:
         "lies": lies,
         "answer": grade(yes=SLIDING in lies, partly=bool(lies)) if lies else "not shown",
         "base": base,
-        "criterion": RestCriterion(),
+
         "apart": apart_by.at[ENGINE[SHOWN], "tilt in rad"],
         "change_before": np.max(large[times < base["inversion_lost"]]),
         "change": np.max(large),

@@ -1,5 +1,6 @@
 """What long runs must keep: their constraints, their energy balance, and constants of motion."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +94,7 @@ FREE = {
 """Without friction, by way."""
 
 
-def measure(long: LongRun) -> list[Row]:
+def measure(long: LongRun) -> Iterator[Row]:
     """Residuals of constraints and energy, and changes of what there is no friction to change."""
     free = KEPT[-1] in long.limits
     friction = SmoothCoulomb(coefficient=0.0) if free else SmoothCoulomb()
@@ -107,16 +108,14 @@ def measure(long: LongRun) -> list[Row]:
     residual = analysis.energy_residual(run)
     momentum, spin = _momenta(run)
     rim = disk.mass * disk.radius * abs(run.rates[0, 3])
-    return [
-        {
-            "position": np.max(position),
-            "growth": np.max(position[~half]) / max(np.max(position[half]), 1e-300),
-            "velocity": np.max(velocity),
-            "energy": np.max(np.abs(residual)) / (scenario.weight * disk.radius),
-            "momentum": np.max(np.abs(momentum - momentum[0])[:, :2]) / rim,
-            "spin": np.max(np.abs(spin / spin[0] - 1.0)),
-        }
-    ]
+    yield {
+        "position": np.max(position),
+        "growth": np.max(position[~half]) / max(np.max(position[half]), 1e-300),
+        "velocity": np.max(velocity),
+        "energy": np.max(np.abs(residual)) / (scenario.weight * disk.radius),
+        "momentum": np.max(np.abs(momentum - momentum[0])[:, :2]) / rim,
+        "spin": np.max(np.abs(spin / spin[0] - 1.0)),
+    }
 
 
 def _momenta(run: Trajectory) -> tuple[Array, Array]:

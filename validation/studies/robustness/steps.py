@@ -1,6 +1,6 @@
 """The largest stable step over the smoothing of the friction and the contact's stiffness."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import sqrt
 
@@ -47,7 +47,7 @@ _LATE = slice(-8, None)
 """Samples in which a growing disturbance shows, of 25."""
 
 
-def measure(place: Place) -> list[Row]:
+def measure(place: Place) -> Iterator[Row]:
     """Whether inverted spinning is stable at steps about the predicted limit of each integrator.
 
     With more smoothing than here the inverted spinning itself is unstable about as fast as the
@@ -62,15 +62,14 @@ def measure(place: Place) -> list[Row]:
     if scenario.contact is not None:
         rate = sqrt(value / scenario.disk.mass)
         decays.append(rate * complex(-DAMPING_RATIO, sqrt(1.0 - DAMPING_RATIO**2)))
-    scene, rows = Scene(scenario, TREES[quantity]), []
+    scene = Scene(scenario, TREES[quantity])
     for integrator in EXPLICIT:
         step = min(largest_step(integrator, each) for each in decays)
         below, above = (
             is_stable(scene, integrator, part * step, speed) for part in (1.0 - NEAR, 1.0 + NEAR)
         )
         row: Row = {"quantity": quantity, "value": value, "integrator": integrator}
-        rows.append(row | {"predicted": step, "below": below, "above": above})
-    return rows
+        yield row | {"predicted": step, "below": below, "above": above}
 
 
 def disturbed(quantity: str, value: float) -> tuple[Scenario, float]:

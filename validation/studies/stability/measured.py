@@ -1,6 +1,6 @@
 """What is measured: eigenvalues, critical speeds and their variants, and the stable region."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -66,36 +66,32 @@ def scenes() -> dict[str, tuple[ConstraintSet, Formulation]]:
     }
 
 
-def compare(case: tuple[ConstraintSet, Formulation]) -> list[Row]:
+def compare(case: tuple[ConstraintSet, Formulation]) -> Iterator[Row]:
     """Eigenvalues of both motions on both sides, and those of the engine's own function."""
     scenario, formulation = Scenario(constraints=case[0]), case[1]
     spins = FEW_SPINS if scenario.model is None else CHECKED_SPINS
     at = spins.tolist().index(SPIN)
     free = tuple(each for each in scenario.constraints if each != "constant-spin")
-    rows = []
     for motion in MOTIONS:
         expected = spectra.eigenvalues(scenario, spins, motion=motion)
         matrices = engine_matrices(scenario, spins, formulation=formulation, motion=motion)
         found = np.linalg.eigvals(matrices).astype(complex)
         scene = spinning(scenario, SPIN, formulation=formulation, motion=motion)
         stock = mbs_models.stock_eigenvalues(scene)
-        rows.append(
-            {
-                "motion": motion,
-                "constraints": scenario.name,
-                "formulation": formulation,
-                "eigenvalues": expected.shape[1],
-                OWN: np.max(np.min(gaps(stock, found[at]), axis=0)),
-                "is constrained": scene.has_constraints,
-                "but for the spin": Scenario(constraints=free).name,
-                STABLE: critical_speeds(scenario, INTERVAL, motion=motion).where,
-                "difference": largest(map(distance, found, expected)),
-                "spins": spins,
-                "real": found.real,
-                "imag": found.imag,
-            }
-        )
-    return rows
+        yield {
+            "motion": motion,
+            "constraints": scenario.name,
+            "formulation": formulation,
+            "eigenvalues": expected.shape[1],
+            OWN: np.max(np.min(gaps(stock, found[at]), axis=0)),
+            "is constrained": scene.has_constraints,
+            "but for the spin": Scenario(constraints=free).name,
+            STABLE: critical_speeds(scenario, INTERVAL, motion=motion).where,
+            "difference": largest(map(distance, found, expected)),
+            "spins": spins,
+            "real": found.real,
+            "imag": found.imag,
+        }
 
 
 EIGENVALUES = Study(name="eigenvalues", cases=scenes, measure=compare)
@@ -203,17 +199,15 @@ NUMBERS = Study(name="critical-speeds", cases=paper, measure=printed_numbers)
 SPEEDS = "Hopf speeds in rad/s"
 
 
-def try_variants(_: Any) -> list[Row]:
+def try_variants(_: Any) -> Iterator[Row]:
     """Hopf speeds of what could have been chosen otherwise or slipped in by mistake."""
-    return [
-        {
+    for name, crossings in variants().items():
+        yield {
             "variant": name,
             SPEEDS: ", ".join(f"{each.spin:.3f}" for each in crossings),
             "decays": ", ".join(each.stable_side for each in crossings),
             "both as printed": "yes" if reproduces(crossings) else "no",
         }
-        for name, crossings in variants().items()
-    ]
 
 
 VARIANTS = Study(name="hopf-variants", cases=paper, measure=try_variants)
@@ -233,29 +227,26 @@ GRADIENTS = np.geomspace(0.3, 30.0, 21)
 """Friction gradients in s/m at which Hopf curves are looked for."""
 
 
-def stable_region(scenario: Scenario) -> list[Row]:
+def stable_region(scenario: Scenario) -> Iterator[Row]:
     """Boundaries and corners of the stable region, and points inside and outside of it.
 
     The inner point is the mean of the corners, in the spin and the logarithm of the gradient; the
     outer ones mirror it in the middles of the edges, and one has the paper's gradient.
     """
-    curves = hopf_curves(scenario, GRADIENTS)
-    rows: list[Row] = [
-        {"kind": "curve", "place": str(number), "spins": each.spins, "gradients": each.gradients}
-        for number, each in enumerate(curves)
-    ]
+    for number, each in enumerate(hopf_curves(scenario, GRADIENTS)):
+        curve = {"spins": each.spins, "gradients": each.gradients}
+        yield {"kind": "curve", "place": str(number), **curve}
     places = []
     for corner in corners(scenario, GRADIENTS):
         places.append((corner.spin, np.log(corner.gradient)))
-        rows.append({"kind": "corner", "place": MEETING[corner.kind], **_place(*places[-1])})
+        yield {"kind": "corner", "place": MEETING[corner.kind], **_place(*places[-1])}
     middle = np.mean(places, axis=0)
     edges = (np.sum(places, axis=0) - places) / (len(places) - 1)
     points = {f"beyond edge {n}": 2.0 * edge - middle for n, edge in enumerate(edges, 1)}
     points |= {INSIDE: middle, "at the paper's gradient": (middle[0], np.log(PAPER_GRADIENT))}
     for name, (spin, log_gradient) in points.items():
         where = _place(spin, log_gradient)
-        rows.append({"kind": "point", "place": name, **where, **growth(scenario, **where)})
-    return rows
+        yield {"kind": "point", "place": name, **where, **growth(scenario, **where)}
 
 
 def _place(spin: float, log_gradient: float) -> Row:
