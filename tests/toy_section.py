@@ -4,8 +4,7 @@ import pandas as pd
 
 from tests.toy_study import STUDY
 from validation.display.figures import new_figure
-from validation.page.content import Content, Rows
-from validation.study import at_most
+from validation.study import Content, Rows, at_most
 
 TITLE = "Toy"
 STUDIES = (STUDY,)

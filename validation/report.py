@@ -16,12 +16,12 @@ import pandas as pd
 from analysis.motion.files import write_whole
 from validation import study as studying
 from validation.animation import play
+from validation.measurement.kept import measured
 from validation.measurement.provenance import in_a_line, provenance
 from validation.measurement.sources import behind
-from validation.page.content import Verdict
 from validation.page.section import Section, environment, table_html
 from validation.parser.kinds import DISK, METHOD
-from validation.study import RESULTS, Check, Found, Row, Study
+from validation.study import RESULTS, Check, Found, Row, Study, Verdict
 
 Page = tuple[str, str, Sequence[str]]
 """Name of its file, title, and names of its studies."""
@@ -144,7 +144,7 @@ def make(
     fresh : bool
         Measure everything again.
     workers : int, optional
-        As in `validation.study.measured`.
+        As in `validation.measurement.kept.measured`.
     results : Path
         Where the stored tables lie.
     pages : sequence of Page
@@ -164,7 +164,7 @@ def make(
     # What measures times runs last, beside its like.
     ordered = sorted(studies.values(), key=lambda study: study.timed)
     tasks = [task for study in ordered for task in study.tasks(whole=False)]
-    found = studying.measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
+    found = measured(tasks, folder, workers=workers, fresh=fresh, title="measure")
     sections = dict(zip(modules, _sections(modules, found, folder, results, workers), strict=True))
     shown = [
         {"path": path, "title": title, "sections": some}
@@ -188,7 +188,7 @@ def _sections(
     """Sections of studies, drawn as cases are measured: side by side, where they are not kept."""
     drawings = [_drawing(module, found, results) for module in modules]
     tasks = [task for each in drawings for task in each.tasks(whole=True)]
-    made = studying.measured(tasks, folder, workers=workers, title="draw")
+    made = measured(tasks, folder, workers=workers, title="draw")
     rows = [made[task.key] for task in tasks]
     return [
         _broken(module, repr(row)) if isinstance(row, Exception) else MadeSection.of(*row)
@@ -337,7 +337,7 @@ def measure(
     """
     made_with = provenance()  # The commit may move on meanwhile.
     tasks = study.tasks(whole=True)
-    found = studying.measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
+    found = measured(tasks, folder, workers=workers, fresh=fresh, title=study.name)
     table = studying.whole_table(study, found)
     results.mkdir(parents=True, exist_ok=True)
     studying.write(study, table, made_with, results)

@@ -1,37 +1,32 @@
 """Studies: cases that are measured, kept as one tidy table, and measured again by sample.
 
-A study names its cases and how to measure one; everything else is the same for all. `measured`
-runs tasks side by side and keeps what they find, so that nothing is computed twice; `load` and
-`write` are for the tables that come with the package, and `confirm` compares a sample of one,
-measured on the spot, with what is stored.
+A study names its cases, how to measure one, and what there is to show of all; everything else is
+the same for all. `load` and `write` are for the tables that come with the package, and `confirm`
+compares a sample of one, measured on the spot, with what is stored.
 """
 
 import json
-import os
-import sqlite3
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
-from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, fields
 from math import inf, isfinite, isnan
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
-from pebble import ProcessExpired
 
 from analysis.motion.files import write_whole
-from analysis.motion.trajectory import versions
 from validation.comparison.limits import holds
-from validation.display.progress import bar
-from validation.measurement.processes import Processes
-from validation.measurement.provenance import PACKAGES, machine
 from validation.measurement.sources import behind
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Row = dict[str, Any]
 """Numbers, text, truth values and lists of numbers by column; a missing number is None or NaN."""
+
+Found = dict[tuple[str, str], list[Row] | Exception]
+"""Rows of each task, or what it crashed with, by name of the study and label."""
 
 Limit = float | Callable[[Row], float]
 """Allowed difference, or what tells it from the stored row."""
@@ -132,121 +127,85 @@ def equal(name: str, value: object, wanted: object, where: Where = "fresh") -> C
     return Check(name, value, wanted, where, bool(value == wanted))
 
 
-# --- Measuring and keeping ----------------------------------------------------------------------
+# --- What is shown ------------------------------------------------------------------------------
 
-Found = dict[tuple[str, str], list[Row] | Exception]
-"""Rows of each task, or what it crashed with, by name of the study and label."""
+Rows = Mapping[str, pd.DataFrame]
+"""Tables of studies by their names."""
 
 
-def measured(
-    tasks: Sequence[Task],
-    folder: Path,
-    *,
-    workers: int | None = None,
-    fresh: bool = False,
-    title: str = "",
-) -> Found:
-    """Rows of each task, or what it crashed with.
+class Verdict(NamedTuple):
+    """A result that is read first, as the text of its section has it.
 
     Parameters
     ----------
-    tasks : sequence of Task
-    folder : Path
-        Where finished rows are kept, and found again while nothing changes that they hang on:
-        the code of the study and of both sides, the versions, the machine.
-    workers : int, optional
-        Number of processes, by default that of the cores; 0 for none but this one, where no time
-        limit holds and a debugger sees everything.
-    fresh : bool
-        Measure all of them again.
-    title : str
-        In front of the progress bar.
-
-    Raises
-    ------
-    OSError
-        If the folder cannot be written, or another process works in it.
+    statement : str
+    answer : str
+        A word or two: "yes", "partly", "no", "not shown".
+    numbers : str
+        What was found, with units.
+    criterion : str
+        What decides on the answer.
+    hoped : str
+        The answer that is hoped for.
     """
-    studies = {task.study.name: task.study for task in tasks}
-    hang_on = {name: _hang_on(study) for name, study in studies.items()}
-    found: Found = {}
-    with _kept(folder) as file:
-        for task in tasks if not fresh else ():
-            asked = (*task.key, hang_on[task.study.name])
-            for (rows,) in file.execute(_FIND, asked):
-                found[task.key] = json.loads(rows)
-        left = [task for task in tasks if task.key not in found]
-        for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
-            if not isinstance(rows, Exception):
-                row = (*task.key, hang_on[task.study.name], json.dumps(rows))
-                file.execute("REPLACE INTO kept VALUES (?, ?, ?, ?)", row)
-            found[task.key] = rows
-    return found
+
+    statement: str
+    answer: str
+    numbers: str
+    criterion: str
+    hoped: str = "yes"
+
+    @property
+    def good(self) -> bool:
+        """Whether the answer is the one that is hoped for."""
+        return self.answer == self.hoped
 
 
-_KEEP = """
-PRAGMA locking_mode = EXCLUSIVE;
-BEGIN EXCLUSIVE;
-CREATE TABLE IF NOT EXISTS kept (study, label, hang_on, rows, PRIMARY KEY (study, label));
-COMMIT
-"""
-_FIND = "SELECT rows FROM kept WHERE study = ? AND label = ? AND hang_on = ?"
+def grade(*, yes: bool, partly: bool = False) -> Literal["yes", "partly", "no"]:
+    """Whether a statement holds, in part or not."""
+    return "yes" if yes else "partly" if partly else "no"
 
 
-@contextmanager
-def _kept(folder: Path) -> Iterator[sqlite3.Connection]:
-    """Rows that earlier calls have left in a folder; `OSError` if another process works in it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    # A lock of SQLite's is known on every system and ends with its process, however that ends.
-    path = folder / ".kept.db"
-    try:
-        with closing(sqlite3.connect(path, timeout=0.0, isolation_level=None)) as file:
-            file.executescript(_KEEP)
-            yield file
-    except sqlite3.DatabaseError as error:
-        reason = "another process works in it" if "locked" in str(error) else error
-        raise OSError(f"{folder} cannot be written to now: {reason}") from error
+def within(value: float, yes: float, partly: float = -1.0) -> Row:
+    """A size, its limits for both words, and its `verdict`; not a number meets none."""
+    verdict = grade(yes=bool(value <= yes), partly=bool(value <= partly))
+    return {"value": value, "yes": yes, "partly": partly, "verdict": verdict}
 
 
-def _hang_on(study: Study) -> str:
-    """What the results of a study hang on, beside its cases."""
-    code, engine = behind(study.measure.__module__), os.environ.get("EXUDYN_MODULE", "")
-    return json.dumps([code, versions(*PACKAGES), machine(), engine, study.rests_on])
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Content:
+    """What a study has to show.
+
+    Parameters
+    ----------
+    numbers : mapping
+        Names that its text uses.
+    tables : mapping
+        With headings as a reader wants them, units included. Each is shown by the text or given
+        as a file.
+    figures : mapping
+    animations : mapping
+        Each an `Animation`.
+    checks : sequence of Check
+        Beside those that confirm what is stored.
+    """
+
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+    figures: Mapping[str, "Figure"] = field(default_factory=dict)
+    animations: Mapping[str, Any] = field(default_factory=dict)
+    checks: Sequence[Check] = ()
+
+    def __or__(self, other: "Content") -> "Content":
+        """What two parts of a section have to show together."""
+        together: dict[str, Any] = {}
+        for each in fields(self):
+            one, two = getattr(self, each.name), getattr(other, each.name)
+            together[each.name] = {**one, **two} if isinstance(one, Mapping) else [*one, *two]
+        return Content(**together)
 
 
-def _run(
-    tasks: Sequence[Task], workers: int, title: str
-) -> Iterator[tuple[Task, list[Row] | Exception]]:
-    """Rows of each task as they come, or what it crashed with."""
-    with bar(title, total=len(tasks), unit="cases") as shown:
-        for task, call in _called(tasks, min(workers, len(tasks))):
-            yield task, _outcome(task, call)
-            shown.update()
-
-
-def _called(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Callable[[], list[Row]]]]:
-    """Each task with a call for its rows: as it is finished by a process, or to be made here."""
-    if not workers:
-        yield from ((task, partial(rows_of, task.study.measure, task.case)) for task in tasks)
-        return
-    with Processes(workers) as pool:
-        futures = {
-            pool.submit(rows_of, task.study.measure, task.case, limit=task.study.limit): task
-            for task in tasks
-        }
-        yield from ((futures[each], each.result) for each in as_completed(futures))
-
-
-def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception:
-    try:
-        return call()
-    except ProcessExpired as error:
-        return RuntimeError(f"the interpreter ended with code {error.exitcode}")
-    except TimeoutError as error:
-        limit = task.study.limit
-        return RuntimeError(repr(error) if limit is None else f"not finished within {limit:g} s")
-    except (Exception, SystemExit) as error:  # noqa: BLE001 # whatever it is, it is a crash
-        return RuntimeError(repr(error))
+# --- Tables ------------------------------------------------------------------------------------
 
 
 def rows_of(measure: Callable[[Any], Iterable[Row]], case: Any) -> list[Row]:
@@ -272,9 +231,6 @@ def _of_numpy(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     raise TypeError(f"rows must hold numbers, text and lists of numbers, got {value!r}")
-
-
-# --- Tables ------------------------------------------------------------------------------------
 
 
 def whole_table(study: Study, found: Found) -> pd.DataFrame:

@@ -18,9 +18,10 @@ from tests.helpers import failing
 from tests.toy_study import CASES, STUDY
 from validation import report
 from validation import study as studying
-from validation.page.content import Content
+from validation.measurement import kept
+from validation.measurement.kept import measured
 from validation.page.section import Section
-from validation.study import Row, Study
+from validation.study import Content, Row, Study
 
 PAGES = (("report.html", "Toys", ("tests.toy_section",)),)
 
@@ -70,7 +71,7 @@ def test_whatever_goes_wrong_on_the_spot_fails_a_check(
 ) -> None:
     study = replace(of(case), limit=1.0 if case == "hangs" else STUDY.limit)
     workers = int(case in {"ends", "hangs"})
-    found = studying.measured(study.tasks(whole=False), tmp_path, workers=workers)
+    found = measured(study.tasks(whole=False), tmp_path, workers=workers)
     checks = studying.confirm(study, found, studying.load(STUDY, results))
     failed = {each.name: str(each.value) for each in checks if not each.holds}
     check, said = WRONG[case]
@@ -83,7 +84,7 @@ def test_a_number_may_be_off_by_its_limit_and_by_no_more(
     column: str, apart: float, results: Path, tmp_path: Path
 ) -> None:
     study = replace(STUDY, sample=("two",))
-    found: Any = studying.measured(study.tasks(whole=False), tmp_path, workers=0)
+    found: Any = measured(study.tasks(whole=False), tmp_path, workers=0)
     # The first row alone; one of the columns relative to its size.
     for row, off in zip(found["toy", "two"], (apart, 0.9e-9), strict=True):
         value = row[column]
@@ -96,13 +97,13 @@ def test_what_is_kept_is_not_measured_again_until_the_code_changes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tasks = STUDY.tasks(whole=False)
-    first = studying.measured(tasks, tmp_path, workers=0)
-    assert studying.measured(tasks, tmp_path, workers=0) == first
-    assert studying.measured(tasks, tmp_path, workers=0, fresh=True) != first
-    latest = studying.measured(tasks, tmp_path, workers=0, fresh=True)
-    assert studying.measured(tasks, tmp_path, workers=0) == latest
-    monkeypatch.setattr(studying, "behind", lambda _: "other code")
-    assert studying.measured(tasks, tmp_path, workers=0) != latest
+    first = measured(tasks, tmp_path, workers=0)
+    assert measured(tasks, tmp_path, workers=0) == first
+    assert measured(tasks, tmp_path, workers=0, fresh=True) != first
+    latest = measured(tasks, tmp_path, workers=0, fresh=True)
+    assert measured(tasks, tmp_path, workers=0) == latest
+    monkeypatch.setattr(kept, "behind", lambda _: "other code")
+    assert measured(tasks, tmp_path, workers=0) != latest
 
 
 def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
@@ -116,13 +117,13 @@ def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
 
     tasks = replace(STUDY, measure=measure).tasks(whole=True)
     with pytest.raises(KeyboardInterrupt):
-        studying.measured(tasks, tmp_path, workers=0)
-    assert len(studying.measured(tasks, tmp_path, workers=0)) == 2
+        measured(tasks, tmp_path, workers=0)
+    assert len(measured(tasks, tmp_path, workers=0)) == 2
     assert called == [1.0, 2.0, 2.0]
 
 
 def test_a_table_is_not_made_of_crashes_or_of_what_no_file_can_hold(tmp_path: Path) -> None:
-    found = studying.measured(of("raises").tasks(whole=True), tmp_path, workers=0)
+    found = measured(of("raises").tasks(whole=True), tmp_path, workers=0)
     with pytest.raises(RuntimeError, match="toy: 1 cases crashed"):
         studying.whole_table(STUDY, found)
     with pytest.raises(TypeError, match="rows must hold numbers"):
@@ -172,7 +173,7 @@ def test_a_second_call_measures_and_draws_nothing(
         assert not tasks
         return iter(())
 
-    monkeypatch.setattr(studying, "_run", none)
+    monkeypatch.setattr(kept, "_run", none)
     assert make().sections == first.sections
 
 
@@ -191,7 +192,7 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(make: Make, tmp_pa
 def test_two_reports_do_not_work_in_one_folder(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(studying, "_run", lambda *_: make())
+    monkeypatch.setattr(kept, "_run", lambda *_: make())
     with pytest.raises(OSError, match="another process works in it"):
         make()
 

@@ -14,9 +14,9 @@ from tests.calls import ROOT, python
 from tests.stated import missing, values
 from validation import report
 from validation import study as studying
-from validation.page.content import Rows
+from validation.measurement.kept import measured
 from validation.parser.kinds import DISK, METHOD
-from validation.study import Check
+from validation.study import Check, Rows
 
 WORDS = {"report.html": 6000, "method.html": 4000}
 TABLES = {"report.html": 30, "method.html": 20}
@@ -81,9 +81,7 @@ def test_whatever_is_no_number_in_what_is_measured_whole_fails(name: str, folder
     whole = [study for study in module.STUDIES if not study.is_stored]
     rows = {study.name: studying.load(study) for study in module.STUDIES if study.is_stored}
     for study in whole:
-        rows[study.name] = studying.whole_table(
-            study, studying.measured(study.tasks(whole=True), folder)
-        )
+        rows[study.name] = studying.whole_table(study, measured(study.tasks(whole=True), folder))
     assert all(check.holds for check in module.present(rows).checks)
     for study in whole:
         table = rows[study.name].copy()

@@ -10,9 +10,9 @@ from analysis.problem.checks import whole
 from validation.display.figures import against_limits
 from validation.display.tables import Table
 from validation.measurement.provenance import machine
-from validation.page.content import Verdict
 from validation.parser.files import Result
 from validation.parser.kinds import Folder, Numbers, OtherFolder, Sections, TextOut
+from validation.study import Verdict
 
 if TYPE_CHECKING:
     from validation.report import Report

@@ -19,7 +19,7 @@ from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
 from validation.display.tables import show
-from validation.page.content import Content, Verdict
+from validation.study import Content, Verdict
 
 LONG = 12
 """Most rows of a table that a page shows as it is."""

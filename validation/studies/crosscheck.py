@@ -24,10 +24,9 @@ from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import Scene, formulations
 from validation.comparison.limits import largest
-from validation.page.content import Content, Rows, grade
 from validation.run import run_to_rest
 from validation.studies import comparisons
-from validation.study import Check, Row, Study, at_most, equal
+from validation.study import Check, Content, Row, Rows, Study, at_most, equal, grade
 
 TITLE = "Engine against in-house equations"
 

@@ -14,9 +14,8 @@ from analysis.motion.quantities import filled
 from analysis.problem.choices import SOURCES, Source
 from validation.comparison.differences import deviation
 from validation.display.figures import MARKERS, comparison, draw_still, legend_above, new_figure
-from validation.page.content import Content, Rows, grade
 from validation.run import run
-from validation.study import Row, Study, at_most
+from validation.study import Content, Row, Rows, Study, at_most, grade
 
 TITLE = "The inversion"
 

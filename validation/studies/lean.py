@@ -16,8 +16,7 @@ from mbs_models.runs import run
 from mbs_models.scene import build
 from validation.comparison.limits import largest
 from validation.measurement.timing import in_turns, interval
-from validation.page.content import Content, Rows
-from validation.study import Row, Study, at_most
+from validation.study import Content, Row, Rows, Study, at_most
 
 TITLE = "Lean scenes"
 

@@ -21,8 +21,7 @@ from validation.maps.problems import (
     shifted_sweeps,
     uncertainty,
 )
-from validation.page.content import Content, Rows, grade
-from validation.study import Check, Row, Study, at_most, relative
+from validation.study import Check, Content, Row, Rows, Study, at_most, grade, relative
 from validation.sweeps.case import run_chunk
 from validation.sweeps.sweep import Sweep
 

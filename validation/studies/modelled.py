@@ -4,8 +4,7 @@ import analysis
 import mbs_models
 from analysis import LEVELS, MODELS, Scenario
 from analysis.problem.disk import STEEL_RING  # noqa: F401 # the text names it
-from validation.page.content import Content, Rows
-from validation.study import Row, Study, equal
+from validation.study import Content, Row, Rows, Study, equal
 
 TITLE = "What is modelled"
 STUDIES: tuple[Study, ...] = ()

@@ -62,15 +62,10 @@ class Sweep:
         """Scenario of a case; `ValueError` if its values do not fit."""
         return changed(self.scenario, self.design.values_of(index))
 
-    @property
-    def witnesses(self) -> int:
-        """Number of cases that the other side runs as well."""
-        return min(self.plan.witnesses, self.design.size)
-
     def has_witness(self, index: int) -> bool:
-        """Whether the other side runs this case as well: evenly spread, in no step with a grid."""
-        count = self.witnesses
-        return count > 0 and bool(_spread(index) <= _spread_limit(self.design.size, count))
+        """Whether the other side runs this case as well."""
+        count = self.plan.witnesses
+        return count > 0 and index in _spread(self.design.size, count)
 
     def values(self) -> dict[str, Any]:
         """Plain data, by which two sweeps are the same."""
@@ -110,15 +105,12 @@ class Sweep:
         return versions("exudyn", "numpy", "scipy") | sources
 
 
-def _spread(index: Any) -> Any:
-    """A number from 0 to 1: those of every stretch of cases are spread evenly."""
-    return (index * 0.6180339887498949) % 1.0
-
-
 @lru_cache
-def _spread_limit(size: int, count: int) -> float:
-    """What so many of the first cases do not exceed."""
-    return float(np.partition(_spread(np.arange(size)), count - 1)[count - 1])
+def _spread(size: int, count: int) -> frozenset[int]:
+    """So many of the cases, evenly spread, in no step with a grid."""
+    # Multiples of the golden ratio leave no large gap in any stretch.
+    ranked = np.argsort(np.arange(size) * 0.6180339887498949 % 1.0)
+    return frozenset(ranked[:count].tolist())
 
 
 def look_ahead(sweep: Sweep) -> tuple[float, str]:
@@ -154,7 +146,7 @@ def look_ahead(sweep: Sweep) -> tuple[float, str]:
         seconds.append(effort.seconds)
         # A case that the other side cannot run takes it no time.
         with suppress(ValueError):
-            if part := sweep.witnesses / size:
+            if part := min(1.0, sweep.plan.witnesses / size):
                 seconds[-1] += part * sweep.plan.witness.effort(scenario).seconds
     if not seconds:
         raise errors[0]

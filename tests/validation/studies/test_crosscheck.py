@@ -28,11 +28,11 @@ from analysis import (
 )
 from mbs_models import Scene
 from tests.helpers import failing, model, not_none, planted
-from validation.page.content import Content
 from validation.run import run
 from validation.studies import comparisons, crosscheck
 from validation.studies.comparisons import Comparison, compare_scenario, compare_scene
 from validation.studies.stability.eigenvalue_check import distance
+from validation.study import Content
 
 YIELDING = Scenario(
     contact=PenaltyContact.damped(1e5, STEEL_DISK), table=Table(inclination=0.03, downhill=0.7)

@@ -11,9 +11,8 @@ from analysis.problem.choices import SOURCES
 from tests.calls import ROOT
 from tests.helpers import failing, planted
 from tests.stated import chapter
-from validation.page.content import Content
 from validation.studies import inversion
-from validation.study import rows_of
+from validation.study import Content, rows_of
 
 
 def shown(table: pd.DataFrame) -> Content:

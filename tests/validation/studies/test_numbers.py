@@ -7,10 +7,9 @@ import pandas as pd
 import pytest
 
 from tests.helpers import failing
-from validation.page.content import Content
 from validation.studies import numbers
 from validation.studies.stability import measured
-from validation.study import rows_of
+from validation.study import Content, rows_of
 
 
 @cache

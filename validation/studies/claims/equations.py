@@ -16,9 +16,8 @@ from analysis.mechanics import paper
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES
 from mbs_models import Scene
-from validation.page.content import Judged, grade, within
 from validation.studies.comparisons import solutions
-from validation.study import Check, Row, at_most
+from validation.study import Check, Row, at_most, grade, within
 
 STRONGEST = 10.0
 """Largest friction coefficient that is tried."""
@@ -86,7 +85,7 @@ def loss() -> Row:
     return {"bound": bound, "beta": beta, "gamma": gamma, "engine": engine, "in-house": inhouse}
 
 
-def judge_loss(found: Row) -> Judged:
+def judge_loss(found: Row) -> Row:
     """Section 4.1: A_0 is not guaranteed to be invertible."""
     lost = [found[side] < STRONGEST for side in SOURCES]
     return found | {"verdict": grade(yes=all(lost), partly=any(lost))}
@@ -115,7 +114,7 @@ def exponents() -> Array:
     return np.polyfit(np.log(SMOOTHINGS), np.log(sizes), 1)[0]
 
 
-def judge_orders(fitted: Array) -> Judged:
+def judge_orders(fitted: Array) -> Row:
     """Section 6: a = O(1/ε), b = O(ε), c = O(1), λ₃ = A_33 + O(ε)."""
     right = np.abs(fitted - ORDERS) <= CLOSE
     return within(np.sum(~right), 0, len(ORDERS) - 1) | {"fitted": fitted}

@@ -9,10 +9,9 @@ import pandas as pd
 
 from analysis import LEVELS, MODELS, Level, Scenario, Trajectory, energies
 from analysis.problem.checks import Array
-from validation.page.content import Judged, grade, within
 from validation.run import run as run_scenario
 from validation.studies import inversion
-from validation.study import Check, Row, Study, equal
+from validation.study import Check, Row, Study, equal, grade, within
 
 UPRIGHT = np.pi / 2
 
@@ -111,7 +110,7 @@ def change(runs: inversion.Runs) -> Array:
     return np.max(np.abs(apart), axis=0)[4:]
 
 
-def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, Judged]:
+def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, Row]:
     """All statements on the motion from Table 3, from `measured`, `change` and `LONG_RUNS`."""
     contact, levels, long = found.iloc[0], found.iloc[1:], longs.iloc[0]
     turns, beyond, settled = (

@@ -9,9 +9,8 @@ import pandas as pd
 from analysis import ConstraintSet, Scenario, SmoothCoulomb, Start
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES
-from validation.page.content import Judged, within
 from validation.run import run
-from validation.study import Check, Row, Study, at_most, equal
+from validation.study import Check, Row, Study, at_most, equal, within
 
 SPINS = (20.0, 30.0, 40.0, 60.0, 80.0, 100.0)
 """Spins at the start in rad/s, of which the third is the paper's."""
@@ -74,7 +73,7 @@ def longest_up(direction: Array) -> float:
 PURE_ROLLING = Study(name="pure-rolling", cases=cases, measure=measure)
 
 
-def judge(table: pd.DataFrame) -> Judged:
+def judge(table: pd.DataFrame) -> Row:
     """Section 4.3: pure rolling does not lead to the inversion."""
     rolled = table[table["rolls"]]
     stays = (rolled[OUTCOME] == "not inverted").all(axis=1).sum()

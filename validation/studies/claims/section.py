@@ -2,9 +2,9 @@
 
 from collections import Counter
 
-from validation.page.content import Content, Rows, grade
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
+from validation.study import Content, Rows, grade
 
 TITLE = "What the paper says"
 STUDIES = (
@@ -42,7 +42,6 @@ def present(rows: Rows) -> Content:
             "long": longs.iloc[0],
             "counted": counted,
             "answer": grade(yes=counted["yes"] == counted.total(), partly=True),
-
             "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
         },
         tables={

@@ -22,9 +22,8 @@ from analysis.motion.inversion import STAYING
 from analysis.problem.choices import Source
 from analysis.stability.critical import critical_speeds
 from validation.display import figures
-from validation.page.content import Judged, grade
 from validation.run import run
-from validation.study import Check, Row, Study, equal
+from validation.study import Check, Row, Study, equal, grade
 
 END = 10.0
 """Time in s within which the disk has to be inverted."""
@@ -162,7 +161,7 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def judge_attraction(found: pd.DataFrame) -> Judged:
+def judge_attraction(found: pd.DataFrame) -> Row:
     """Sections 1 and 3.2, from `shares`."""
     fast = found[found["spin"] > critical_speed()]
     upright, tilted = (fast[(fast["starts"] == t) & (fast["model"] == "Model 1")] for t in TILTS)
@@ -248,7 +247,7 @@ LEAST_SPINS = Study(
 )
 
 
-def judge_least_spins(table: pd.DataFrame) -> Judged:
+def judge_least_spins(table: pd.DataFrame) -> Row:
     """Section 7: inversion only from supercritical spins."""
     above_closed, above_model = table[ABOVE] > critical_speed(), table[ABOVE] > table[OWN]
     ordered = all(

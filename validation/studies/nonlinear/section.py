@@ -11,7 +11,6 @@ from validation.comparison.limits import largest
 from validation.display.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.display.tables import Table
 from validation.nonlinear import figures, passage, tables
-from validation.page.content import Content, Rows, grade
 from validation.studies.nonlinear import measured
 from validation.studies.nonlinear.measured import (
     DISSIPATED,
@@ -21,7 +20,7 @@ from validation.studies.nonlinear.measured import (
     SLOW,
     SWINGING,
 )
-from validation.study import Check, Row, at_most, equal
+from validation.study import Check, Content, Row, Rows, at_most, equal, grade
 
 TITLE = "Nonlinear dynamics"
 STUDIES = (measured.FAMILIES, measured.ENGINE, measured.CONNECTIONS, measured.PASSAGES)

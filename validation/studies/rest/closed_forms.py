@@ -23,9 +23,8 @@ from analysis.stability.stationary_rolling import (
 )
 from mbs_models.rest import largest_step
 from validation.comparison.limits import largest
-from validation.page.content import Content
 from validation.run import run_to_rest
-from validation.study import Check, Row, Study, at_most
+from validation.study import Check, Content, Row, Study, at_most
 
 RIM = PenaltyContact.rounded(DISK, half_thickness=2e-5)
 STICKY = SmoothCoulomb(coefficient=2.0, smoothing=5e-3, load="contact")

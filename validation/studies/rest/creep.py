@@ -21,9 +21,8 @@ import pandas as pd
 from analysis import MODELS, Scenario, SmoothCoulomb, Start
 from analysis.problem.checks import Array
 from validation.comparison.limits import largest
-from validation.page.content import Content
 from validation.run import run_to_rest
-from validation.study import Check, Row, Study, at_most, relative
+from validation.study import Check, Content, Row, Study, at_most, relative
 
 START, FAR = 0.28, 0.05
 """Inclinations in rad at which the runs of the law start, about where the fall ends, and to which

@@ -12,10 +12,9 @@ from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
 from validation.comparison.limits import largest
 from validation.display.figures import COLOURS, draw_story
-from validation.page.content import Content, Rows, grade
 from validation.studies.rest import closed_forms, creep, runs, starts
 from validation.studies.rest.runs import ENGINE, INHOUSE, PHASES, SHOWN, SLIDING, TAKEN, VARIANTS
-from validation.study import Check, Row, at_most
+from validation.study import Check, Content, Row, Rows, at_most, grade
 
 TITLE = "To rest"
 
@@ -167,7 +166,6 @@ def numbers(courses: Mapping[str, Row]) -> Row:
         "lies": lies,
         "answer": grade(yes=SLIDING in lies, partly=bool(lies)) if lies else "not shown",
         "base": base,
-
         "apart": apart_by.at[ENGINE[SHOWN], "tilt in rad"],
         "change_before": np.max(large[times < base["inversion_lost"]]),
         "change": np.max(large),

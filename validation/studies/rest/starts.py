@@ -7,9 +7,8 @@ import pandas as pd
 
 from analysis import Start
 from validation.comparison.limits import largest
-from validation.page.content import Content
 from validation.studies.rest.runs import COLUMNS, ENGINE_END, SHOWN, Case, course
-from validation.study import Row, Study, at_most, equal
+from validation.study import Content, Row, Study, at_most, equal
 
 SLOW_SPINS = (10.0, 20.0, 28.0)
 """Spins in rad/s below the critical one of 30.9 rad/s, with the centre of gravity low."""

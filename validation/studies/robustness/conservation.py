@@ -10,8 +10,7 @@ import analysis
 from analysis import MODELS, STEEL_DISK, Level, Scenario, SmoothCoulomb, Trajectory
 from analysis.problem.checks import Array
 from validation.comparison.ways import Way
-from validation.page.content import Content
-from validation.study import Row, Study, at_most
+from validation.study import Content, Row, Study, at_most
 
 SAMPLES_PER_SECOND = 200
 

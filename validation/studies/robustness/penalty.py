@@ -12,8 +12,7 @@ from analysis import LOADS, STEEL_DISK, Load, PenaltyContact, Scenario, SmoothCo
 from validation.comparison.differences import deviation
 from validation.comparison.limits import largest
 from validation.comparison.ways import Way
-from validation.page.content import Content
-from validation.study import Row, Study, at_most
+from validation.study import Content, Row, Study, at_most
 
 STIFFNESSES = (1e4, 1e5, 1e6, 1e7)
 """In N/m; beyond, the error meets that of the integration."""

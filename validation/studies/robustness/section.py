@@ -6,11 +6,10 @@ from typing import Any
 import pandas as pd
 
 from validation.comparison import references  # noqa: F401 # the text names their limits
-from validation.page.content import Content, Rows, grade
 from validation.studies.robustness import conservation, outcomes, penalty, steps
 from validation.studies.robustness.outcomes import BAD, CASES, CHOSEN, GOOD, explained
 from validation.studies.robustness.problems import ENDED, TOLERANCE, problems  # noqa: F401
-from validation.study import Check, Study, at_most
+from validation.study import Check, Content, Rows, Study, at_most, grade
 
 TITLE = "Hard cases"
 _BESIDE = (steps, conservation, penalty)

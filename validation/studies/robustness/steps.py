@@ -12,8 +12,7 @@ from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start
 from analysis.stability.spectra import eigenvalues
 from mbs_models import Formulation, IntegratorName, Scene
 from mbs_models.integrators import largest_step
-from validation.page.content import Content
-from validation.study import Row, Study, equal
+from validation.study import Content, Row, Study, equal
 
 Place = tuple[str, float]
 """Smoothing in m/s or stiffness in N/m."""

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 
 from validation.comparison.limits import largest
-from validation.page.content import Content, Rows, grade
 from validation.studies.stability import figures, measured
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 from validation.studies.stability.measured import (
@@ -23,7 +22,7 @@ from validation.studies.stability.measured import (
     rounds_to,
 )
 from validation.studies.stability.variants import PRINTED  # noqa: F401 # the text names them
-from validation.study import Check, at_most, equal
+from validation.study import Check, Content, Rows, at_most, equal, grade
 
 TITLE = "Linear stability"
 STUDIES = (measured.EIGENVALUES, measured.NUMBERS, measured.VARIANTS, measured.REGION)

@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 from analysis.problem.choices import FORMULATIONS
 from mbs_models.integrators import EXPONENTS
 from validation.display.figures import new_figure
-from validation.page.content import Content, Rows, grade
 from validation.page.section import power, sig
 from validation.studies.work_precision import measuring  # noqa: F401 # the text names its times
 from validation.studies.work_precision.measuring import (
@@ -30,7 +29,7 @@ from validation.studies.work_precision.measuring import (
     TITLES,
     USEFUL,
 )
-from validation.study import Check, Row, at_most
+from validation.study import Check, Content, Row, Rows, at_most, grade
 
 TITLE = "Error against run time"
 
