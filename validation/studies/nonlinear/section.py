@@ -12,14 +12,7 @@ from validation.display.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.display.tables import Table
 from validation.nonlinear import figures, passage, tables
 from validation.studies.nonlinear import measured
-from validation.studies.nonlinear.measured import (
-    DISSIPATED,
-    HELD_NAMES,
-    PAPER,
-    ROTATING,
-    SLOW,
-    SWINGING,
-)
+from validation.studies.nonlinear.measured import PAPER, ROTATING, SWINGING
 from validation.study import Check, Content, Row, Rows, at_most, equal, grade
 
 TITLE = "Nonlinear dynamics"
@@ -53,7 +46,7 @@ def present(rows: Rows) -> Content:
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
-    held = families[families.case.isin(HELD_NAMES)]
+    held = families[families.case.isin(measured.HELD_NAMES)]
     stable = sum(bool(each["stable"]) for each in cycles)
     late = followed.lost - followed.crossing
     return Content(
@@ -127,7 +120,7 @@ def _bifurcations(
     engine: pd.DataFrame,
 ) -> Any:
     """Amplitude over spin, with the stationary motions it leads between and cycles of others."""
-    slow = families[families.case == SLOW]
+    slow = families[families.case == measured.SLOW]
     engine = engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")]
     figure = _family(cycles, hopf, connection, "amplitude")
     (axes,) = figure.axes
@@ -196,7 +189,7 @@ def _other_checks(
     lost, number = int(passages.lost.notna().sum()), len(measured.passages())
     yield equal("passages: lost", lost, number)
     named = passages.set_index("case")
-    sides = named.reindex([DISSIPATED, f"{DISSIPATED}, engine"])
+    sides = named.reindex([measured.DISSIPATED, f"{measured.DISSIPATED}, engine"])
     for name in ("crossing", "lost", "lowest_spin"):
         yield at_most(f"passage: {name}, engine", float(np.ptp(sides[name])), SAME_PASSAGE)
     yield at_most("passage: power of the rate of decay", abs(power_of_decay - 0.5), ROOT)

@@ -9,18 +9,7 @@ import pandas as pd
 from validation.comparison.limits import largest
 from validation.studies.stability import figures, measured
 from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
-from validation.studies.stability.measured import (
-    CLOSED,
-    COMPUTED,
-    ENGINE,
-    HERE,
-    HOPF,
-    INSIDE,
-    OWN,
-    SPEEDS,
-    STABLE,
-    rounds_to,
-)
+from validation.studies.stability.measured import CLOSED, ENGINE, HERE, HOPF, OWN
 from validation.studies.stability.variants import PRINTED  # noqa: F401 # the text names them
 from validation.study import Check, Content, Rows, at_most, equal, grade
 
@@ -41,8 +30,8 @@ def present(rows: Rows) -> Content:
     # In the engine's first formulation of each.
     first = of_models.drop_duplicates(["constraints", "motion"])
     first = first.set_index(["constraints", "motion"])
-    full, stable = first.loc["Model 1"], first.at[("Model 1", "inverted"), STABLE]
-    inside = region[region.place == INSIDE].iloc[0]
+    full, stable = first.loc["Model 1"], first.at[("Model 1", "inverted"), measured.STABLE]
+    inside = region[region.place == measured.INSIDE].iloc[0]
     return Content(
         numbers={
             "critical": _critical(found),
@@ -74,7 +63,7 @@ def present(rows: Rows) -> Content:
 
 def _critical(found: pd.DataFrame) -> list[float]:
     """Critical speed of the reduced system in rad/s: closed form, root finding, engine."""
-    return [found.at[CLOSED, HERE], *found.loc[COMPUTED, [HERE, ENGINE]]]
+    return [found.at[CLOSED, HERE], *found.loc[measured.COMPUTED, [HERE, ENGINE]]]
 
 
 def _checks(
@@ -87,7 +76,7 @@ def _checks(
     stock = largest(values.loc[~values["is constrained"], OWN])
     yield at_most("eigenvalues: the engine's own, unconstrained", stock, EIGENVALUE_LIMIT)
     kinds = values.groupby(["but for the spin", "motion"])
-    other = int((kinds[["eigenvalues", STABLE]].nunique() > 1).any(axis=1).sum())
+    other = int((kinds[["eigenvalues", measured.STABLE]].nunique() > 1).any(axis=1).sum())
     yield equal("eigenvalues: sets that holding the spin changes", other, 0)
     ways = {"critical speed": _critical(found)}
     ways |= {name: found.loc[name, [HERE, ENGINE]].tolist() for name in HOPF}
@@ -96,14 +85,14 @@ def _checks(
     points = region[region.kind == "point"]
     yield equal("stable region: points", len(points), 5)
     for _, point in points.iterrows():
-        inside = point.place == INSIDE
+        inside = point.place == measured.INSIDE
         for side in ("in-house", ENGINE):
             rate = point[side]
             holds = bool(rate < 0.0 if inside else rate > 0.0)
             name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
             yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
     # Tried as the variants are, the equations as they are have to cross where they do.
-    as_they_are = variants.set_index("variant").at["equations as they are", SPEEDS]
+    as_they_are = variants.set_index("variant").at["equations as they are", measured.SPEEDS]
     here = ", ".join(f"{speed:.3f}" for speed in found.loc[HOPF, HERE])
     yield equal("variants: the equations as they are", as_they_are, here)
 
@@ -111,8 +100,8 @@ def _checks(
 def _answers(found: pd.DataFrame, stable: str, inside: "pd.Series[Any]") -> dict[str, str]:
     """Whether critical and Hopf speeds are those printed, and inverted spinning never stable."""
     printed = found["printed"]
-    critical = [rounds_to(each, printed[CLOSED]) for each in _critical(found)]
-    hopf = [rounds_to(found.at[name, HERE], printed[name]) for name in HOPF]
+    critical = [measured.rounds_to(each, printed[CLOSED]) for each in _critical(found)]
+    hopf = [measured.rounds_to(found.at[name, HERE], printed[name]) for name in HOPF]
     decays = inside["in-house"] < 0.0 and inside[ENGINE] < 0.0
     return {
         "critical": grade(yes=all(critical)),

@@ -18,17 +18,8 @@ from analysis.problem.choices import FORMULATIONS
 from mbs_models.integrators import EXPONENTS
 from validation.display.figures import new_figure
 from validation.page.section import power, sig
-from validation.studies.work_precision import measuring  # noqa: F401 # the text names its times
-from validation.studies.work_precision.measuring import (
-    CONSTRAINED,
-    CURVES,
-    GOALS,
-    INTEGRATORS,
-    REFERENCES,
-    SAFETY,
-    TITLES,
-    USEFUL,
-)
+from validation.studies.work_precision import measuring
+from validation.studies.work_precision.measuring import CURVES, GOALS, REFERENCES, TITLES, USEFUL
 from validation.study import Check, Content, Row, Rows, at_most, grade
 
 TITLE = "Error against run time"
@@ -43,7 +34,7 @@ def present(rows: Rows) -> Content:
     """Tables, diagrams and the lesson."""
     references, runs = rows[REFERENCES.name], prepared(rows[CURVES.name])
     # The smallest error that can be measured on each problem.
-    least = (SAFETY * references.groupby("case")["difference"].min()).to_dict()
+    least = (measuring.SAFETY * references.groupby("case")["difference"].min()).to_dict()
     to_goals, fastest = asked(runs), ways(runs)
     numbers, found = _lesson(runs, to_goals), orders(runs, least)
     return Content(
@@ -75,7 +66,7 @@ def _checks(to_goals: pd.DataFrame, least: dict[str, float], found: pd.DataFrame
 
 def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the text beside the tables."""
-    held = runs[runs["formulation"].isin(CONSTRAINED)]
+    held = runs[runs["formulation"].isin(measuring.CONSTRAINED)]
     free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
     best = cheapest(held, ["problem"])
     in_house = cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
@@ -210,7 +201,7 @@ def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
         ["size", "median"]
     )
     table = table.rename(columns={"size": "pairs of rungs", "median": "observed"}).reset_index()
-    orders = [EXPONENTS[INTEGRATORS[scheme].name][0] for scheme in table["scheme"]]
+    orders = [EXPONENTS[measuring.INTEGRATORS[scheme].name][0] for scheme in table["scheme"]]
     return table.assign(order=orders)
 
 
