@@ -32,14 +32,6 @@ TITLE = "Engine against in-house equations"
 
 MODELS_OF_PAPER, SETS, OTHERS = "the paper's models", "sets of constraints", "other bodies"
 
-HEADS = {
-    "kind": "compared over",
-    "states": "random states",
-    "lasting": "time in s",
-    "difference": "largest",
-    "criterion": "at most",
-}
-"""Of the columns of the table of agreement, where they are called otherwise."""
 
 STATES = {MODELS_OF_PAPER: 250, SETS: 50, OTHERS: 50}
 """Random states of each scene."""
@@ -164,20 +156,20 @@ STUDIES = (STUDY, TIPPE_TOP)
 def present(rows: Rows) -> Content:
     """Every comparison with its limit, the paper's models and the sets of constraints apart."""
     found = rows["crosscheck"]
-    worst = found.groupby(["kind", "quantity"], sort=False).agg(
-        scenes=("case", "size"),
-        states=("counted", "min"),
-        lasting=("lasting", "min"),
-        difference=("difference", largest),
-        criterion=("criterion", "max"),
-    )
+    aggregated: dict[str, Any] = {
+        "scenes": ("case", "size"),
+        "random states": ("counted", "min"),
+        "time in s": ("lasting", "min"),
+        "largest": ("difference", largest),
+        "at most": ("criterion", "max"),
+    }
+    worst = found.groupby(["kind", "quantity"], sort=False).agg(**aggregated)
     told, checks = _tippe_top(rows["tippe-top"])
     checks = [*_checks(worst.reset_index()), *checks]
     models = worst.loc[MODELS_OF_PAPER]
     parts = {"accelerations": "accelerations|forces", "motions": "motion in", "eigenvalues": "eig"}
     most = {
-        name: largest(models.filter(regex=part, axis=0)["difference"])
-        for name, part in parts.items()
+        name: largest(models.filter(regex=part, axis=0)["largest"]) for name, part in parts.items()
     }
     return Content(
         numbers={
@@ -187,7 +179,7 @@ def present(rows: Rows) -> Content:
             **told,
         },
         tables={
-            "agreement": worst.reset_index().rename(columns=HEADS),
+            "agreement": worst.reset_index(names=["compared over", "quantity"]),
             "scenes": found.set_index(["case", "formulation", "quantity"])["difference"]
             .unstack(sort=False)
             .reset_index(),
@@ -211,7 +203,7 @@ def _checks(worst: pd.DataFrame) -> list[Check]:
     found = []
     for row in worst.to_dict("records"):
         kind, name = row["kind"], f"crosscheck: {row['quantity']}, {row['kind']}"
-        found.append(at_most(name, row["difference"], row["criterion"]))
+        found.append(at_most(name, row["largest"], row["at most"]))
         scenes = sum(
             len(formulations(scenario))
             for other, scenario in cases().values()
@@ -219,7 +211,8 @@ def _checks(worst: pd.DataFrame) -> list[Check]:
         )
         found.append(equal(f"{name}, scenes", row["scenes"], scenes))
         if row["quantity"] == "accelerations":
-            found.append(equal(f"{name}, states with a solution", row["states"], STATES[kind]))
+            states = row["random states"]
+            found.append(equal(f"{name}, states with a solution", states, STATES[kind]))
         elif row["quantity"] == comparisons.MOTION:
-            found.append(equal(f"{name}, least time in s", row["lasting"], comparisons.END))
+            found.append(equal(f"{name}, least time in s", row["time in s"], comparisons.END))
     return found

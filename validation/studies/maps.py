@@ -10,17 +10,9 @@ import pandas as pd
 
 from analysis import Scenario
 from analysis.problem.checks import Array
-from validation.maps import figures
+from validation.maps import figures, problems
 from validation.maps.panel import Panel, cell, refine
-from validation.maps.problems import (
-    DISTANCES,
-    PROBLEMS,
-    Uncertainty,
-    critical_points,
-    panels,
-    shifted_sweeps,
-    uncertainty,
-)
+from validation.maps.problems import DISTANCES, PROBLEMS, critical_points, panels, uncertainty
 from validation.study import Check, Content, Row, Rows, Study, at_most, grade, relative
 from validation.sweeps.case import run_chunk
 from validation.sweeps.sweep import Sweep
@@ -102,7 +94,7 @@ def whole() -> dict[str, Case]:
 def cases() -> dict[str, Case]:
     """Panels, cells of each that both sides run again, and random starts with some beside them."""
     known, rest = whole(), PROBLEMS["rest"]
-    pairs = shifted_sweeps(rest, Scenario(), number=PAIRS, end=rest.end)
+    pairs = problems.shifted_sweeps(rest, Scenario(), number=PAIRS, end=rest.end)
     return {
         **known,
         **{_again(name): _both(known[name], numbers) for name, numbers in REPEATED.items()},
@@ -256,7 +248,7 @@ def above_critical(panel: Panel, least: float) -> Array:
     return apart[inverted.any(axis=1)]
 
 
-def _claims(found: Mapping[str, Panel], fine: Uncertainty | None) -> Iterator[Row]:
+def _claims(found: Mapping[str, Panel], fine: problems.Uncertainty | None) -> Iterator[Row]:
     """What the maps say, by which criterion, and whether it holds."""
     for name, least in SPEED_MAPS.items():
         apart = above_critical(found[name], least)
