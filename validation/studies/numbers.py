@@ -137,7 +137,7 @@ def present(rows: Rows) -> Content:
             "gravity": [GRAVITY * (each / critical) ** 2 for each in (30.915, 30.925)],
         },
         tables={"printed": printed},
-        checks=_checks(printed, third, wrong),
+        checks=[*_checks(printed, third, wrong)],
     )
 
 
@@ -155,21 +155,22 @@ def _beside(found: pd.DataFrame) -> pd.DataFrame:
     return table.assign(**{"why not": table["quantity"].map(WHY).fillna("")})
 
 
-def _checks(printed: pd.DataFrame, third: "pd.Series[float]", wrong: pd.DataFrame) -> list[Check]:
+def _checks(
+    printed: pd.DataFrame, third: "pd.Series[float]", wrong: pd.DataFrame
+) -> Iterator[Check]:
     """Whether what is not explained comes out on both sides, and corrections leave nothing over.
 
     Of λ₃ Section 6 says that it stays below -100 1/s.
     """
-    found = []
     for row in printed.to_dict("records"):
         name, is_explained = f"numbers: {row['quantity']}", row["why not"] != ""
-        found.append(equal(f"{name}, {DIGITS}", row[DIGITS], "no" if is_explained else "yes"))
+        yield equal(f"{name}, {DIGITS}", row[DIGITS], "no" if is_explained else "yes")
         if row["quantity"] not in (*DISK, CLOSED):
             apart = abs(row[ENGINE] - row[HERE]) / abs(row[HERE])
-            found.append(at_most(f"{name}, engine", apart, APART))
-    found += [at_most(f"numbers: {THIRD}, {side}", third[side], -100.0) for side in third.index]
-    found.append(equal("misprints: corrected", len(wrong), len(PLACES)))
+            yield at_most(f"{name}, engine", apart, APART)
+    for side in third.index:
+        yield at_most(f"numbers: {THIRD}, {side}", third[side], -100.0)
+    yield equal("misprints: corrected", len(wrong), len(PLACES))
     for row in wrong.to_dict("records"):
         name = f"misprint {row['place']}: left over when corrected"
-        found.append(at_most(name, row["corrected"], APART * row["as printed"]))
-    return found
+        yield at_most(name, row["corrected"], APART * row["as printed"])

@@ -1,6 +1,6 @@
 """The way to rest: both sides, what it depends on, where the energy goes, and what is beside."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -114,7 +114,7 @@ def present(rows: Rows) -> Content:
         tables={"phases": phases(table, differences(courses)), "budget": budget(table)},
         figures={"story": story(shown, courses[ENGINE[SHOWN]]["tilt"])},
         animations={"animation": shown.animate(title=title, caption=caption)},
-        checks=checks(courses),
+        checks=[*checks(courses)],
     )
     for each in _BESIDE:
         content |= each.present(rows[each.STUDY.name])
@@ -132,27 +132,24 @@ def story(motion: SpatialMotion, tilt: Sequence[float]) -> Figure:
     return figure
 
 
-def checks(courses: Mapping[str, Row]) -> list[Check]:
+def checks(courses: Mapping[str, Row]) -> Iterator[Check]:
     """Each run against another, and what none may do."""
     fresh, apart_by = runs.fresh_cases(), differences(courses)
-    found = []
     for name, (other, limits) in COMPARED.items():
         where: Any = "fresh" if {name, other} & fresh.keys() else "stored"
         for what, limit in limits.items():
             label = f"rest, {name}: {what} apart from {other}"
-            found.append(at_most(label, apart_by.at[name, what], limit, where))
+            yield at_most(label, apart_by.at[name, what], limit, where)
     for name, row in courses.items():
         if name != runs.IDEAL:
             where = "fresh" if name in fresh else "stored"
             lost = row["unexplained"] / row["energy"]
-            found += [
-                at_most(f"rest, {name}: rise of the energy in J", row["rise"], RISE, where),
-                at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where),
-                at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where),
-            ]
+            yield at_most(f"rest, {name}: rise of the energy in J", row["rise"], RISE, where)
+            yield at_most(f"rest, {name}: contact pulls by N", -row["force"], 0.0, where)
+            yield at_most(f"rest, {name}: unexplained part", lost, UNEXPLAINED, where)
     more, less = runs.FASTER.values()
     uneven = abs(numbers(courses)["growth"] * less / more - 1.0)
-    return [*found, at_most("rest, spin: effect out of proportion", uneven, PROPORTION)]
+    yield at_most("rest, spin: effect out of proportion", uneven, PROPORTION)
 
 
 def numbers(courses: Mapping[str, Row]) -> Row:
