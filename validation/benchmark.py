@@ -41,7 +41,7 @@ from validation.comparison.limits import holds
 from validation.display.progress import counted
 from validation.measurement.timing import in_turns
 from validation.run import run
-from validation.studies.stability.eigenvalue_check import engine_matrices
+from validation.studies.comparisons import engine_matrices
 from validation.study import Check
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.case import run_chunk

@@ -55,7 +55,7 @@ def eigenvalues(
         raise ArgumentError("formulation", "needs --source engine")
     found = spectra.branches(scenario, spins, **spectrum)
     if source == "engine":
-        from validation.studies.stability.eigenvalue_check import engine_matrices
+        from validation.studies.comparisons import engine_matrices
 
         matrices = [
             engine_matrices(scenario, np.array([each]), formulation=formulation, motion=motion)

@@ -12,6 +12,7 @@ from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 import mbs_models
 from analysis import (
@@ -31,13 +32,13 @@ from analysis.motion.endings import FLAT, TIME_LIMIT
 from analysis.problem.checks import Array
 from analysis.problem.constraints import independent_coordinates
 from analysis.stability import spectra
+from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation, Scene
 from validation.comparison.differences import deviation
 from validation.comparison.limits import holds, largest
 from validation.display.progress import counted
 from validation.display.tables import Table
 from validation.run import run, run_effort, run_to_rest
-from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT, distance, spinning
 
 ACCELERATION_LIMIT = 1e-9
 """Largest relative difference of accelerations and constraint forces that passes."""
@@ -47,6 +48,9 @@ ANGLE_LIMIT = 1e-7
 
 REST_LIMIT = 1e-5
 """The same of the deviation on the way to rest, in rad and in parts of the energy."""
+
+EIGENVALUE_LIMIT = 1e-6
+"""Largest difference that passes, relative to the larger of |lambda| and 1."""
 
 IN_HOUSE: Mapping[str, Any] = {"source": "in-house", "tolerance": 0.01 * ANGLE_LIMIT}
 """How the in-house runs are made: two digits better in rad than what is compared with them."""
@@ -364,3 +368,46 @@ def compare_eigenvalues(scene: Scene, motion: Motion) -> Comparison:
         return told(inf, f"the engine fails: {error}")
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
     return told(worst, f"relative to max(|λ|, 1), at {spins} rad/s")
+
+
+def spinning(
+    scenario: Scenario,
+    spin: float,
+    *,
+    formulation: Formulation | None = None,
+    motion: Motion = "inverted",
+) -> Scene:
+    """Scene that starts on a stationary motion of a scenario."""
+    start = Start.stationary(spin, motion)
+    return Scene(scenario=replace(scenario, start=start), formulation=formulation)
+
+
+def engine_matrices(
+    scenario: Scenario,
+    spins: Array,
+    *,
+    formulation: Formulation | None = None,
+    motion: Motion = "inverted",
+) -> Array:
+    """State matrices of the engine over the spin, shape (n, k, k): `mbs_models.state_matrix`."""
+    scenes = (
+        spinning(scenario, spin, formulation=formulation, motion=motion) for spin in spins.tolist()
+    )
+    return np.array([mbs_models.state_matrix(scene) for scene in scenes])
+
+
+def distance(found: ComplexArray, expected: ComplexArray) -> float:
+    """Largest difference of two sets of eigenvalues, matched for the smallest sum.
+
+    Relative to the larger of |lambda| and 1; infinite if there are none, not as many in both, or
+    one is no number.
+    """
+    if found.shape != expected.shape or not np.all(np.isfinite([found, expected])):
+        return np.inf
+    apart = gaps(found, expected)
+    return largest(apart[linear_sum_assignment(apart)].tolist())
+
+
+def gaps(found: ComplexArray, expected: ComplexArray) -> Array:
+    """Differences of each of n from each of k eigenvalues, relative as in `distance`, (n, k)."""
+    return np.abs(found[:, None] - expected) / np.maximum(np.abs(expected), 1.0)

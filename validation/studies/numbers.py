@@ -11,9 +11,8 @@ import mbs_models
 from analysis import GRAVITY, MODELS, ROUNDED_STEEL_DISK, STEEL_DISK, Scenario
 from analysis.mechanics import paper
 from validation.run import run
-from validation.studies.comparisons import random_state
+from validation.studies.comparisons import random_state, spinning
 from validation.studies.stability import measured
-from validation.studies.stability.eigenvalue_check import spinning
 from validation.studies.stability.measured import CLOSED, ENGINE, HERE, HOPF, LIMIT, THIRD
 from validation.studies.stability.variants import MATRIX_CHANGES
 from validation.study import Check, Content, Row, Rows, Study, at_most, equal, grade

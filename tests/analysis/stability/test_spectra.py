@@ -6,7 +6,7 @@ import pytest
 from analysis import MODELS, MOTIONS, POSSIBLE_SETS, Level, Motion, Scenario, SmoothCoulomb
 from analysis.problem.constraints import set_name
 from analysis.stability.spectra import System, branches, eigenvalues, follow, matrices_over_spin
-from validation.studies.stability.eigenvalue_check import distance
+from validation.studies.comparisons import distance
 
 
 @pytest.mark.parametrize("motion", MOTIONS)

@@ -13,7 +13,7 @@ from analysis.problem.choices import SOURCES
 from tests.calls import printed, refusal
 from validation.nonlinear.tables import connection_table
 
-STUDY = "validation.studies.stability.eigenvalue_check"
+STUDY = "validation.studies.comparisons"
 
 SIZES = {
     "--system full": 8,

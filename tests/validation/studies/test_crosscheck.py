@@ -30,8 +30,7 @@ from mbs_models import Scene
 from tests.helpers import failing, model, not_none, planted
 from validation.run import run
 from validation.studies import comparisons, crosscheck
-from validation.studies.comparisons import Comparison, compare_scenario, compare_scene
-from validation.studies.stability.eigenvalue_check import distance
+from validation.studies.comparisons import Comparison, compare_scenario, compare_scene, distance
 from validation.study import Content
 
 YIELDING = Scenario(

@@ -15,12 +15,12 @@ from analysis.stability import spectra
 from analysis.stability.critical import critical_speeds
 from tests.helpers import failing, planted
 from validation import study as studying
-from validation.studies.stability import figures, measured
-from validation.studies.stability.eigenvalue_check import (
+from validation.studies.comparisons import (
     EIGENVALUE_LIMIT,
     distance,
     engine_matrices,
 )
+from validation.studies.stability import figures, measured
 from validation.studies.stability.section import STUDIES, present
 from validation.studies.stability.variants import PRINTED, reproduces, variants
 

@@ -28,7 +28,7 @@ from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.linearisation import ComplexArray
 from mbs_models import Formulation
 from validation.comparison.limits import largest
-from validation.studies.stability.eigenvalue_check import distance, engine_matrices, gaps, spinning
+from validation.studies.comparisons import distance, engine_matrices, gaps, spinning
 from validation.studies.stability.variants import PRINTED, reproduces, variants
 from validation.study import Row, Study
 

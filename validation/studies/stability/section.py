@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 
 from validation.comparison.limits import largest
+from validation.studies.comparisons import EIGENVALUE_LIMIT
 from validation.studies.stability import figures, measured
-from validation.studies.stability.eigenvalue_check import EIGENVALUE_LIMIT
 from validation.studies.stability.measured import CLOSED, ENGINE, HERE, HOPF, OWN
 from validation.studies.stability.variants import PRINTED  # noqa: F401 # the text names them
 from validation.study import Check, Content, Rows, at_most, equal, grade
