@@ -1,5 +1,6 @@
 """Engine against in-house equations: the paper's models, all sets of constraints, other bodies."""
 
+from collections.abc import Iterator
 from math import inf, pi
 from typing import Any
 
@@ -111,16 +112,14 @@ def is_defined(quantity: str, scenario: Scenario) -> bool:
     return can_spin or not quantity.startswith("eigenvalues")
 
 
-def measure(case: Case) -> list[Row]:
+def measure(case: Case) -> Iterator[Row]:
     """All comparisons of a case that are defined."""
     kind, scenario = case
     how: Any = {"states": STATES[kind], "end": None if kind == SETS else comparisons.END}
-    return [
-        {"kind": kind, **each._asdict()}
-        for formulation in formulations(scenario)
-        for each in comparisons.compare_scene(Scene(scenario, formulation), **how)
-        if is_defined(each.quantity, scenario)
-    ]
+    for formulation in formulations(scenario):
+        for each in comparisons.compare_scene(Scene(scenario, formulation), **how):
+            if is_defined(each.quantity, scenario):
+                yield {"kind": kind, **each._asdict()}
 
 
 STUDY = Study(name="crosscheck", cases=cases, measure=measure)
@@ -198,21 +197,19 @@ def _tippe_top(rows: pd.DataFrame) -> tuple[Row, list[Check]]:
     ]
 
 
-def _checks(worst: pd.DataFrame) -> list[Check]:
+def _checks(worst: pd.DataFrame) -> Iterator[Check]:
     """Whether all scenes and states were compared and agree."""
-    found = []
     for row in worst.to_dict("records"):
         kind, name = row["kind"], f"crosscheck: {row['quantity']}, {row['kind']}"
-        found.append(at_most(name, row["largest"], row["at most"]))
+        yield at_most(name, row["largest"], row["at most"])
         scenes = sum(
             len(formulations(scenario))
             for other, scenario in cases().values()
             if other == kind and is_defined(row["quantity"], scenario)
         )
-        found.append(equal(f"{name}, scenes", row["scenes"], scenes))
+        yield equal(f"{name}, scenes", row["scenes"], scenes)
         if row["quantity"] == "accelerations":
             states = row["random states"]
-            found.append(equal(f"{name}, states with a solution", states, STATES[kind]))
+            yield equal(f"{name}, states with a solution", states, STATES[kind])
         elif row["quantity"] == comparisons.MOTION:
-            found.append(equal(f"{name}, least time in s", row["time in s"], comparisons.END))
-    return found
+            yield equal(f"{name}, least time in s", row["time in s"], comparisons.END)

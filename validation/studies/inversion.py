@@ -1,6 +1,6 @@
 """The inversion from Table 3: Figures 7 to 9, engine against in-house equations."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import nan
 from typing import Any
 
@@ -54,20 +54,18 @@ def cases() -> dict[str, Case]:
     return {CONTACT: (contact, 2.0), **dict(zip(NAMES, models, strict=True))}
 
 
-def measure(case: Case) -> list[Row]:
+def measure(case: Case) -> Iterator[Row]:
     """The runs of both sides."""
     scenario, end = case
     times = np.linspace(0.0, end, round(end / SPACING) + 1)
-    runs = [run(scenario, times, source=each, tolerance=TOLERANCE) for each in SOURCES]
-    return [
-        {
-            "source": each.source,
-            "formulation": each.method["formulation"],
-            "error_estimate": each.error_estimate,
-            **{name: getattr(each, name) for name in CURVES},
+    for source in SOURCES:
+        found = run(scenario, times, source=source, tolerance=TOLERANCE)
+        yield {
+            "source": source,
+            "formulation": found.method["formulation"],
+            "error_estimate": found.error_estimate,
+            **{name: getattr(found, name) for name in CURVES},
         }
-        for each in runs
-    ]
 
 
 STUDY = Study(name="inversion", cases=cases, measure=measure)

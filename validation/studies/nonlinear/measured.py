@@ -1,6 +1,6 @@
 """What is measured: cycles and their end, the engine's cycles, and passages."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 import numpy as np
@@ -30,13 +30,13 @@ AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 """Amplitudes in rad of the cycles of Models 1 and 2."""
 
 
-def families() -> dict[str, Callable[[], list[Row]]]:
+def families() -> dict[str, Callable[[], Iterable[Row]]]:
     """The cycles and rotating motions of Model 4, and the cycles of Models 1 and 2."""
     held = {name: partial(_held, name) for name in HELD_NAMES}
     return {SWINGING: _swinging, ROTATING: _rotating, SLOW: _slow, **held}
 
 
-def follow_family(follow: Callable[[], list[Row]]) -> list[Row]:
+def follow_family(follow: Callable[[], Iterable[Row]]) -> list[Row]:
     """Periodic motions of a family, whole or not at all; fits and folds by their kinds."""
     return [{"number": number, **row} for number, row in enumerate(follow())]
 
@@ -45,24 +45,21 @@ def _held(name: str) -> list[Row]:
     return [{"kind": "motion", **each} for each in family(name, AMPLITUDES)]
 
 
-def _swinging() -> list[Row]:
+def _swinging() -> Iterator[Row]:
     found = cycle_family(PAPER)
-    motions = _whole(found)
+    yield from _whole(found)
     normal = hopf_type(PAPER)
     growth = fitted_growth(found.motions, normal.spin)
     fitted = {} if growth is None else growth._asdict()
+    yield {
+        "kind": "birth",
+        "type": normal.kind,
+        "curvature": normal.curvature,
+        **{f"fitted_{name}": value for name, value in fitted.items()},
+    }
     connection = heteroclinic_connection(PAPER)
     off = abs(found.motions[-1].spin - connection.spin)
-    return [
-        *motions,
-        {
-            "kind": "birth",
-            "type": normal.kind,
-            "curvature": normal.curvature,
-            **{f"fitted_{name}": value for name, value in fitted.items()},
-        },
-        {"kind": "end", "off": off, **period_growth(found.motions, connection)},
-    ]
+    yield {"kind": "end", "off": off, **period_growth(found.motions, connection)}
 
 
 def _rotating() -> list[Row]:
@@ -95,7 +92,7 @@ def repeated() -> dict[str, tuple[str, float]]:
     }
 
 
-def find_on_both(case: tuple[str, float]) -> list[Row]:
+def find_on_both(case: tuple[str, float]) -> Iterator[Row]:
     """A cycle in-house, and what the engine finds when it is put on it."""
     name, value = case
     scenario = Scenario(constraints=HELD[name])
@@ -106,10 +103,8 @@ def find_on_both(case: tuple[str, float]) -> list[Row]:
         cycle = cycle_at(scenario, value)
         here, there = cycle.as_row(), find(scenario, beginning(cycle), source="engine")
     names = ("spin", "amplitude", "period", "multiplier")
-    return [
-        {"source": source, **{name: found[name] for name in names}}
-        for source, found in (("in-house", here), ("engine", there))
-    ]
+    for source, found in (("in-house", here), ("engine", there)):
+        yield {"source": source, **{name: found[name] for name in names}}
 
 
 ENGINE = Study(name="engine-cycles", cases=repeated, measure=find_on_both)

@@ -128,18 +128,16 @@ def paper() -> dict[str, Scenario]:
     return {"paper": Scenario()}
 
 
-def printed_numbers(_: Any) -> list[Row]:
+def printed_numbers(_: Any) -> Iterator[Row]:
     """Every printed number of Sections 3 and 6 beside what is found."""
     sides = {
         HERE: in_house_numbers(STEEL_DISK),
         TABLE_1: in_house_numbers(ROUNDED_STEEL_DISK),
         ENGINE: numbers(STEEL_DISK, lambda scenario: partial(engine_matrices, scenario)),
     }
-    return [
-        {"quantity": name, "printed": IN_PAPER.get(name)}
-        | {side: found.get(name) for side, found in sides.items()}
-        for name in (*IN_PAPER, THIRD)
-    ]
+    for name in (*IN_PAPER, THIRD):
+        found = {side: values.get(name) for side, values in sides.items()}
+        yield {"quantity": name, "printed": IN_PAPER.get(name), **found}
 
 
 def rounds_to(value: float, printed: str) -> bool:
