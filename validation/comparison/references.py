@@ -45,8 +45,6 @@ FINEST = 1e-12
 Plain = Callable[[Scenario, Array], Trajectory]
 """Runs a scenario over some times, whatever pulls or is met on the way."""
 
-Met = tuple[Ending, dict[str, Array]]
-"""An ending, and what is sampled of a run there."""
 
 _SAMPLED = ("times", "coordinates", "rates", "multipliers")
 
@@ -155,8 +153,8 @@ def up_to_ending(
 
 def _first_ending(
     plain: Plain, run: Trajectory, conditions: Mapping[str, Condition]
-) -> Met | None:
-    """The first ending of a run; None if it has none."""
+) -> tuple[Ending, dict[str, Array]] | None:
+    """The first ending of a run, and what is sampled there; None if it has none."""
     values = _values(run, conditions)
     places = {place for found in values.values() for place in _suspects(found)}
     for begin, end in sorted(places):

@@ -28,8 +28,6 @@ from validation.sweeps.sweep import Sweep
 Cell = dict[str, Any]
 """With its `number` on a grid of two axes, the last one fastest, and its `outcome`."""
 
-Run = Callable[[Iterable[int]], list[Cell]]
-"""Runs some cases; returns the cells of all that have been run so far."""
 
 _PER_CELL = 5
 """Cases for each cell of a row or column that is halved, as in the maps of the report."""
@@ -158,7 +156,9 @@ def _least_upright_height(disk: Body) -> float:
 # --- Running ------------------------------------------------------------------------------------
 
 
-def refine(shape: Sequence[int], levels: int, run: Run) -> list[Cell]:
+def refine(
+    shape: Sequence[int], levels: int, run: Callable[[Iterable[int]], list[Cell]]
+) -> list[Cell]:
     """Run a coarse grid, and halve its squares as long as one holds two outcomes.
 
     What lies between the points of the coarse grid and touches no square with two outcomes, such
@@ -171,7 +171,7 @@ def refine(shape: Sequence[int], levels: int, run: Run) -> list[Cell]:
     levels : int
         How often squares are halved.
     run : callable
-        See `Run`.
+        Runs some cases; returns the cells of all that have been run so far.
 
     Returns
     -------

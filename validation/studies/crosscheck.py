@@ -79,12 +79,11 @@ KEPT = 1e-9
 """and Jellett's constant from its first value, relative."""
 
 
-Case = tuple[str, Scenario]
-"""What a scenario is compared for, and the scenario."""
+def cases() -> dict[str, tuple[str, Scenario]]:
+    """The paper's models on either load, every possible set of constraints, and other bodies.
 
-
-def cases() -> dict[str, Case]:
-    """The paper's models on either load, every possible set of constraints, and other bodies."""
+    Each with what it is one of, as in `STATES`.
+    """
     models = {
         f"Model {level}, load {load}": Scenario(
             constraints=MODELS[level], friction=SmoothCoulomb(load=load)
@@ -112,7 +111,7 @@ def is_defined(quantity: str, scenario: Scenario) -> bool:
     return can_spin or not quantity.startswith("eigenvalues")
 
 
-def measure(case: Case) -> Iterator[Row]:
+def measure(case: tuple[str, Scenario]) -> Iterator[Row]:
     """All comparisons of a case that are defined."""
     kind, scenario = case
     how: Any = {"states": STATES[kind], "end": None if kind == SETS else comparisons.END}

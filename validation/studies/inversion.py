@@ -40,21 +40,19 @@ NAMES = [f"Model {level}" for level in LEVELS]
 
 CURVES = filled(Trajectory)
 
-Case = tuple[Scenario, float]
-"""What is run, and its end in s."""
 
 Runs = Mapping[tuple[str, Source], Trajectory]
 """By case and source."""
 
 
-def cases() -> dict[str, Case]:
-    """Models 1 to 4, and Model 1 with the contact force as the load of the friction law."""
+def cases() -> dict[str, tuple[Scenario, float]]:
+    """Models 1 to 4, and Model 1 with the contact force as the friction's load; with ends in s."""
     models = [(Scenario(constraints=MODELS[level]), END) for level in LEVELS]
     contact = Scenario(friction=SmoothCoulomb(load="contact"))
     return {CONTACT: (contact, 2.0), **dict(zip(NAMES, models, strict=True))}
 
 
-def measure(case: Case) -> Iterator[Row]:
+def measure(case: tuple[Scenario, float]) -> Iterator[Row]:
     """The runs of both sides."""
     scenario, end = case
     times = np.linspace(0.0, end, round(end / SPACING) + 1)

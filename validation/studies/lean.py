@@ -29,12 +29,9 @@ SAME = 1e-9
 
 PARTS = BALLAST | {"six joint axes where three do": six_axes}
 
-Case = tuple[str, Scene]
-"""Name of a part, and a scene that does not need it."""
 
-
-def cases() -> dict[str, Case]:
-    """Idle parts in scenes, by their names."""
+def cases() -> dict[str, tuple[str, Scene]]:
+    """Names of parts with scenes that do not need them, by both."""
     bare, tree, free = scene(1, "contact-tree"), scene(2, "euler-tree"), scene(2, "floating")
     smooth = SmoothCoulomb(coefficient=0.0)
     friction, sensors, *others, axes = PARTS
@@ -72,7 +69,7 @@ def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
     return recording.seconds, np.hstack(model.decode(recording.records[-1:]))
 
 
-def price(case: Case) -> Iterator[Row]:
+def price(case: tuple[str, Scene]) -> Iterator[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
     part, scene = case
     runs = in_turns(partial(timed, scene, PARTS[part]), partial(timed, scene), pairs=PAIRS)

@@ -96,22 +96,18 @@ def _ended_after(seconds: float) -> Iterator[None]:
             faulthandler.cancel_dump_traceback_later()
 
 
-Values = Mapping[str, Any]
-"""Of a case, by the names of the axes."""
-
-
-def _run(plan: Plan, scenario: Scenario, case: Values) -> tuple[Any, float]:
-    """Motion of a case, or the error that ended it, and its processor time in s."""
+def _run(plan: Plan, scenario: Scenario, values: Mapping[str, Any]) -> tuple[Any, float]:
+    """Motion with other values of some fields, or the error that ended it; processor time in s."""
     begin = time.process_time()
     with _ended_after(plan.hanging):
         try:
-            motion: Any = plan.motion(changed(scenario, case))
+            motion: Any = plan.motion(changed(scenario, values))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
             motion = error
     return motion, time.process_time() - begin
 
 
-def _together(sweep: Sweep, cases: Sequence[Values]) -> Trajectories:
+def _together(sweep: Sweep, cases: Sequence[Mapping[str, Any]]) -> Trajectories:
     """Motions of cases that are compiled and run together; the plan's method is "taylor".
 
     The time limit of their runs is left to whoever calls this.
