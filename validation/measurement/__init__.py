@@ -1,1 +1,1 @@
-"""What every measurement needs: its clock, its processes, and where its numbers come from."""
+"""What every measurement needs: clock, processes, what is kept, and where numbers come from."""
