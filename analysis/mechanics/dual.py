@@ -129,7 +129,7 @@ def _hypot(x: Any, y: Any) -> Dual:
     """Its derivative at the origin, where there is none, is taken to be zero."""
     x, y = dual(x), dual(y)
     size = hypot(x.value, y.value)
-    return Dual(size, (x.value * x.change + y.value * y.change) / size if size else 0.0)
+    return Dual(size, (x.value * x.change + y.value * y.change) / (size + (size == 0.0)))
 
 
 def _exp(x: Dual) -> Dual:
@@ -157,8 +157,14 @@ elementary.register(
 )
 
 
+_NO_SLIP = 1e-12
+"""Slip over the finest speed of a law, in an array at least."""
+
 Functions = Mapping[str, Callable[..., Any]]
 """Functions of one kind of numbers by their names in recorded code; see `Recorder.code`."""
+
+
+_USUAL: Functions = {"sin": sin, "cos": cos, "sqrt": sqrt, "hypot": hypot}
 
 
 def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
@@ -173,8 +179,11 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
     law : FrictionLaw
         One that is isotropic and in proportion to the load.
     speed : float or ndarray, shape (n,)
-        Slip speed in m/s, not negative, and positive in an array.
+        Slip speed in m/s, not negative.
     """
+    if isinstance(speed, np.ndarray):
+        # Where there is none, 0 / 0 would be no force.
+        speed = np.maximum(speed, _NO_SLIP * law.finest_speed)
     with suppress(TypeError, ValueError, ZeroDivisionError):
         moving: Any = Dual(speed, 1.0)
         found = law.per_speed(moving)
@@ -198,7 +207,7 @@ def of_floats(law: FrictionLaw) -> Functions:
 
 
 def of_duals(law: FrictionLaw) -> Functions:
-    """Functions of dual numbers; at no slip, whose size has no slope, friction has its own.
+    """Functions of arrays and dual numbers; at no slip, whose size has no slope, friction has one.
 
     Raises
     ------
@@ -215,9 +224,20 @@ def of_duals(law: FrictionLaw) -> Functions:
             subject = f"friction law {LAWS.name_of(type(law))!r}"
             raise ArgumentError("law", f"{fault}: {error}", subject) from error
 
-    def per_speed(speed: Dual) -> Dual:
-        value, slope = per_speed_and_slope(law, speed.value)
-        return Dual(value, slope * speed.change)
+    def per_speed(speed: Any) -> Any:
+        value, slope = per_speed_and_slope(law, value_of(speed))
+        return Dual(value, slope * speed.change) if isinstance(speed, Dual) else value
 
-    usual: Functions = {"sin": sin, "cos": cos, "sqrt": sqrt, "hypot": hypot}
-    return {**usual, "speed": hypot, "per_speed": per_speed}
+    def speed(along: Any, across: Any) -> Any:
+        # One that is held is the float 0.0, and the other one's size takes less time.
+        return abs(across) if isinstance(along, float) and along == 0.0 else hypot(along, across)
+
+    return {**_USUAL, "speed": speed, "per_speed": per_speed}
+
+
+def of_slope(gradient: Any) -> Functions:
+    """Functions of dual numbers under friction of this force for each unit of slip and load.
+
+    That is any law at no slip.
+    """
+    return {**_USUAL, "speed": lambda *_: 0.0, "per_speed": lambda _: gradient}

@@ -18,8 +18,18 @@ from analysis.problem.scenario import Scenario
 
 
 @cache
-def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]:
+def formula(
+    *, is_simple: bool, about_inverted: bool = False
+) -> Callable[..., Callable[..., tuple[Any, ...]]]:
     """Code of the reduced system under a friction law that is simple or is not.
+
+    Parameters
+    ----------
+    is_simple : bool
+        See `FrictionLaw`.
+    about_inverted : bool
+        Whether beta and gamma are told less pi/2, and time derivatives are wanted alone: their
+        digits beside inverted and noninverted spinning, about which the system is odd.
 
     Returns
     -------
@@ -34,7 +44,10 @@ def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]
     disk = disk_of(given)
     stand_in: Any = SimpleNamespace(disk=disk, weight=disk.mass * -given[-1])
     beta, gamma, bd = recorder.variables
-    sb, cb, sg, cg = directions = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    sb, cb, sg, cg = sin(beta), cos(beta), sin(gamma), cos(gamma)
+    if about_inverted:
+        sb, cb, sg, cg = cb, -sb, cg, -sg
+    directions = sb, cb, sg, cg
     slip, load = lateral_slip(disk, spin, directions, bd), 1.0 if is_simple else stand_in.weight
     _, across = friction_of(is_simple=is_simple)(0.0, slip, load)
     bdd = acceleration_from(stand_in, spin, directions, bd, -across / load)
@@ -42,15 +55,18 @@ def formula(*, is_simple: bool) -> Callable[..., Callable[..., tuple[Any, ...]]]
     e, gd, gdd = disk.eccentricity, -spin * cb, spin * sb * bd
     rise = e * (cg * gdd - sg * gd * gd) * sb + 2 * e * cg * gd * cb * bd
     rise += (disk.radius + e * sg) * (cb * bdd - sb * bd * bd)
-    return recorder.code([bd, gd, bdd, stand_in.weight + disk.mass * rise, slip])
+    forces = [stand_in.weight + disk.mass * rise, slip]
+    return recorder.code([bd, gd, bdd, *([] if about_inverted else forces)])
 
 
 def solver(
     scenario: Scenario,
     spin: float,
     functions: Callable[[FrictionLaw], Functions] = of_floats,
+    *,
+    about_inverted: bool = False,
 ) -> Solver:
-    """Function from beta, gamma and the rate of beta to what `formula` tells, 5 numbers.
+    """Function from beta, gamma and the rate of beta to what `formula` tells, 5 or 3 numbers.
 
     Parameters
     ----------
@@ -63,7 +79,7 @@ def solver(
         `of_floats` or `of_duals`, for states of that kind.
     """
     law = scenario.friction
-    code = formula(is_simple=law.is_simple)
+    code = formula(is_simple=law.is_simple, about_inverted=about_inverted)
     return code(*numbers(scenario), spin, force=law.force, **functions(law))
 
 

@@ -6,23 +6,16 @@ derivative at zero slip: the force, its slope and so the Jacobian are continuous
 variational equations need no jump conditions.
 """
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from analysis.mechanics.dual import Dual, per_speed_and_slope, rate, value_of
-from analysis.mechanics.linear_algebra import Numbers
-from analysis.mechanics.reduced import acceleration_from, lateral_slip
+from analysis.mechanics import reduced
+from analysis.mechanics.dual import of_duals, rate
 from analysis.problem.checks import Array, within
-from analysis.problem.elementary import cos, sin
-from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import require_spinning
-
-_NO_SLIP = 1e-12
-"""Slip over the finest speed of a law at least: where there is none, 0 / 0 is no force."""
 
 
 def require_cycles(scenario: Scenario, steepest: float = np.inf) -> None:
@@ -75,52 +68,16 @@ def right_hand_side(scenario: Scenario, spin: float, x: Array) -> Array:
     -------
     ndarray, shape (3, n)
     """
-    force = partial(_friction, scenario.friction)
-    return np.array(derivative(scenario, spin, x, force), dtype=float)
+    return np.array(reduced.solver(scenario, spin, of_duals, about_inverted=True)(*x))
 
 
 def jacobian(scenario: Scenario, spin: float, x: Array) -> Array:
     """Derivative of `right_hand_side` by each state and by the spin, shape (n, 3, 4)."""
-    force = partial(_friction, scenario.friction)
-    changes = rate(
-        lambda moving: derivative(scenario, moving[3], moving[:3], force),
-        (*x, spin),
-        np.eye(4)[:, :, None],
-    )
+
+    def moved(moving: Sequence[Any]) -> tuple[Any, ...]:
+        *state, turning = moving
+        return reduced.solver(scenario, turning, of_duals, about_inverted=True)(*state)
+
+    changes = rate(moved, (*x, spin), np.eye(4)[:, :, None])
     every = np.broadcast_arrays(*changes, np.empty((4, x.shape[1])))[:3]
     return np.array(every).transpose(2, 0, 1)
-
-
-def derivative(
-    scenario: Scenario, spin: Any, x: Numbers, force: Callable[[Any], Any]
-) -> tuple[Any, Any, Any]:
-    """Time derivative of deviations from inverted spinning, for numbers of any kind.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Its friction law is not looked at.
-    spin : number
-        In rad/s.
-    x : sequence of 3 numbers
-        See `right_hand_side`.
-    force : callable
-        From the slip in m/s to the force against it for each newton of load.
-    """
-    tilt, turn, tilt_rate = x
-    sin_tilt = sin(tilt)
-    directions = cos(tilt), -sin_tilt, cos(turn), -sin(turn)
-    friction = force(lateral_slip(scenario.disk, spin, directions, tilt_rate))
-    acceleration = acceleration_from(scenario, spin, directions, tilt_rate, friction)
-    return tilt_rate, spin * sin_tilt, acceleration
-
-
-def _friction(law: FrictionLaw, slip: Any) -> Any:
-    """Force for each newton of load against slips, an array or a dual number of arrays."""
-    value = value_of(slip)
-    sizes = np.maximum(np.abs(value), _NO_SLIP * law.finest_speed)
-    per_speed, slope = per_speed_and_slope(law, sizes)
-    force = value * per_speed
-    if not isinstance(slip, Dual):
-        return force
-    return Dual(force, (per_speed + np.abs(value) * slope) * slip.change)

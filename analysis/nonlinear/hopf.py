@@ -18,9 +18,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from scipy.linalg import eig
 
-from analysis.mechanics.dual import Dual, dual
+from analysis.mechanics import reduced
+from analysis.mechanics.dual import Dual, dual, of_slope
 from analysis.mechanics.paper import critical_speed, reduced_matrices
-from analysis.mechanics.reduced import lateral_slip
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array
@@ -88,7 +88,7 @@ def hopf_type(scenario: Scenario) -> HopfType:
     p = left[:, critical] / np.conj(np.vdot(left[:, critical], q))
     C = _third_derivative(scenario, hopf.spin, (q, q, q.conj()))
     # At first order a deviation changes cos(gamma) and the rate of beta alone.
-    slip = lateral_slip(scenario.disk, hopf.spin, (1.0, 0.0, 1.0, -q[1]), q[2])
+    slip = reduced.lateral_slip(scenario.disk, hopf.spin, (1.0, 0.0, 1.0, -q[1]), q[2])
     return HopfType(
         spin=hopf.spin,
         frequency=hopf.frequency,
@@ -111,8 +111,8 @@ def _third_derivative(
     x: list[Any] = [0.0, 0.0, 0.0]
     for direction in directions:
         x = [Dual(value, change) for value, change in zip(x, direction.tolist(), strict=True)]
-    gradient = scenario.friction.gradient
-    rates: Any = flow.derivative(scenario, spin, x, lambda slip: gradient * slip)
+    linear = of_slope(scenario.friction.gradient)
+    rates: Any = reduced.solver(scenario, spin, lambda _: linear, about_inverted=True)(*x)
     for _ in directions:
         rates = [dual(rate).change for rate in rates]
     return np.array(rates, dtype=complex)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from analysis.mechanics import recorded
-from analysis.mechanics.dual import Dual, dual, of_duals, value_of
+from analysis.mechanics.dual import Dual, dual, of_slope, value_of
 from analysis.mechanics.newton_euler import Structure
 from analysis.problem.checks import instance
 from analysis.problem.scenario import Scenario
@@ -117,8 +117,7 @@ def _changes(
     numbers = (m, disk.radius, e, *about_cog, *products, *others)
     # At no slip a law is its slope, and the load the weight, Eq. (40).
     structure = Structure.of(with_gradient(scenario, gradient))
-    linear = {"speed": lambda *_: 0.0, "per_speed": lambda _: changing("gradient", gradient)}
-    solve = recorded.formula(structure)(*numbers, **{**of_duals(scenario.friction), **linear})
+    solve = recorded.formula(structure)(*numbers, **of_slope(changing("gradient", gradient)))
     moving_disk = recorded.disk_of(numbers, structure.body)
     state = turning_state(scenario, system.place, changing("spin", spin), moving_disk)
     moving = [
