@@ -9,11 +9,13 @@ Spins at which the height regains its value over an orbit are those of the cycle
 (Melnikov's integral, the slip over sin(beta) integrated over gamma).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.integrate import fixed_quad
 from scipy.optimize import brentq
 
 from analysis.mechanics.dual import per_speed_and_slope
@@ -171,9 +173,11 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
             brentq(needed, *_GRID[each : each + 2], args=(spin,))
             for each in np.flatnonzero(signs[1:] * signs[:-1] < 0.0).tolist()
         ]
-        theta, weights = _quadrature(kinks)
-        slips = _slips(scenario, needed(theta, spin))
-        return float(weights @ (np.cos(theta) * slips * place(theta)[0]))
+
+        def gained(theta: Array) -> Array:
+            return np.cos(theta) * _slips(scenario, needed(theta, spin)) * place(theta)[0]
+
+        return _integral(gained, kinks)
 
     spin = nearest_root(gain, critical_speed(scenario).spin)
     if spin is None:
@@ -183,15 +187,13 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         )
     period = np.inf
     if amplitude < np.pi:
-        theta, weights = _quadrature()
-        period = -2.0 / spin * amplitude * float(weights @ (np.cos(theta) / place(theta)[1]))
+        slowness = _integral(lambda theta: np.cos(theta) / place(theta)[1])
+        period = -2.0 / spin * amplitude * slowness
     friction = float(np.max(np.abs(needed(_GRID, spin))))
     return SlowOrbit(amplitude=amplitude, spin=spin, period=period, friction=friction)
 
 
-def _quadrature(kinks: Sequence[float] = ()) -> tuple[Array, Array]:
-    """Nodes from -pi/2 to pi/2 and weights of Gauss's rule, piece by piece between kinks."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    ends = np.array((-np.pi / 2, *kinks, np.pi / 2))
-    halves = np.diff(ends)[:, None] / 2.0
-    return (ends[:-1, None] + halves * (1.0 + nodes)).ravel(), (halves * weights).ravel()
+def _integral(function: Callable[[Array], Array], kinks: Sequence[float] = ()) -> float:
+    """Integral from -pi/2 to pi/2 by Gauss's rule, piece by piece between kinks."""
+    pieces = pairwise((-np.pi / 2, *kinks, np.pi / 2))
+    return float(sum(fixed_quad(function, *piece, n=_NODES)[0] for piece in pieces))
