@@ -6,10 +6,10 @@ gradients. On the other kind of boundary, known in closed form, a real eigenvalu
 Hopf curves cross each other.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,7 @@ from analysis.problem.start import Motion
 from analysis.solve.continuation import Curve
 from analysis.stability.chart import gradient_array
 from analysis.stability.critical import Spectra, spin_interval
-from analysis.stability.linearisation import ZERO, require_spinning, spin_scale
+from analysis.stability.linearisation import ZERO, falling, require_spinning, spin_scale
 from analysis.stability.spectra import full_matrices
 
 SPINS = (0.0, 100.0)
@@ -141,12 +141,10 @@ def corners(
     ArithmeticError
         See `hopf_curves`, or if the place where two boundaries meet cannot be refined.
     """
-    pairs = _Pairs(scenario, motion)
-    lines = pairs.lines(gradients, spins)
-    found = [pairs.double_hopf(place) for place in _crossings(lines)]
-    for line in lines:
+    pairs, found = _Pairs(scenario, motion), list[Corner]()
+    for line in pairs.lines(gradients, spins):
         found += [pairs.corner("double zero", place) for place in line[line[:, 2] <= ZERO]]
-        found += pairs.zero_hopfs(line)
+        found += pairs.corners_along(line[line[:, 2] > ZERO])
     return tuple(sorted(found, key=lambda corner: corner.gradient))
 
 
@@ -204,35 +202,32 @@ class _Pairs:
         pairs = np.take_along_axis(values, nearest, axis=1)
         return np.column_stack((pairs.sum(axis=1).real, pairs.prod(axis=1).real - squared))
 
-    def _others(self, places: Array) -> Any:
-        """Product of all eigenvalues but the pair, which has a frequency."""
-        return np.linalg.det(self.matrices(places)) / places[:, 2] ** 2
+    def corners_along(self, line: Array) -> Iterator[Corner]:
+        """Corners along a Hopf curve at which a real eigenvalue or a faster pair crosses."""
+        values, squared = np.linalg.eigvals(self.matrices(line)), line[:, 2:] ** 2
+        order = np.argsort(np.abs(values**2 + squared), axis=1)
+        others = falling(np.take_along_axis(values, order[:, 2:], axis=1))
+        crossed = np.argwhere(others[:-1].real * others[1:].real < 0.0)
+        for step, place in crossed.tolist():
+            before, after = others[step : step + 2, place].tolist()
+            part = before.real / (before.real - after.real)
+            begin = line[step] + part * (line[step + 1] - line[step])
+            if not (before.imag and after.imag):
+                yield self._refined("zero hopf", begin)
+            elif before.imag > begin[2]:
+                yield self._refined("double hopf", np.append(begin, before.imag))
 
-    def zero_hopfs(self, line: Array) -> Iterator[Corner]:
-        """Corners along a Hopf curve at which a real eigenvalue is zero, too."""
-        line = line[line[:, 2] > ZERO]
-        others = self._others(line)
-        for step in np.flatnonzero(others[:-1] * others[1:] < 0.0).tolist():
-            rise = others[step + 1] - others[step]
-            begin = line[step] - others[step] / rise * (line[step + 1] - line[step])
-
-            def equations(place: Array, rise: float = rise) -> Array:
-                return np.append(self._on_axis(place[None]), self._others(place[None]) / rise)
-
-            yield self._corner("zero hopf", begin, equations)
-
-    def double_hopf(self, begin: Array) -> Corner:
-        """Corner near a place with a second frequency, at which both pairs lie on the axis."""
+    def _refined(self, kind: Kind, begin: Array) -> Corner:
+        """Corner near a place, which has a second frequency if two pairs cross."""
+        # All but the eigenvalue that crosses, if a real one does.
+        scale = np.prod(np.sort(np.abs(np.linalg.eigvals(self.matrices(begin[None])[0])))[1:])
 
         def equations(place: Array) -> Array:
-            return self._on_axis(place[[[0, 1, 2], [0, 1, 3]]]).ravel()
+            pairs = self._on_axis(np.array([[*place[:2], each] for each in place[2:]]))
+            if kind == "double hopf":
+                return pairs.ravel()
+            return np.append(pairs, np.linalg.det(self.matrices(place[None])) / scale)
 
-        return self._corner("double hopf", begin, equations)
-
-    def _corner(
-        self, kind: Kind, begin: Array, equations: Callable[[Array], npt.ArrayLike]
-    ) -> Corner:
-        """Corner near a place, where equations are zero."""
         found = root(equations, begin, tol=1e-13)
         # It may end where rounding lets it get no nearer.
         if not np.max(np.abs(found.fun)) < _MET:
@@ -247,23 +242,3 @@ class _Pairs:
             gradient=float(np.exp(place[1])),
             frequencies=tuple(sorted((self._unit * np.abs(place[2:])).tolist())),
         )
-
-
-def _crossings(lines: Sequence[Array]) -> Iterator[Array]:
-    """Where curves cross each other or themselves: places with two frequencies, shape (4,)."""
-    if not lines:
-        return
-    begins = np.vstack([line[:-1] for line in lines])
-    sides = np.vstack([np.diff(line, axis=0) for line in lines])
-
-    def turn(first: Array, second: Array) -> Array:
-        return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-
-    one, other, apart = sides[:, None], sides[None], begins[None] - begins[:, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        parts = np.array((turn(apart, other), turn(apart, one))) / turn(one, other)
-    meet = np.all((parts >= 0.0) & (parts < 1.0), axis=0)
-    # Neighbours have a point in common.
-    for pair in np.argwhere(np.triu(meet, 2)):
-        first, second = begins[pair] + parts[:, *pair, None] * sides[pair]
-        yield np.append(first, second[2])
