@@ -132,26 +132,21 @@ def _hypot(x: Any, y: Any) -> Dual:
     return Dual(size, (x.value * x.change + y.value * y.change) / (size + (size == 0.0)))
 
 
-def _exp(x: Dual) -> Dual:
-    value = exp(x.value)
-    return Dual(value, value * x.change)
-
-
-def _tanh(x: Dual) -> Dual:
-    value = tanh(x.value)
-    return Dual(value, (1.0 - value * value) * x.change)
+def _lifted(function: Callable[[Any], Any], slope: Callable[[Any], Any]) -> Callable[[Dual], Dual]:
+    """A function of dual numbers from that of their values and its derivative."""
+    return lambda x: Dual(function(x.value), slope(x.value) * x.change)
 
 
 elementary.register(
     Dual,
     SimpleNamespace(
-        sin=lambda x: Dual(sin(x.value), cos(x.value) * x.change),
-        cos=lambda x: Dual(cos(x.value), -sin(x.value) * x.change),
+        sin=_lifted(sin, cos),
+        cos=_lifted(cos, lambda x: -sin(x)),
         sqrt=_sqrt,
-        exp=_exp,
-        tanh=_tanh,
-        log=lambda x: Dual(log(x.value), x.change / x.value),
-        asinh=lambda x: Dual(asinh(x.value), x.change / hypot(1.0, x.value)),
+        exp=_lifted(exp, exp),
+        tanh=_lifted(tanh, lambda x: 1.0 - tanh(x) * tanh(x)),
+        log=_lifted(log, lambda x: 1.0 / x),
+        asinh=_lifted(asinh, lambda x: 1.0 / hypot(1.0, x)),
         hypot=_hypot,
     ),
 )

@@ -4,6 +4,7 @@ What is given is a combination of amplitude or tilt, spin and duration: one of t
 the place along a family, so that a fold is nothing special.
 """
 
+from dataclasses import replace
 from functools import reduce
 from typing import Any
 
@@ -13,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid, solve_bvp
 
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import flow
-from analysis.nonlinear.motions import INVERTED, Ends, PeriodicMotion
+from analysis.nonlinear.motions import INVERTED, PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
 
@@ -56,7 +57,6 @@ def hopf_cycle(scenario: Scenario) -> PeriodicMotion:
         kind="symmetric",
         spin=hopf.spin,
         value=_SMALL,
-        period=2.0 * np.pi / hopf.frequency,
         times=phases / hopf.frequency,
         states=INVERTED + _SMALL * np.transpose(shape),
     )
@@ -76,7 +76,6 @@ def slow_rotation(scenario: Scenario, tilt: float) -> PeriodicMotion:
         kind="rotating",
         spin=spin,
         value=tilt,
-        period=float(times[-1]),
         times=times,
         states=np.column_stack((beta, gamma, rate)),
     )
@@ -102,8 +101,7 @@ def solve(
     NoCycleError
         If the iteration does not converge, or to something else.
     """
-    scenario, ends, repeats = start.scenario, start.ends, 2.0 if start.ends.mirrored else 1.0
-    place = start.place if place is None else place
+    ends, place = start.ends, start.place if place is None else place
     found, unit = _collocated(start, place, held)
     speed, duration = found.p.tolist()
     times, states = duration * found.x, (unit[:, None] * found.y).T + INVERTED
@@ -112,18 +110,13 @@ def solve(
     residual = np.max(found.rms_residuals)
     why = f"the collocation ended with {found.x.size} nodes and a residual of {residual:.1e}"
     if found.status == 0 and np.min(found.p) > 0.0 and value < _FURTHEST * reached:
-        larger, strong = multipliers(scenario, speed, times, states, ends)
-        motion = PeriodicMotion(
-            scenario=scenario,
-            kind=start.kind,
-            spin=speed,
-            value=reached,
-            period=repeats * duration,
-            times=times,
-            states=states,
+        motion = replace(start, spin=speed, value=reached, times=times, states=states)
+        larger, strong = multipliers(motion)
+        motion = replace(
+            motion,
             larger=larger.real,
             imaginary=abs(larger.imag),
-            log_strong=repeats * strong,
+            log_strong=ends.parts * strong,
         )
         if motion.flaw is None:
             return motion
@@ -179,9 +172,7 @@ def _collocated(start: PeriodicMotion, place: Array, held: Array) -> tuple[Any, 
     return found, unit
 
 
-def multipliers(
-    scenario: Scenario, spin: float, times: Array, states: Array, ends: Ends
-) -> tuple[complex, float]:
+def multipliers(motion: PeriodicMotion) -> tuple[complex, float]:
     """Larger multiplier over the stretch of a motion, and logarithm of the other's size.
 
     The variational equations are solved by the collocation that has made the motion, one step of
@@ -191,19 +182,9 @@ def multipliers(
 
     Over half a period a deviation is carried on and mirrored, so that the whole monodromy matrix
     is a square.
-
-    Parameters
-    ----------
-    scenario : Scenario
-    spin : float
-        In rad/s.
-    times : ndarray, shape (n + 1,)
-        In s.
-    states : ndarray, shape (n + 1, 3)
-        See `PeriodicMotion`.
-    ends : Ends
     """
-    x, h = (states - INVERTED).T, np.diff(times)[:, None, None]
+    scenario, spin, ends = motion.scenario, motion.spin, motion.ends
+    x, h = (motion.states - INVERTED).T, np.diff(motion.times)[:, None, None]
     rates = flow.right_hand_side(scenario, spin, x)
     jacobians = flow.jacobian(scenario, spin, x)[..., :3]
     before, after, unit = jacobians[:-1], jacobians[1:], np.eye(3)

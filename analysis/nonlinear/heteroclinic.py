@@ -8,7 +8,7 @@ swing through the saddle's gamma and upright, or wind about them (a saddle-focus
 weak or smooth).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sin
 from operator import attrgetter
@@ -213,23 +213,15 @@ def fall(scenario: Scenario, spin: float) -> Fall:
     )
 
 
-def _ending(direction: float, of: Callable[[Array], float]) -> Any:
-    """Event at which a function of the state crosses zero this way, and a run ends."""
-
-    def event(_: float, state: Array) -> float:
-        return of(state)
-
-    found: Any = event
-    found.terminal, found.direction = True, direction
-    return found
-
-
-_ENDINGS = (
-    _ending(-1.0, lambda state: float(state[1]) - 0.5 * np.pi),
-    _ending(1.0, lambda state: float(state[1]) - 2.5 * np.pi),
-    _ending(-1.0, lambda state: sin(state[0])),
+_ENDINGS: tuple[Any, ...] = (
+    lambda _, state: float(state[1]) - 0.5 * np.pi,
+    lambda _, state: float(state[1]) - 2.5 * np.pi,
+    lambda _, state: sin(state[0]),
 )
 """Events that end a run: back at inverted spinning, a turn further, and flat."""
+
+for _event, _direction in zip(_ENDINGS, (-1.0, 1.0, -1.0), strict=True):
+    _event.terminal, _event.direction = True, _direction
 
 
 def heteroclinic_connection(scenario: Scenario) -> Connection:

@@ -65,6 +65,11 @@ class Ends:
     mirrored: bool = False
     turn: float = 0.0
 
+    @property
+    def parts(self) -> int:
+        """Stretches in a period."""
+        return 2 if self.mirrored else 1
+
     def residual(self, first: Array, last: Array) -> Array:
         """What is zero of the deviations at both ends, shape (3,) each: 4 numbers."""
         closing = last + first if self.mirrored else last - first
@@ -108,8 +113,6 @@ class PeriodicMotion:
     value : float
         What its family is followed in, in rad: its amplitude, which is the largest deviation of
         gamma from pi/2, or its tilt, beta less pi/2 where gamma passes noninverted spinning.
-    period : float
-        In s; of a rotating motion that of a turn.
     times : ndarray, shape (n,)
         Over a period in s, or over half of it if the motion is then its own mirror image.
     states : ndarray, shape (n, 3)
@@ -128,7 +131,6 @@ class PeriodicMotion:
     kind: Kind
     spin: float
     value: float
-    period: float
     times: Array
     states: Array
     larger: float = 1.0
@@ -139,6 +141,11 @@ class PeriodicMotion:
     def ends(self) -> Ends:
         """What holds at the ends of `times`."""
         return KINDS[self.kind]
+
+    @property
+    def period(self) -> float:
+        """In s; of a rotating motion that of a turn."""
+        return self.ends.parts * float(self.times[-1])
 
     @property
     def place(self) -> Array:
@@ -152,7 +159,7 @@ class PeriodicMotion:
     @property
     def multiplier(self) -> float:
         """The larger multiplier over a whole period, of a complex pair its real part."""
-        return self.larger**2 if self.ends.mirrored else self.larger
+        return self.larger**self.ends.parts
 
     @property
     def stable(self) -> bool | None:
@@ -193,8 +200,8 @@ class PeriodicMotion:
         """
         if self.imaginary:
             return (self.larger - multiplier) ** 2 + self.imaginary**2
-        sign, halves = (-1.0, 2.0) if self.ends.mirrored else (1.0, 1.0)
-        other = np.copysign(np.exp(self.log_strong / halves), sign * self.larger)
+        sign = -self.larger if self.ends.mirrored else self.larger
+        other = np.copysign(np.exp(self.log_strong / self.ends.parts), sign)
         return float((self.larger - multiplier) * (other - multiplier))
 
     def as_row(self) -> dict[str, Any]:
