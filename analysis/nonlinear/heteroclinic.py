@@ -19,14 +19,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 
 from analysis.mechanics import reduced
-from analysis.mechanics.paper import critical_speed
+from analysis.mechanics.paper import critical_speed, reduced_matrices
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, number, positive
 from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import WIDEST, nearest_root
 from analysis.stability.linearisation import ComplexArray
-from analysis.stability.spectra import matrices_over_spin
 
 _DEPARTURE = 1e-6
 """Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""
@@ -135,9 +134,8 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
     NoConnectionError
         If it is no saddle with one growing direction.
     """
-    spins = np.array([number("spin", spin)])
-    matrices = matrices_over_spin(scenario, "reduced", "noninverted")
-    values, vectors = np.linalg.eig(matrices(spins)[0])
+    (matrix,) = reduced_matrices(scenario, number("spin", spin), "noninverted")
+    values, vectors = np.linalg.eig(matrix)
     order = np.argsort(-values.real)
     values = values[order]
     if values[0].imag or not values[0].real > 0.0 > values[1].real:

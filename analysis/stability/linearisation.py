@@ -169,6 +169,10 @@ class Linearisation:
         radius, unit = scenario.disk.radius, self.frequency
         self._units = np.repeat((radius, 1.0, radius * unit, unit), 3)
         self._solve = recorded.solver(scenario, functions=of_duals)
+        is_free = "constant-spin" not in scenario.constraints
+        self._has_neighbours = is_free and spin is not None
+        self._neutral = [3] + [9] * (is_free and spin is None)
+        self._neutral += [0, 1] * has_drift(scenario.constraints)
         step = _SPIN_STEP * unit
         if spin is not None:
             self._powers = self._slopes(spin)[None]
@@ -209,17 +213,15 @@ class Linearisation:
         """
         every = self._at(spins)
         jacobians = every[:, :12]
-        free, neutral, bases = self._tangents(every[:, 12:])
+        free, bases = self._tangents(every[:, 12:])
         rows, size = jacobians[:, free], np.max(np.abs(jacobians), axis=(1, 2))
-        found, coupling = rows @ bases, rows[:, :, neutral]
-        if 9 in neutral and np.any(np.max(np.abs(rows[:, :, 9]), axis=1) > _NEUTRAL * size):
-            # The neighbouring motion has another attitude, which deviations are then told from.
-            neighbour = -np.linalg.pinv(found, _NEUTRAL) @ rows[:, :, [9]]
-            rows = jacobians[:, [*free, 9]]
-            others = rows[:, :, [each for each in neutral if each != 9]]
-            coupling = np.append(others, rows[:, :, [9]] + rows @ bases @ neighbour, axis=2)
-            found = found - neighbour @ (jacobians[:, [9]] @ bases)
-        worst = float(np.max(np.max(np.abs(coupling), axis=(1, 2)) / size))
+        found, coupling = rows @ bases, np.max(np.abs(rows[:, :, self._neutral]), axis=(1, 2))
+        if self._has_neighbours:
+            # Those at other spins have other attitudes: nothing changes along them.
+            _, changes, ways = np.linalg.svd(found)
+            coupling, others = np.maximum(coupling, changes[:, -1]), ways[:, :-1]
+            found = others @ found @ others.swapaxes(1, 2)
+        worst = float(np.max(coupling / size))
         if worst > _NEUTRAL:
             raise ArithmeticError(
                 f"a change of the spin or of the place of {self._scenario.name} is not neutral: "
@@ -249,8 +251,8 @@ class Linearisation:
         deviation : ndarray, complex, shape (12,)
         """
         every = self._at(np.array([spin]))
-        free, neutral, bases = self._tangents(every[:, 12:])
-        carried = np.setdiff1d(np.arange(12), [*free, *neutral])
+        free, bases = self._tangents(every[:, 12:])
+        carried = np.setdiff1d(np.arange(12), [*free, *self._neutral])
         weights: ComplexArray = np.zeros(every.shape[1], dtype=complex)
         weights[free] = left
         normals, rows = every[0, 12:, carried], every[0][np.ix_(free, carried)]
@@ -264,13 +266,9 @@ class Linearisation:
         spin = np.vander(spins / self.frequency, len(self._powers), increasing=True)
         return np.tensordot(spin, self._powers, axes=1)
 
-    def _tangents(self, normals: Array) -> tuple[Array, list[int], Array]:
-        """Free numbers and neutral ones, and how all deviate with each free one."""
-        constraints = self._scenario.constraints
-        neutral = [3] if "constant-spin" in constraints else [3, 9]
-        if has_drift(constraints):
-            neutral += [0, 1]
-        others = np.array([each for each in range(12) if each not in neutral])
+    def _tangents(self, normals: Array) -> tuple[Array, Array]:
+        """Free numbers, and how all deviate with each of them, but for the neutral ones."""
+        others = np.setdiff1d(np.arange(12), self._neutral)
         triangle, best = qr(self._powers[0][12:, others], mode="r", pivoting=True)
         pivots, count = np.abs(np.diag(triangle)), normals.shape[1]
         if pivots[count - 1] < ROUND_OFF * pivots[0]:
@@ -282,7 +280,7 @@ class Linearisation:
         bases = np.zeros((len(normals), 12, free.size))
         bases[:, free] = np.eye(free.size)
         bases[:, solved] = -np.linalg.solve(normals[:, :, solved], normals[:, :, free])
-        return free, neutral, bases
+        return free, bases
 
 
 def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
@@ -398,11 +396,10 @@ def unstable_start(scenario: Scenario) -> str | None:
 
 def _is_stationary(scenario: Scenario) -> bool:
     """Whether the disk starts upright, in balance, and turns about the vertical at one place."""
-    x, y, _, _, beta, gamma = scenario.initial_state.coordinates
-    x_rate, y_rate, _, spin, beta_rate, gamma_rate = scenario.initial_state.rates
-    disk, frequency = scenario.disk, spin_scale(scenario)
-    free = has_drift(scenario.constraints)
-    drifting = free * hypot(x_rate - spin * y, y_rate + spin * x) / (disk.radius * frequency)
+    start, disk, frequency = scenario.initial_state, scenario.disk, spin_scale(scenario)
+    *_, beta, gamma = start.coordinates
+    *_, u, v, _, _, beta_rate, gamma_rate = state_of(disk, start.coordinates, start.rates)
+    drifting = hypot(u, v) / (disk.radius * frequency)
     turning = max(abs(beta_rate), abs(gamma_rate)) / frequency
     aside = abs(disk.eccentricity * cos(gamma)) / disk.radius
     return max(abs(beta - pi / 2), aside, turning, drifting) <= _EXACT
