@@ -1,7 +1,10 @@
-"""The equations of motion against Newton's, Euler's and Lagrange's laws, and the paper's."""
+"""The equations of motion: the paper's as printed, the index-1 and the reduced system.
+
+Lagrange's equations, derived by SymPy, and derivatives of positions tell what is right.
+"""
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -11,18 +14,22 @@ from analysis import (
     COORDINATES,
     LAWS,
     LOADS,
+    MODELS,
+    MOTIONS,
     MULTIPLIERS,
     STEEL_DISK,
-    Body,
     ConstraintSet,
+    Disk,
+    FrictionLaw,
     Load,
+    Motion,
     Scenario,
     SmoothCoulomb,
     Start,
     Table,
     multiplier_names,
 )
-from analysis.mechanics import paper
+from analysis.mechanics import paper, reduced
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import SLIPS, velocity_residuals
 from analysis.mechanics.dual import rate
@@ -30,24 +37,85 @@ from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
 from analysis.problem.constraints import PRESCRIBED
-from tests.bodies import BODIES, random_start
 from tests.helpers import (
-    OUTER_STEP,
     all_sets,
-    angular_velocity,
-    arc,
     assert_close,
     centre,
-    cog,
     derivative,
     jacobian,
     lagrange,
+    model,
     more_sets,
+    random_disk,
     random_scenario,
-    rotation,
-    second_derivative,
-    spin_momentum,
+    random_state,
+    slip,
 )
+
+# --- As the paper prints them --------------------------------------------------------------------
+
+seeds = pytest.mark.parametrize("seed", range(3))
+
+
+def sample(seed: int) -> tuple[Disk, Array, Array]:
+    random = np.random.default_rng(seed)
+    return random_disk(random), *random_state(random)
+
+
+@seeds
+@pytest.mark.parametrize("prefix", ["", "inertial_"])
+def test_printed_terms_are_those_of_lagrange(prefix: str, seed: int) -> None:
+    disk, z, u = sample(seed)
+    found = lagrange(rotating=not prefix)(disk, Table(), z, u)
+    assert_close(getattr(paper, f"{prefix}mass_matrix")(disk, z), found.mass_matrix)
+    assert_close(getattr(paper, f"{prefix}gyroscopic_forces")(disk, z, u), found.gyroscopic_forces)
+    slips = getattr(paper, f"{prefix}tangential_directions")(disk, z)
+    assert_close(slips, found.tangential_directions)
+    # These two are the same in both.
+    assert_close(paper.gravity_forces(Scenario(disk=disk), z), found.gravity_forces)
+    assert_close(paper.normal_direction(disk, z), found.normal_direction)
+
+
+@seeds
+def test_rate_matrix_is_the_derivative_of_the_inertial_coordinates(seed: int) -> None:
+    _, z, u = sample(seed)
+    # Eq. (10)
+    rates = derivative(lambda t: np.append(centre(z + t * u)[:2], (z + t * u)[2:]))
+    assert_close(paper.rate_matrix(z) @ u, rates)
+
+
+@all_sets
+@seeds
+def test_directions_are_gradients_of_positions_and_terms_their_changes(
+    constraints: ConstraintSet, seed: int
+) -> None:
+    disk, z, u = sample(seed)
+    gradient = jacobian(lambda place: paper.constraint_positions(constraints, disk, place), z)
+    found = paper.constraint_directions(constraints, disk, z)
+    assert_close(found[: len(gradient)], gradient)
+    change = derivative(lambda t: paper.constraint_directions(constraints, disk, z + t * u))
+    terms = paper.constraint_changes(constraints, disk, z, u)
+    np.testing.assert_allclose(terms, change @ u, rtol=0.0, atol=1e-11)
+
+
+REDUCED = Scenario(constraints=MODELS[4])
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_closed_form_converges_with_the_smoothing(motion: Motion) -> None:
+    errors = []
+    for smoothing in (1e-2, 1e-3, 1e-4):
+        scenario = replace(REDUCED, friction=SmoothCoulomb(smoothing=smoothing))
+        values = np.linalg.eigvals(paper.reduced_matrices(scenario, 40.0, motion)[0])
+        approximate = paper.closed_form(scenario, 40.0, motion)[0]
+        errors.append([np.min(np.abs(values - value)) for value in approximate])
+    rates = np.log10(np.array(errors)[:-1] / np.array(errors)[1:])
+    # lambda_1,2 are off by O(epsilon²), lambda_3 by O(epsilon), as Eq. (122) says
+    assert np.all(rates[:, 2] == pytest.approx(1.0, abs=0.05))
+    assert np.all(rates[:, :2] > 0.95)
+
+
+# --- The index-1 system ------------------------------------------------------------------------
 
 loads = pytest.mark.parametrize("load", LOADS)
 
@@ -141,48 +209,29 @@ def test_a_flat_disk_is_called_singular() -> None:
         accelerations(centred, np.zeros(6), np.ones(6))
 
 
-def lowest(body: Body, z: Array) -> Array:
-    """Inertial lowest point."""
-    turn = rotation(z)
-    return centre(z) + turn @ np.array(body.lowest_point(turn[2]))
+# --- The reduced system ------------------------------------------------------------------------
 
 
-def enlarged(body: Body) -> Body:
-    """The same of radius and mass one, so that it moves as slowly as differences want."""
-    length, mass = 1.0 / body.radius, 1.0 / body.mass
-    scales = {"radius": length, "other_radius": length, "eccentricity": length, "mass": mass}
-    values = {each.name: getattr(body, each.name) for each in fields(body)}
-    for name in values:
-        scale = mass * length**2 if name.startswith("inertia") else scales.get(name, 1.0)
-        values[name] *= scale
-    return replace(body, **values)
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_reduced_system_moves_as_the_index_1_system_of_model_4(law: type[FrictionLaw]) -> None:
+    random = np.random.default_rng(len(law.__name__))
+    table = Table(gravity=random.uniform(2.0, 12.0))
+    scenario = model(4, disk=random_disk(random), friction=law(), table=table)
+    x = np.array([random.uniform(0.4, 2.7), *random.uniform(-3.0, 3.0, size=2)])
+    spin = random.uniform(-3.0, 3.0)
 
+    def expanded(alpha: float, x: Array) -> Array:
+        """Coordinates and rates, shape (2, 6)."""
+        return np.array(reduced.expanded(scenario.disk, spin, alpha, x.tolist()))
 
-@loads
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("body", [*map(enlarged, BODIES.values())], ids=list(BODIES))
-def test_forces_at_the_lowest_point_change_the_momenta(body: Body, seed: int, load: Load) -> None:
-    friction = SmoothCoulomb(load=load)
-    table = Table(inclination=0.2, downhill=0.5)
-    scenario = Scenario(disk=body, friction=friction, table=table, start=random_start(seed, 0.05))
-    state = scenario.initial_state
-    z, u = np.array(state.coordinates), np.array(state.rates)
-    acceleration, (normal,) = accelerations(scenario, z, u)
-    path = arc(z, u, acceleration)
-    point, middle = lowest(body, z), cog(body, z)
-    omega = angular_velocity(path)
-    slip = derivative(lambda t: centre(path(t))) + np.cross(omega, point - centre(z))
-    assert abs(slip[2]) < 1e-9
-    pressing = max(0.0, normal) if load == "contact" else scenario.weight
-    force = -pressing * friction.per_speed(float(np.hypot(*slip[:2]))) * slip
-    force[2] = normal
-    pulled = force / body.mass + table.vector
-    scale = float(np.max(np.abs(pulled))) + 1.0
-    found = second_derivative(lambda t: cog(body, path(t)))
-    np.testing.assert_allclose(found, pulled, atol=1e-9 * scale)
-    torque = np.cross(point - middle, force)
-    turning = derivative(lambda t: spin_momentum(body, path, t), OUTER_STEP)
-    size = float(np.max(np.abs(torque)) + np.max(np.abs(turning)))
-    np.testing.assert_allclose(turning, torque, atol=1e-9 * size)
-    rise = second_derivative(lambda t: lowest(body, path(t)))[2]
-    assert abs(rise) < 1e-9 * scale
+    solved = reduced.solver(scenario, spin)(*x.tolist())
+    change = np.array(solved[:3])
+    z, u = expanded(1.7, x)
+    positions = paper.constraint_positions(MODELS[4], scenario.disk, z)
+    np.testing.assert_allclose(positions, 0.0, rtol=0.0, atol=1e-15)
+    found, forces = accelerations(scenario, z, u)
+    moving = derivative(lambda t: expanded(1.7 + spin * t, x + t * change))
+    assert_close(moving[0], u)
+    assert_close(moving[1], found, relative=1e-11)
+    assert solved[3] == pytest.approx(forces[0], rel=1e-12)
+    assert solved[4] == pytest.approx(slip(scenario.disk, lambda t: z + t * u)[1], rel=1e-10)

@@ -1,8 +1,9 @@
-"""Dual numbers: exact derivatives of whatever is worked out with them."""
+"""Numbers that are no floats: dual ones, with exact derivatives, and recorded formulas."""
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from analysis import LAWS, FrictionLaw
 from analysis.mechanics.dual import derivatives, of_duals, per_speed_and_slope
+from analysis.mechanics.recorder import Recorder, call
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from tests.helpers import assert_close, derivative, jacobian
 from tests.wayward_law import Own
@@ -91,3 +93,44 @@ def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_no
 def test_a_force_of_floats_alone_is_told_where_its_slopes_are_asked_for(slip: float) -> None:
     with pytest.raises(ValueError, match=r"^friction law '.*:OfFloats' must do with arithmetic "):
         of_duals(OfFloats(slip=slip))
+
+
+# --- Recorded formulas -------------------------------------------------------------------------
+
+
+def recorded(formula: Callable[..., tuple[Any, ...]], **functions: Any) -> tuple[Any, str]:
+    """A formula of two constants and two variables, as code, and its source."""
+    recorder = Recorder(("a", "b"), ("x", "y"))
+    results = formula(*recorder.constants, *recorder.variables)
+    return partial(recorder.code(results), **functions), recorder.source(results)
+
+
+def test_zeros_and_ones_leave_no_operation() -> None:
+    def formula(a: Any, _b: Any, x: Any, y: Any) -> tuple[Any, ...]:
+        return 0.0 * x + a, (y + 0.0) * 1.0 - 0.0, (0.0 + y) / 1.0, 0.0 / x, 0 * y
+
+    code, source = recorded(formula)
+    assert code(5.0, 6.0)(7.0, 8.0) == (5.0, 8.0, 8.0, 0.0, 0.0)
+    assert not set("/+-") & set(source)
+    assert " * " not in source
+
+
+def test_an_operation_is_done_once_of_constants_when_they_are_bound_and_an_unused_one_never() -> (
+    None
+):
+    calls: list[float] = []
+
+    def root(number: float) -> float:
+        calls.append(number)
+        return math.sqrt(number)
+
+    def formula(a: Any, b: Any, x: Any, y: Any) -> tuple[Any, ...]:
+        of = partial(call, "root")
+        of(x + 100.0)
+        return of(x) + y, of(x) * of(y), of(a * b) * x
+
+    code, _ = recorded(formula, root=root)
+    function = code(2.0, 8.0)
+    assert calls == [16.0]
+    assert function(4.0, 9.0) == (11.0, 6.0, 16.0)
+    assert sorted(calls) == [4.0, 9.0, 16.0]
