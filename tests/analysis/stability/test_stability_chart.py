@@ -1,4 +1,4 @@
-"""The chart over spin and friction gradient, and sensitivities."""
+"""The chart over spin and friction gradient: its Hopf curves, corners, counts, sensitivities."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -6,15 +6,110 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import MODELS, STEEL_DISK, Level, Scenario
+from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
 from analysis.mechanics.paper import critical_speed
+from analysis.problem.checks import Array
+from analysis.stability.boundaries import HopfCurve, corners, hopf_curves
 from analysis.stability.chart import stability_chart, static_gradient, with_gradient
 from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.sensitivities import POWERS, sensitivities
-from analysis.stability.spectra import eigenvalues
+from analysis.stability.spectra import eigenvalues, full_matrices
 from tests.bodies import ELLIPSE, TIPPE_TOP
 
 PAPER = Scenario()
+
+GRADIENTS = np.geomspace(0.01, 1000.0, 13)
+
+
+def disk(e: float, *inertia: float) -> Scenario:
+    """A disk of another eccentricity and other moments of inertia, in mm and g m²."""
+    x, y, z = (1e-3 * each for each in inertia)
+    changed = {"eccentricity": 1e-3 * e, "inertia_x": x, "inertia_y": y, "inertia_z": z}
+    return Scenario(disk=replace(STEEL_DISK, **changed))
+
+
+CURVES: dict[str, tuple[Scenario, Motion]] = {
+    **{motion: (PAPER, motion) for motion in MOTIONS},
+    "the faster one begins first": (disk(7.4195, 0.15598, 0.33092, 0.47757), "inverted"),
+    "a fold like a hairpin": (disk(11.222, 0.16472, 0.37811, 0.421), "noninverted"),
+    "a gap between real eigenvalues": (disk(2.1688, 0.39021, 0.25515, 0.35682), "inverted"),
+}
+
+
+def passing(curves: tuple[HopfCurve, ...], gradient: float) -> Array:
+    """Spins and frequencies at which curves pass a gradient, nearly, shape (n, 2)."""
+    found = []
+    for spins, gradients, frequencies in curves:
+        away = np.log(gradients / gradient)
+        for step in np.flatnonzero((away[:-1] < 0.0) != (away[1:] < 0.0)):
+            part = away[step] / (away[step] - away[step + 1])
+            both = np.column_stack((spins, frequencies))[step : step + 2]
+            found.append((1.0 - part) * both[0] + part * both[1])
+    return np.array(found).reshape(-1, 2)
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_hopf_curves_pass_every_crossing_once(name: str) -> None:
+    scenario, motion = CURVES[name]
+    curves = hopf_curves(scenario, GRADIENTS, motion=motion)
+    for gradient in (0.03, 0.5, 1.3, 2.1, 7.0, 300.0):
+        rubbing = with_gradient(scenario, gradient)
+        crossings = critical_speeds(rubbing, (0.0, 100.0), motion=motion).hopf
+        expected = np.array([(each.spin, each.frequency) for each in crossings]).reshape(-1, 2)
+        found = passing(curves, gradient)
+        assert found.shape == expected.shape
+        order, wanted = (np.lexsort(each.T) for each in (found, expected))
+        np.testing.assert_allclose(found[order], expected[wanted], atol=0.05)
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_hopf_curves_have_a_pair_on_the_axis_that_changes_little_along_them(name: str) -> None:
+    scenario, motion = CURVES[name]
+    for curve in hopf_curves(scenario, GRADIENTS, motion=motion):
+        spins, gradients, frequencies = curve
+        matrices = full_matrices(scenario, spins, motion, gradient=gradients)
+        values = np.linalg.eigvals(matrices)
+        off = np.min(np.abs(values - 1j * frequencies[:, None]), axis=1)
+        # Rounding splits a double zero by its root.
+        assert np.max(off) < 1e-9 * np.max(np.abs(values)) + 1e-6 * (np.min(frequencies) < 1e-6)
+        assert max(np.max(np.abs(np.diff(each))) for each in (spins, frequencies)) < 3.0
+        for spin, gradient, frequency in np.column_stack(curve)[[0, -1]]:
+            away = [spin, spin - 100.0, frequency, *np.log(gradient / GRADIENTS[[0, -1]])]
+            assert np.min(np.abs(away)) < 1e-9
+
+
+def test_corners_enclose_the_region_in_which_inverted_spinning_is_stable() -> None:
+    found = {each.kind: each for each in corners(PAPER, np.geomspace(0.3, 30.0, 5))}
+    expected = {
+        "double zero": (28.60972, 0.881178),
+        "zero hopf": (36.83647, 1.347031),
+        "double hopf": (29.84697, 1.851081),
+    }
+    assert {kind: (each.spin, each.gradient) for kind, each in found.items()} == {
+        kind: pytest.approx(place, abs=5e-6) for kind, place in expected.items()
+    }
+    double = found["double hopf"]
+    np.testing.assert_allclose(double.frequencies, (5.23009, 25.80421), atol=1e-5)
+    spins, gradients = np.linspace(10.0, 90.0, 161), np.geomspace(0.1, 100.0, 120)
+    rows, columns = np.nonzero(stability_chart(PAPER, spins, gradients) == 0)
+    assert 28.6 < spins[columns].min() < spins[columns].max() < 36.9
+    assert 0.88 < gradients[rows].min() < gradients[rows].max() < 1.852
+    assert not corners(PAPER, (2.0, 30.0))
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_corners_have_as_many_eigenvalues_on_the_axis_as_their_kind_says(name: str) -> None:
+    scenario, motion = CURVES[name]
+    for each in corners(scenario, GRADIENTS, motion=motion):
+        matrix = full_matrices(scenario, each.spin, motion, gradient=each.gradient)[0]
+        critical = np.sum(np.abs(np.linalg.eigvals(matrix).real) < 1e-6)
+        assert critical == {"double zero": 2, "zero hopf": 3, "double hopf": 4}[each.kind]
+        if "zero" in each.kind:
+            (static,) = static_gradient(scenario, [each.spin], motion)
+            assert each.gradient == pytest.approx(static, rel=1e-9)
+
+
+# --- Counts and sensitivities ------------------------------------------------------------------
 
 
 def test_noninverted_spinning_is_unstable_with_every_friction() -> None:
