@@ -143,6 +143,14 @@ SAID = {(Integrator, "name"): "integrator", (families.cycles_over, "scenarios"):
 """Arguments that are spoken of by another name."""
 
 
+NEVER_ZERO = (
+    "tolerance", "local_tolerance", "time_limit", "step", "spacing", "end", "beta", "precession",
+    "stiffness", "least_leaning", "unit", "energy", "duration", "relative", "absolute", "workers",
+    "starts",
+)  # fmt: skip
+NEVER_NEGATIVE = ("ratio", "solver_seconds", "error_estimate", "rest_time")
+
+
 def parameters(call: Any) -> dict[str, Parameter]:
     found = dict(signature(call).parameters)
     # What it hands on to each run.
@@ -158,6 +166,10 @@ def wrong_values(name: str, default: Any) -> Iterator[Any]:
     yield np.array([None, None])
     yield np.ma.array([0.0, 1.0, 2.0], mask=[False, True, False])
     yield nan
+    if name in NEVER_ZERO:
+        yield 0
+    if name in NEVER_NEGATIVE:
+        yield -1.0
     if default is not None and name != "time_limit":
         yield None
     if not (isinstance(default, bool) or name == "constrained"):
@@ -233,7 +245,6 @@ WRONG: dict[str, Callable[[], Any]] = {
     "index must be at most 1, got 2": lambda: RUN.state(2),
     "index must be at least -2, got -3": lambda: RUN.state(-3),
     r"path must be the path of a file, got 'a\\x00b'": lambda: RUN.save("a\0b"),
-    "solver_seconds must not be negative, got -1": lambda: _trajectory(solver_seconds=-1.0),
     "pulling must hold first and last times, got": lambda: _trajectory(pulling=[(1.0,)]),
     "coordinates must have shape .* got": lambda: analysis.energies(
         FULL, np.zeros((3, 5)), RUN.rates
@@ -252,7 +263,6 @@ WRONG: dict[str, Callable[[], Any]] = {
     ),
     "local_tolerance must lie from 3e-14 to less than 1": lambda: _full(local_tolerance=2.0),
     "give either tolerance or": lambda: _full(tolerance=1e-6, local_tolerance=1e-6),
-    "time_limit must be positive, got 0": lambda: _full(time_limit=0.0),
     "formulation 'reduced' exists for Model 4 alone, got": lambda: _reduced(model(3)),
     "formulation 'reduced' takes the load 'weight'": lambda: _reduced(
         model(4, friction=SmoothCoulomb(load="contact"))
@@ -273,7 +283,6 @@ WRONG: dict[str, Callable[[], Any]] = {
     "stop_when must hold functions that worker processes": lambda: _many(
         2 * [FULL], workers=2, method="RK45", stop_when=CONDITIONS[0]
     ),
-    "workers must be at least 1, got 0": lambda: _many(workers=0),
     "local_tolerance must lie from 1e-13 to less th": lambda: _rest(local_tolerance=2.0),
     "half_thickness must be positive for the disk": lambda: _rest(SHARP),
     "contact must be a PenaltyContact, got None": lambda: _rest(FULL),

@@ -8,11 +8,10 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import LEVELS, STEEL_DISK, FrictionLaw, PenaltyContact, Scenario, Start, State
+from analysis import LEVELS, STEEL_DISK, PenaltyContact, Scenario, Start, State
 from analysis.motion.endings import StopWhen
-from analysis.problem.friction import LubricatedCoulomb, PowerLawCoulomb
 from analysis.solve.stepping import SolverError
-from mbs_models import FORMULATIONS, EngineError, Formulation, IntegratorName, Scene, formulations
+from mbs_models import FORMULATIONS, EngineError, Formulation, Scene, formulations
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import suspects
 from mbs_models.solving import solving
@@ -22,10 +21,6 @@ from validation.comparison.differences import ending_error
 
 TIMES = np.linspace(0.0, 0.5, 51)
 LONG = np.linspace(0.0, 0.6, 121)
-
-
-def slow(state: State) -> float:
-    return state.rates[3] - 39.5
 
 
 @pytest.mark.parametrize("formulation", FORMULATIONS[:2])
@@ -83,18 +78,6 @@ def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later()
     assert coarse.time < fine.time
 
 
-@pytest.mark.parametrize("integrator", ["DOP853", "TrapezoidalIndex2"])
-@pytest.mark.parametrize("law", [PowerLawCoulomb, LubricatedCoulomb])
-def test_friction_out_of_proportion_lets_the_contact_go_as_in_house(
-    law: type[FrictionLaw], integrator: IntegratorName
-) -> None:
-    scene = scene_of(1, "euler-tree", friction=law(load="contact"), start=Start(spin=200.0))
-    expected = analysis.simulate(scene.scenario, LONG, tolerance=1e-10)
-    run = mbs_models.simulate(scene, LONG, tolerance=1e-6, integrator=integrator)
-    assert not_none(run.ending).reason == "contact would pull"
-    assert ending_error(run, expected) <= 1e-6
-
-
 def test_an_ending_that_cannot_be_located_is_no_time_limit(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -104,25 +87,6 @@ def test_an_ending_that_cannot_be_located_is_no_time_limit(
     monkeypatch.setattr("mbs_models.endings.integrate", lost)
     with pytest.raises(EngineError, match=r"'inverted' after t = .* not found: .*lost the way"):
         mbs_models.simulate(scene_of(1, "euler-tree"), LONG, step=5e-3, stop_when="inverted")
-
-
-def turning(state: State) -> float:
-    return 6 * pi + 1.2 - state.coordinates[5]
-
-
-@pytest.mark.parametrize("formulation", mostly_slow(FORMULATIONS, ["euler-tree"]))
-@pytest.mark.parametrize("condition", ["inverted", slow, turning])
-def test_engine_runs_end_where_the_in_house_ones_do(
-    formulation: Formulation, condition: StopWhen
-) -> None:
-    # Many turns of gamma before the start: a free body's angles are followed on from there.
-    scenario = Scenario(start=Start(gamma=-pi / 2 + 0.1 + 6 * pi))
-    expected = analysis.simulate(scenario, LONG, tolerance=1e-10, stop_when=condition)
-    scene = Scene(scenario, formulation)
-    found = mbs_models.simulate(scene, LONG, tolerance=1e-8, stop_when=condition)
-    assert found.ending is not None
-    assert ending_error(found, expected) <= 1e-8
-    np.testing.assert_allclose(found.coordinates, expected.coordinates, atol=1e-7)
 
 
 @pytest.mark.parametrize("number", mostly_slow(range(18), [0, 1]))

@@ -144,6 +144,7 @@ def test_the_default_is_the_most_accurate_formulation_and_all_start_where_the_sc
     level: Any,
 ) -> None:
     assert scene_of(level).built_as == ("contact-tree" if level == 1 else "euler-tree")
+    assert scene_of(level, start=Start(beta=1e-3)).built_as == "floating"
     start = Start(beta=1.1, gamma=0.7, spin=-23.0, beta_rate=3.0)
     for formulation in mbs_models.formulations(model(level)):
         built = build(scene_of(level, formulation, start=start))

@@ -43,8 +43,6 @@ YIELDING, ROUNDED = PenaltyContact(stiffness=1e6), PenaltyContact.rounded(STEEL_
 SPINNING = Start.stationary(30.0)
 
 REFUSED: list[tuple[Callable[[], object], str]] = [
-    (partial(simulate, step=-1e-3), "step must be positive"),
-    (partial(simulate, tolerance=0.0), "tolerance must be positive"),
     (partial(simulate, step=1e-3, tolerance=1e-3), "either step or tolerance"),
     (partial(simulate, integrator="DOPRI5"), "explicit and cannot take the constraints"),
     (partial(explicit, tolerance=1e-6, integrator="DOPRI5"), "tolerance must be left out for"),
@@ -53,10 +51,8 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(Integrator, name="RK99"), "integrator must be one of RK44, .*LSODA"),
     (partial(Integrator, name="RK44", newton=Newton()), "newton is no option of"),
     (partial(Integrator, name="RK44", local_tolerance=1e-3), "local_tolerance is no option"),
-    (partial(Integrator, name="DOPRI5", local_tolerance=0.0), "local_tolerance must be positive"),
     (partial(Integrator, name="RK67", spectral_radius=0.9), "spectral_radius is no option"),
     (partial(Integrator, name="GeneralizedAlpha", spectral_radius=1.5), "from 0 to 1, got 1.5"),
-    (partial(Newton, relative=0.0), "relative must be"),
     (partial(scene_of, 2, "contact-tree"), "exists for Model 1 alone, got Model 2"),
     (partial(scene_of, 1, "contact-tree", friction=LOADED),
      "load 'contact' of the friction law .* use one of euler-tree"),
@@ -75,7 +71,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
      "contact must be left out"),
     (partial(mbs_models.eigenvalues, scene_of(table=Table(inclination=0.1), start=SPINNING)),
      "linearisation .* needs a horizontal table, got an inclination"),
-    (partial(to_rest, rest_scene(), 1.0, step=0.0), "step must be positive, got 0"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-3), "the predicted stability limit"),
     (partial(to_rest, rest_scene(), 1.0, step=1e-4, tolerance=1e-3), "either step or tolerance"),
     (partial(to_rest, scene_of(1, "floating", contact=ROUNDED), 1.0),

@@ -1,7 +1,7 @@
 """Simulation in the engine: by its own integrators, and on its accelerations."""
 
 from dataclasses import replace
-from math import radians
+from math import pi, radians
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,14 @@ import mbs_models
 from analysis import (
     CENTRED_DISK,
     LEVELS,
+    LOADS,
     POSSIBLE_SETS,
     STEEL_DISK,
-    Body,
     ConstraintSet,
     Level,
+    LubricatedCoulomb,
     PenaltyContact,
+    PowerLawCoulomb,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -27,59 +29,96 @@ from analysis import (
     TimeLimitError,
 )
 from analysis.mechanics.recorded import accelerations
+from analysis.problem.checks import Array
 from analysis.problem.start import FlatError, State
 from analysis.problem.variations import changed
-from mbs_models import EngineError, Integrator, IntegratorName, Scene
+from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder
 from mbs_models.simulation import advice
 from tests.bodies import EGG, ELLIPSE
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
-from validation.comparison.differences import deviation
+from validation.comparison.differences import deviation, ending_error
 
 # --- To a tolerance ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("tolerance", mostly_slow([1e-3, 1e-5, 1e-7, 1e-9], [1e-5, 1e-7]))
-@pytest.mark.parametrize(
-    ("scene", "integrator"),
-    [(Scene(), "RK67"), *((scene_of(level), "DOP853") for level in (2, 3, 4))],
-)
-def test_tolerance_is_met_by_stepping_accelerations_where_constraints_are_left_and_estimated(
-    scene: Scene, integrator: str, tolerance: float
-) -> None:
-    run = mbs_models.simulate(scene, TIMES, tolerance=tolerance)
-    error = deviation(run, truth(scene.scenario, TIMES))
-    assert error <= not_none(run.error_estimate) <= tolerance
-    assert (run.method["integrator"], run.method["tolerance"]) == (integrator, tolerance)
+def every(scenario: Scenario) -> list[Scene]:
+    """Scenes of all formulations."""
+    return [Scene(scenario, each) for each in mbs_models.formulations(scenario)]
 
 
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
-def test_every_formulation_follows_the_in_house_motion_on_a_slope(
-    constraints: ConstraintSet,
-) -> None:
-    slope = Table(inclination=radians(2.0), downhill=0.7)
-    scenario = Scenario(constraints=constraints, table=slope, start=Start(spin=20.0, beta=1.3))
-    expected = truth(scenario, SHORT)
-    for formulation in mbs_models.formulations(scenario):
-        scene = Scene(scenario, formulation)
-        run = mbs_models.simulate(scene, SHORT, tolerance=1e-7, integrator="DOP853")
-        np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-7)
-        np.testing.assert_allclose(run.rates, expected.rates, atol=1e-5)
-        np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
+def turned(state: State) -> float:
+    return -17.0 - state.coordinates[3]
 
 
-@pytest.mark.parametrize("integrator", ["DOP853", "TrapezoidalIndex2"])
-@pytest.mark.parametrize("body", [ELLIPSE, EGG], ids=["ellipse", "own"])
-def test_bodies_of_any_surface_slide_on_the_ideal_contact_as_in_house(
-    body: Body, integrator: IntegratorName
-) -> None:
-    scenario = Scenario(disk=body, friction=LOADED, start=Start(beta=1.3, gamma=0.4, spin=15.0))
-    run = mbs_models.simulate(scenario, SHORT, tolerance=1e-6, integrator=integrator)
-    expected = truth(scenario, SHORT)
-    assert deviation(run, expected) <= not_none(run.error_estimate) <= 1e-6
-    np.testing.assert_allclose(run.normal_force, expected.normal_force, atol=1e-5)
+def turning(state: State) -> float:
+    return 6 * pi + 1.2 - state.coordinates[5]
+
+
+LONG, COARSE = np.linspace(0.0, 0.6, 121), np.linspace(0.0, 0.2, 5)
+UNEVEN = 8.0 + np.array([0.0, 0.003, 0.1, 0.1001, 0.13, 0.2])
+SLOPE = Table(inclination=radians(2.0), downhill=0.7)
+SOFT = PenaltyContact.damped(1e5, STEEL_DISK)
+# Many turns before the start: a free body's angles are followed on from there.
+WOUND = Scenario(start=Start(alpha=-20.0, gamma=-pi / 2 + 0.1 + 6 * pi))
+FAST = Scenario(start=Start(gamma=pi / 2 - 0.01, spin=300.0))
+PULLED: list[Scenario] = [
+    *(model(level, friction=SmoothCoulomb(load=load), start=Start(spin=150.0))
+      for level in (1, 2) for load in LOADS),
+    *(model(1, friction=law(load="contact"), start=Start(spin=200.0))
+      for law in (PowerLawCoulomb, LubricatedCoulomb)),
+]  # fmt: skip
+STEPPED: dict[str, Any] = {"integrator": "TrapezoidalIndex2"}
+ACCELERATED: dict[str, Any] = {"integrator": "DOP853"}
+
+FOLLOWED: list[tuple[Scene, Array, float, dict[str, Any]]] = [
+    *((scene, TIMES, tolerance, {}) for tolerance in (1e-3, 1e-5, 1e-7, 1e-9)
+      for scene in map(scene_of, LEVELS)),
+    *((scene, SHORT, 1e-7, ACCELERATED) for held in POSSIBLE_SETS
+      for scene in every(Scenario(constraints=held, table=SLOPE, start=Start(beta=1.3)))),
+    *((Scene(Scenario(disk=body, friction=LOADED, start=Start(beta=1.3, gamma=0.4, spin=15.0))),
+       SHORT, 1e-6, how) for body in (ELLIPSE, EGG) for how in (STEPPED, ACCELERATED)),
+    # Nearly flat.
+    *((Scene(model(level, start=Start(beta=1e-3))), np.linspace(0.0, 3e-3, 11), 1e-7, {})
+      for level in LEVELS),
+    (scene_of(1, "contact-tree"), UNEVEN, 1e-6, {"integrator": "RK67"}),
+    (scene_of(1, "floating"), UNEVEN, 1e-5, STEPPED),
+    (scene_of(1, "floating-lie"), UNEVEN, 1e-6, {}),
+    # Runs of a call begin alike though they share a model.
+    (scene_of(1, "floating-lie", contact=SOFT), SHORT[:6], 1e-5, {"integrator": "RK44"}),
+    *((scene, COARSE, 1e-4, {"allow_pulling": True}) for scene in every(FAST)),
+    *((scene, LONG, 1e-8, {"stop_when": each}) for scene in every(WOUND)
+      for each in ("inverted", turned, turning)),
+    *((Scene(WOUND, each), LONG, 1e-5, STEPPED | {"stop_when": turned})
+      for each in ("floating", "floating-lie")),
+    *((scene, LONG, 1e-6, how) for scenario in PULLED for scene in every(scenario)
+      for how in (ACCELERATED, STEPPED)[: 2 if scene.formulation == "euler-tree" else 1]),
+]  # fmt: skip
+"""Scenes, times, tolerances, and how they are run else."""
+
+QUICK = [number for number in range(len(FOLLOWED)) if number % 3]
+
+
+@pytest.mark.parametrize("case", mostly_slow(range(len(FOLLOWED)), QUICK))
+def test_engine_follows_the_in_house_motion_to_its_end_and_knows_its_error(case: int) -> None:
+    scene, times, tolerance, how = FOLLOWED[case]
+    ends = {name: how[name] for name in ("stop_when", "allow_pulling") if name in how}
+    finest = 1e-13 if scene.scenario.contact is None else 1e-11
+    expected = truth(scene.scenario, times, local_tolerance=finest, **ends)
+    run = mbs_models.simulate(scene, times, tolerance=tolerance, **how)
+    assert deviation(run, expected) <= not_none(run.error_estimate) <= tolerance
+    assert ending_error(run, expected) <= tolerance
+    for name, part in (("coordinates", 1.0), ("rates", 100.0), ("multipliers", 10.0)):
+        found, right = getattr(run, name), getattr(expected, name)
+        np.testing.assert_allclose(found, right, rtol=0.0, atol=part * tolerance)
+    np.testing.assert_array_equal(run.times[:-1], times[: run.times.size - 1])
+    if run.ending and run.ending.reason == "contact would pull":
+        for each in (run, expected):
+            assert np.all(each.normal_force[:-1] > 0.0)
+            assert abs(each.normal_force[-1]) < 1e-4 * scene.scenario.weight
+            assert not_none(each.ending).value == each.normal_force[-1]
 
 
 def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() -> None:
@@ -90,10 +129,13 @@ def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() ->
     assert deviation(run, truth(scenario, times)) <= 1e-10
 
 
-@pytest.mark.parametrize("level", [2, 3, 4])
-def test_with_a_step_the_engine_itself_steps_where_constraints_are_left(level: Level) -> None:
-    with_step = mbs_models.simulate(scene_of(level), SHORT, step=5e-3)
-    assert with_step.method["integrator"] == "TrapezoidalIndex2"
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_engine_itself_steps_with_a_step_or_where_no_constraint_is_left(level: Level) -> None:
+    accuracies: list[dict[str, Any]] = [{"tolerance": 1e-5}, {"step": 5e-3}]
+    used = [mbs_models.simulate(scene_of(level), SHORT, **each) for each in accuracies]
+    expected = ["RK67", "RK67"] if level == 1 else ["DOP853", "TrapezoidalIndex2"]
+    assert [run.method["integrator"] for run in used] == expected
+    assert used[0].method["tolerance"] == 1e-5
 
 
 @pytest.mark.parametrize("level", [1, 2, 4])
@@ -157,15 +199,6 @@ def test_a_tolerance_that_is_not_met_proposes_another_way(way: str) -> None:
         )
 
 
-@pytest.mark.parametrize("level", LEVELS)
-def test_a_nearly_flat_start_is_a_free_body_which_keeps_its_tolerance(level: Level) -> None:
-    scenario, times = model(level, start=Start(beta=1e-3)), np.linspace(0.0, 3e-3, 11)
-    run = mbs_models.simulate(scenario, times, tolerance=1e-7)
-    check = analysis.simulate(scenario, times)
-    assert run.method["formulation"] == "floating"
-    assert np.abs(run.coordinates - check.coordinates)[:, 4:].max() < 1e-7
-
-
 @pytest.mark.slow
 def test_a_fall_under_stiff_friction_does_not_iterate_on_rounding() -> None:
     held: ConstraintSet = ("contact", "constant-spin")
@@ -215,38 +248,6 @@ def test_estimates_are_no_less_than_the_runs_before_let_expect(case: str) -> Non
 # --- Whatever the times --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("formulation", "accuracy"),
-    [
-        ("contact-tree", {"integrator": Integrator(name="DOPRI5", local_tolerance=1e-11)}),
-        ("contact-tree", {"tolerance": 1e-6, "integrator": "RK67"}),
-        ("floating", {"tolerance": 1e-5, "integrator": "TrapezoidalIndex2"}),
-        ("floating-lie", {"tolerance": 1e-6}),
-    ],
-)
-def test_uneven_times_from_any_start_give_the_same_motion_as_even_ones(
-    formulation: Any, accuracy: dict[str, Any]
-) -> None:
-    since = np.array([0.0, 0.003, 0.1, 0.1001, 0.13, 0.2])
-    uneven, expected = 8.0 + since, truth(Scenario(), since)
-    run = mbs_models.simulate(scene_of(1, formulation), uneven, **accuracy)
-    np.testing.assert_array_equal(run.times, uneven)
-    np.testing.assert_allclose(run.coordinates, expected.coordinates, atol=1e-5)
-    np.testing.assert_allclose(run.multipliers, expected.multipliers, atol=1e-5)
-
-
-@pytest.mark.parametrize("formulation", mbs_models.formulations(Scenario()))
-def test_coarse_sampling_of_a_fast_spin_that_may_pull_loses_no_turns(formulation: Any) -> None:
-    start = Start(gamma=np.pi / 2 - 0.01, spin=300.0)
-    scene, times = scene_of(1, formulation, start=start), np.linspace(0.0, 0.2, 5)
-    expected = truth(scene.scenario, times, local_tolerance=1e-11, allow_pulling=True)
-    run = mbs_models.simulate(scene, times, tolerance=1e-4, allow_pulling=True)
-    assert expected.coordinates[-1, 3] > 18 * np.pi
-    np.testing.assert_allclose(run.coordinates[:, 3:], expected.coordinates[:, 3:], atol=1e-3)
-    assert run.normal_force[-1] < -9.0
-    assert run.ending is None
-
-
 def test_a_start_off_by_what_is_allowed_begins_without_an_impulse() -> None:
     exact = model(3).initial_state
     off = replace(exact, rates=tuple(np.add(exact.rates, [2e-8, 1e-8, 0, 0, 0, -3e-7]).tolist()))
@@ -256,13 +257,6 @@ def test_a_start_off_by_what_is_allowed_begins_without_an_impulse() -> None:
         for each in ("TrapezoidalIndex2", "DOP853")
     )
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-6)
-
-
-def test_runs_of_a_call_begin_alike_though_they_share_a_model() -> None:
-    contact = PenaltyContact.damped(1e5, STEEL_DISK)
-    scene, times = scene_of(1, "floating-lie", contact=contact), SHORT[:6]
-    run = mbs_models.simulate(scene, times, tolerance=1e-5, integrator="RK44")
-    assert deviation(run, truth(scene.scenario, times, local_tolerance=1e-11)) <= 1e-5
 
 
 def test_runs_print_nothing_and_write_nothing(
@@ -287,19 +281,6 @@ def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_ref
     assert np.ptp(run.coordinate("alpha")) > 4.0 * np.pi
     with pytest.raises(FlatError, match=r"alpha and gamma may turn unseen after t = 0\.05 s"):
         mbs_models.simulate(scene, times[::500], step=1e-5)
-
-
-@pytest.mark.parametrize("formulation", ["floating", "floating-lie"])
-def test_angles_of_a_free_body_go_on_from_those_of_its_start(formulation: Any) -> None:
-    def turned(state: State) -> float:
-        return -17.0 - state.coordinates[3]
-
-    start, times = Start(alpha=-20.0, gamma=30.0), np.linspace(0.0, 0.2, 21)
-    scene = scene_of(1, formulation, start=start)
-    run = mbs_models.simulate(scene, times, step=2e-3, stop_when=turned)
-    check = analysis.simulate(scene.scenario, times, stop_when=turned)
-    assert not_none(run.ending).time == pytest.approx(not_none(check.ending).time, abs=1e-4)
-    np.testing.assert_allclose(run.coordinates, check.coordinates, rtol=0.0, atol=1e-3)
 
 
 def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alone() -> None:

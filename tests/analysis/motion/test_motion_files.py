@@ -144,7 +144,6 @@ TRAJECTORIES: list[tuple[Stored, str]] = [
     ({"meta": {"method": "RK44"}}, "method must be a mapping, got str"),
     ({"meta": {"method": {"step": [1.0]}}}, r"method\['step'\] must be text, a number"),
     ({"meta": {"counts": {"steps": np.nan}}}, r"counts\['steps'\] must be text, a number or None"),
-    ({"meta": {"error_estimate": -1.0}}, "error_estimate must not be negative"),
     ({"meta": {"source": "me"}}, "source must be one of engine, in-house"),
     ({"meta": {"scenario": {"wind": 3}}}, "scenario must be one of"),
     ({"meta": {"scenario": 3}}, "scenario must be a Mapping, got 3"),

@@ -253,8 +253,6 @@ def test_flat_disk_has_no_state_in_angles(falling: SpatialMotion) -> None:
 def test_part_that_has_no_angles_is_refused_by_name(falling: SpatialMotion) -> None:
     with pytest.raises(ValueError, match=r"^end must lie from 0\.0005 to inf, got 0\.0004$"):
         falling.to_trajectory(end=4e-4)
-    with pytest.raises(ValueError, match=r"^least_leaning must be positive, got 0$"):
-        falling.to_trajectory(least_leaning=0.0)
 
 
 # --- Out of Python -------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis import DISKS, Disk, Scenario, SmoothCoulomb
+from analysis import ROUNDED_STEEL_DISK, Disk, Scenario, SmoothCoulomb
 from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
@@ -34,10 +34,28 @@ def with_smoothing(smoothing: float) -> Scenario:
     return replace(PAPER, friction=SmoothCoulomb(smoothing=smoothing))
 
 
-def test_motions_fall_to_different_sides_of_the_connection() -> None:
-    for disk, spin in (("steel", 30.120961805), ("steel-rounded", 30.084842472)):
-        scenario = replace(PAPER, disk=DISKS[disk])
-        assert fall(scenario, spin - 1e-6).side > 0.0 > fall(scenario, spin + 1e-6).side
+def with_eccentricity(part: float) -> Scenario:
+    """A disk whose centre of gravity lies this part of its radius off its middle."""
+    radius, mass = 0.045, 0.4
+    offset = (part * radius) ** 2
+    x, y, z = (0.3 * radius**2, 0.25 * radius**2 + offset, 0.5 * radius**2 + offset)
+    moments = {"inertia_x": mass * x, "inertia_y": mass * y, "inertia_z": mass * z}
+    disk = Disk(radius=radius, mass=mass, eccentricity=part * radius, **moments)
+    return replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.01))
+
+
+BESIDE = (
+    (PAPER, 30.120961805),
+    (replace(PAPER, disk=ROUNDED_STEEL_DISK), 30.084842472),
+    (with_smoothing(1.0), 29.528215473),
+)
+
+
+@pytest.mark.parametrize(("scenario", "spin"), BESIDE, ids=["steel", "rounded", "saddle focus"])
+def test_motions_fall_to_different_sides_of_the_connection(
+    scenario: Scenario, spin: float
+) -> None:
+    assert fall(scenario, spin - 1e-6).side > 0.0 > fall(scenario, spin + 1e-6).side
 
 
 @pytest.mark.parametrize("smoothing", [1e-4, 5e-5])
@@ -61,16 +79,6 @@ def test_cycles_end_in_the_connection() -> None:
     assert family.motions[-1].multiplier < 1e-3
 
 
-def test_motions_wind_about_a_saddle_focus_and_fall_to_different_sides() -> None:
-    scenario = with_smoothing(1.0)
-    assert saddle(scenario, 29.5)[0][1].imag != 0.0
-    falls = [fall(scenario, 29.528215473 + side) for side in (-1e-6, 1e-6)]
-    assert [way.side for way in falls] == [1.0, -1.0]
-    # Back where it came from, or a turn further, and beyond the saddle before it turns back.
-    assert [way.states[-1, 1] for way in falls] == pytest.approx([2.5 * np.pi, 0.5 * np.pi])
-    assert falls[1].swing == pytest.approx(np.pi + 0.1291609, abs=1e-6)
-
-
 @pytest.mark.parametrize("side", [-1e-6, 1e-6])
 def test_swing_and_tilt_are_those_of_much_finer_steps(side: float) -> None:
     scenario, spin = with_smoothing(1.0), 29.528215473 + side
@@ -82,56 +90,43 @@ def test_swing_and_tilt_are_those_of_much_finer_steps(side: float) -> None:
     passed = np.flatnonzero(gamma > 1.5 * np.pi)[0] + np.arange(-1, 1)
     tilt = np.interp(1.5 * np.pi, gamma[passed], beta[passed]) - np.pi / 2
     assert found.tilt == pytest.approx(tilt, abs=1e-8)
+    # Back where it came from, or a turn further, and beyond the saddle before it turns back.
+    assert found.states[-1, 1] == pytest.approx((0.5 if side > 0.0 else 2.5) * np.pi)
     if side > 0.0:
         assert found.swing == pytest.approx(np.max(gamma) - np.pi / 2, abs=1e-8)
 
 
-@pytest.mark.slow
-def test_cycles_swing_beyond_a_saddle_focus_and_end_in_its_connection() -> None:
-    scenario = with_smoothing(1.0)
-    last = heteroclinic_connection(scenario).last_amplitude
-    assert last > np.pi + 0.1
-    family = cycle_family(scenario, np.append(BEYOND_PI, last - np.geomspace(0.03, 1e-4, 5)))
-    assert family.reason is None
-    cycle = family.motions[-1]
-    assert cycle.spin == pytest.approx(29.528215473, abs=1e-5)
-    assert cycle.stable
+LEANING = replace(PAPER, disk=replace(PAPER.disk, eccentricity=0.013))
 
-
-def with_eccentricity(part: float) -> Scenario:
-    """A disk whose centre of gravity lies this part of its radius off its middle."""
-    radius, mass = 0.045, 0.4
-    offset = (part * radius) ** 2
-    x, y, z = (0.3 * radius**2, 0.25 * radius**2 + offset, 0.5 * radius**2 + offset)
-    moments = {"inertia_x": mass * x, "inertia_y": mass * y, "inertia_z": mass * z}
-    disk = Disk(radius=radius, mass=mass, eccentricity=part * radius, **moments)
-    return replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.01))
+TO_BEYOND = (1.0, 2.0, 2.7, 3.0, np.pi)
+FAR: dict[str, tuple[Scenario, Any, float, Any, float]] = {
+    "saddle focus": (with_smoothing(1.0), BEYOND_PI, 0.1, np.geomspace(0.03, 1e-4, 5), 1e-5),
+    "large eccentricity": (with_eccentricity(0.5), TO_BEYOND, 0.3, (4e-3, 4e-4), 1e-4),
+    "leaning saddle": (LEANING, None, 0.0, (), 1e-6),
+}
+"""Scenario, amplitudes, how far the last one is beyond pi, amplitudes before it, and accuracy."""
 
 
 @pytest.mark.slow
-def test_cycles_of_a_large_eccentricity_swing_beyond_and_end_in_the_connection() -> None:
-    scenario = with_eccentricity(0.5)
-    assert saddle(scenario, 32.29)[0][1].imag == 0.0
+@pytest.mark.parametrize("name", FAR)
+def test_cycles_may_swing_beyond_the_saddle_and_end_in_the_connection(name: str) -> None:
+    scenario, amplitudes, beyond, before, close = FAR[name]
     found = heteroclinic_connection(scenario)
     last = found.last_amplitude
-    assert last > np.pi + 0.3
-    amplitudes = (1.0, 2.0, 2.7, 3.0, np.pi, last - 4e-3, last - 4e-4)
+    assert last >= np.pi + beyond
+    if amplitudes is not None:
+        amplitudes = np.append(amplitudes, last - np.array(before))
     family = cycle_family(scenario, amplitudes)
     assert family.reason is None
-    assert family.motions[-1].spin == pytest.approx(found.spin, abs=1e-4)
+    assert family.motions[-1].spin == pytest.approx(found.spin, abs=close)
+    assert family.motions[-1].stable == (name != "large eccentricity")
 
 
 @pytest.mark.slow
-def test_cycles_beside_a_leaning_saddle_and_of_steep_friction_are_followed_to_the_end() -> None:
-    leaning = replace(PAPER, disk=replace(PAPER.disk, eccentricity=0.013))
-    family = cycle_family(leaning)
-    assert family.reason is None
-    found = heteroclinic_connection(leaning)
-    assert family.motions[-1].spin == pytest.approx(found.spin, abs=1e-6)
+def test_cycles_of_steep_friction_are_followed_and_their_connection_is_found() -> None:
     assert cycle_family(with_smoothing(1e-3), np.linspace(0.2, 3.0, 15)).reason is None
-    # Two motions next to its connection fall to the same side, but for the error of their runs.
-    steep = with_smoothing(5e-4)
-    assert heteroclinic_connection(steep).last_amplitude == np.pi
+    # Two motions next to it fall to the same side, but for the error of their runs.
+    assert heteroclinic_connection(with_smoothing(5e-4)).last_amplitude == np.pi
 
 
 def test_a_connection_may_lie_far_below_the_critical_speed() -> None:

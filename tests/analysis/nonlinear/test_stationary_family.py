@@ -194,12 +194,10 @@ REFUSED: dict[str, Callable[[], object]] = {
     "eccentricity must be positive": lambda: stationary_motions(Scenario(disk=CENTRED_DISK), 9.0),
     "horizontal table": lambda: stationary_motions(Scenario(table=Table(inclination=0.1)), 9.0),
     "ideal contact": lambda: stationary_motions(Scenario.rest(), 10.0),
-    "starts must be at least 1": lambda: stationary_motions(Scenario(), 10.0, starts=0),
     "start must be tilted": lambda: stationary_branch(Scenario(), UPRIGHT, (5.0, 20.0)),
     r"positive spins about 10, got \(20": lambda: stationary_branch(
         Scenario(), TILTED, (20.0, 30.0)
     ),
-    "unit must be positive": lambda: Parameter(change=lambda _: Scenario(), value=1.0, unit=0.0),
     "is not stationary": lambda: stationary_eigenvalues(
         Scenario(), 30.0, (0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2)
     ),

@@ -13,11 +13,9 @@ from scipy.integrate import quad
 import mbs_models
 from analysis import (
     CENTRED_DISK,
-    LOADS,
     MODELS,
     Formulation,
     Level,
-    Load,
     Method,
     PenaltyContact,
     Scenario,
@@ -33,9 +31,8 @@ from analysis.problem import limits
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.limits import LEAST_TILT
 from analysis.solve import effort
-from mbs_models import Scene, formulations
 from tests.helpers import EITHER_METHOD, angles_apart, model, mostly_slow, not_none
-from tests.scenes import scene_of
+from tests.scenes import LOADED, scene_of
 from validation.comparison.differences import ending_error
 from validation.run import run
 
@@ -305,36 +302,12 @@ def test_run_that_takes_far_more_steps_than_expected_says_where_unless_it_has_a_
 SHORT = np.linspace(0.0, 0.2, 21)
 FAST = Start(spin=150.0)
 EITHER = pytest.mark.parametrize("source", SOURCES)
-LOADED = {load: SmoothCoulomb(load=load) for load in LOADS}
-PULLS: list[tuple[Level, mbs_models.Formulation, Load]] = [
-    (level, formulation, load)
-    for level in (1, 2)
-    for load in LOADS
-    for formulation in formulations(model(level, friction=LOADED[load]))
-]
-
-
-@pytest.mark.parametrize("case", mostly_slow(PULLS, PULLS[::4]), ids=str)
-def test_both_sides_end_where_the_contact_would_pull(
-    case: tuple[Level, mbs_models.Formulation, Load],
-) -> None:
-    level, formulation, load = case
-    scenario = model(level, friction=LOADED[load], start=FAST)
-    engine = mbs_models.simulate(Scene(scenario, formulation), SHORT, tolerance=1e-5)
-    in_house = simulate(scenario, SHORT, tolerance=1e-9)
-    assert ending_error(engine, in_house) < 1e-7
-    assert not_none(in_house.ending).reason == "contact would pull"
-    np.testing.assert_allclose(engine.coordinates, in_house.coordinates, atol=1e-5)
-    for found in (engine, in_house):
-        assert np.all(found.normal_force[:-1] > 0.0)
-        assert abs(found.normal_force[-1]) < 1e-4 * found.scenario.weight
-        assert not_none(found.ending).value == found.normal_force[-1]
 
 
 @pytest.mark.parametrize("formulation", ["euler-tree", "floating-lie"])
 def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: Any) -> None:
     contact = PenaltyContact(stiffness=1e6, damping=300.0, bilateral=True)
-    scene = scene_of(1, formulation, contact=contact, friction=LOADED["contact"], start=FAST)
+    scene = scene_of(1, formulation, contact=contact, friction=LOADED, start=FAST)
     held = mbs_models.simulate(scene, SHORT, step=5e-5)
     ideal = simulate(replace(scene.scenario, contact=None), SHORT)
     assert held.ending is not None
