@@ -1,7 +1,7 @@
 """Accelerations and forces of the engine in a state are those of the in-house equations."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
@@ -10,6 +10,7 @@ import pytest
 
 import mbs_models
 from analysis import (
+    LAWS,
     LOADS,
     MODELS,
     STEEL_DISK,
@@ -21,6 +22,7 @@ from analysis import (
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
+    Start,
     Table,
     multiplier_names,
 )
@@ -28,8 +30,9 @@ from analysis.mechanics.recorded import accelerations
 from mbs_models import Scene, formulations
 from mbs_models.friction import slip_velocity
 from tests.bodies import BODIES, random_start
-from tests.helpers import more_sets, random_scenario, slip
+from tests.helpers import model, more_sets, random_scenario, slip
 from tests.helpers import random_start as free_start
+from tests.wayward_law import Own
 
 STEEP = Table(inclination=0.2, downhill=0.5)
 
@@ -91,6 +94,35 @@ def test_of_bodies_on_either_contact(body: Body, contact: str, seed: int, load: 
             rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=drag
         )
     compare(Scenario(disk=body, table=STEEP, **given))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slanted(SmoothCoulomb):
+    """Law whose axes are not those of the edge: there is a left and a right."""
+
+    IS_ISOTROPIC = False
+
+    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        x, y = SmoothCoulomb.force(self, along, across, load)
+        return x + 0.5 * y, y + 0.5 * x
+
+
+ON_CONTACT = [kind(load="contact") for kind in (*[*LAWS.values()][1:], Own)]
+BESIDE = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
+RUBBED = [
+    *(model(level, friction=law, start=BESIDE) for level in (1, 3) for law in ON_CONTACT),
+    model(1, friction=Slanted(), start=BESIDE),
+    *(
+        Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
+        for law in ON_CONTACT
+        if not law.is_simple
+    ),
+]
+
+
+@pytest.mark.parametrize("scenario", RUBBED, ids=lambda each: f"{each.friction} {each.name}")
+def test_under_every_law_and_on_a_yielding_table(scenario: Scenario) -> None:
+    compare(scenario, least=1.0)
 
 
 def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:

@@ -1,9 +1,9 @@
-"""Friction laws: their closed properties, both sides under each, files and the command line."""
+"""Friction laws: their closed properties, and those of one's own, right or wrong, in all uses."""
 
 import sys
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import partial
-from math import nan
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -11,33 +11,33 @@ import numpy as np
 import pytest
 
 import analysis
-import mbs_models
 from analysis import (
     LAWS,
     AnisotropicCoulomb,
-    Ensemble,
     FrictionLaw,
     LubricatedCoulomb,
-    PenaltyContact,
     PowerLawCoulomb,
     Scenario,
     SmoothCoulomb,
-    Start,
     Stribeck,
     TanhCoulomb,
     Trajectory,
     ViscousFriction,
     load_run,
 )
-from analysis.mechanics.recorded import accelerations, any_contact_load
+from analysis.mechanics.recorded import any_contact_load
+from analysis.problem.choices import SOURCES, Source
 from analysis.problem.user_modules import foreign_names
 from analysis.stability import spectra
-from mbs_models import Scene, formulations
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
-from tests.calls import ROOT, python
+from tests.calls import ROOT, python, refusal, run
 from tests.helpers import model, refusals
-from tests.wayward_law import Answering, Own
+from tests.sweeps import sweep
+from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Own, Wayward
+from validation.run import run as simulated
+from validation.run import run_to_rest
+from validation.sweeps.case import run_chunk
 
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
 GENERAL = [law for law in SHIPPED if not law.is_simple]
@@ -46,9 +46,6 @@ SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
 
 def name(law: FrictionLaw) -> str:
     return type(law).__name__
-
-
-ON_CONTACT = [replace(law, load="contact") for law in (*SHIPPED[1:], Own())]
 
 
 @pytest.mark.parametrize("law", SHIPPED, ids=name)
@@ -80,16 +77,6 @@ def test_laws_are_the_papers_where_they_have_to_be_and_have_their_full_force() -
     assert ViscousFriction().per_speed(7.0) == ViscousFriction().viscosity
     assert PowerLawCoulomb().force(0.0, 1e9, 8.0)[1] == pytest.approx(-0.3 * 8.0 ** (2 / 3))
     assert LubricatedCoulomb().force(2.0, 0.0, 0.0) == pytest.approx((-0.2, 0.0))
-
-
-@pytest.mark.parametrize("law", SHIPPED, ids=name)
-def test_members_under_any_law_are_checked_together(law: FrictionLaw) -> None:
-    _, *numbers = fields(law)
-    for field in numbers:
-        values = getattr(law, field.name) * np.linspace(1.0, 1.01, 3)
-        varied = Ensemble(scenario=Scenario(friction=law), fields={field.name: values})
-        ((rows, _),) = varied.map_groups(lambda scenario: scenario)
-        assert rows.size == 3
 
 
 def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
@@ -124,39 +111,6 @@ def test_contact_force_is_found_however_strong_friction_is(coefficient: float) -
     law = PowerLawCoulomb(coefficient=coefficient, load="contact", exponent=0.5)
     load = any_contact_load(law, 1.0, 0.0, -3.0, 0.0, 9.0)
     assert load == pytest.approx(1.0 - 3.0 * law.force(0.0, 9.0, load)[1], rel=1e-12)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Slanted(SmoothCoulomb):
-    """Law whose axes are not those of the edge: there is a left and a right."""
-
-    IS_ISOTROPIC = False
-
-    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
-        x, y = SmoothCoulomb.force(self, along, across, load)
-        return x + 0.5 * y, y + 0.5 * x
-
-
-LEANING = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
-RUBBED = [
-    *(model(level, friction=law, start=LEANING) for level in (1, 3) for law in ON_CONTACT),
-    model(1, friction=Slanted(), start=LEANING),
-    *(
-        Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
-        for law in ON_CONTACT
-        if not law.is_simple
-    ),
-]
-
-
-@pytest.mark.parametrize("scenario", RUBBED, ids=lambda each: f"{name(each.friction)} {each.name}")
-def test_accelerations_agree_under_every_law_and_on_a_yielding_table(scenario: Scenario) -> None:
-    state = scenario.initial_state
-    expected, forces = accelerations(scenario, state.coordinates, state.rates)
-    for formulation in formulations(scenario):
-        found, multipliers = mbs_models.acceleration(Scene(scenario, formulation))
-        np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-7)
-        np.testing.assert_allclose(multipliers, forces, rtol=1e-8, atol=1e-8)
 
 
 def test_file_runs_no_module_that_it_names() -> None:
@@ -247,3 +201,73 @@ def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
     tippedisk("show", "own.npz", law, "--plot=own.png")
     cases = ("law=tanh,rough:SquareRoot", "--scenario=own.toml", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"
+
+
+# --- Laws and conditions of one's own that are none or end the program --------------------------
+
+WAYWARD = "--law tests.wayward_law:Wayward,coefficient={}"
+
+CALLS = (
+    "simulate --out new.npz --end 0.1",
+    "rest --out new.npz --end 0.01 --source in-house",
+    "sweep spin=30,31 --end 0.01 --workers 1 --out new.db",
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Working directory of a call, where its modules lie."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "exits_on_import.py").write_text("import sys\nsys.exit()\n")
+    return tmp_path
+
+
+def written(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir() if path.name.startswith("new")]
+
+
+SAID = {
+    "--law exits_on_import:Law": "--law: friction law 'exits_on_import:Law' cannot be loaded: "
+    "SystemExit: , in line 2 of exits_on_import.py",
+    WAYWARD.format(EXITS_AT_ONCE): "law:Wayward' cannot be made: SystemExit",
+    "--stop-when exits_on_import:Law": "--stop-when: stop_when 'exits_on_import:Law' cannot be lo",
+    "--stop-when os:getcwd": "--stop-when: stop_when getcwd must say a number of a State: Type",
+}
+"""What a module, a law or a function of one's own that is none is refused with."""
+
+
+@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("option", SAID)
+def test_what_is_no_law_or_condition_is_refused(call: str, option: str, folder: Path) -> None:
+    assert SAID[option] in refusal(call, option)
+    assert written(folder) == []
+
+
+@pytest.mark.parametrize("call", CALLS[:2])
+def test_a_law_that_exits_where_the_disk_slips_is_no_success(
+    call: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(call, WAYWARD.format(EXITS)) == 70
+    assert "SystemExit" in capsys.readouterr().err
+    assert written(folder) == []
+
+
+def test_a_case_whose_law_exits_is_a_row_that_says_so() -> None:
+    law = Wayward(coefficient=EXITS)
+    (row,) = run_chunk(sweep("spin=30,31", scenario=Scenario(friction=law)), [0])
+    assert (row["status"], row["reason"]) == ("failed", "SystemExit 3")
+
+
+@pytest.mark.parametrize("said", [inf, -1.0])
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(
+    source: Source, said: float
+) -> None:
+    law = Answering(says=lambda speed: said if speed > 0.05 else 3.0)
+    runs = (
+        partial(simulated, Scenario(friction=law), [0.0, 0.1]),
+        partial(run_to_rest, Scenario.rest(friction=law), 0.1),
+    )
+    for each in runs:
+        with pytest.raises(ValueError, match=r"^Answering.force\(0\.0955, 0\.0296, 0\.1\) must"):
+            each(source=source)

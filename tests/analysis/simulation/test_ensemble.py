@@ -4,6 +4,7 @@ import os
 import pickle
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import fields
 from math import pi
 from typing import Any, cast
 
@@ -12,6 +13,7 @@ import pytest
 from scipy.integrate import simpson
 
 from analysis import (
+    LAWS,
     LEVELS,
     MODELS,
     ConstraintSet,
@@ -138,9 +140,13 @@ RANGES: dict[str, tuple[float, ...]] = {
 
 
 def test_members_whose_numbers_differ_alone_go_together() -> None:
-    for name, (usual, *_) in RANGES.items():
-        values = (usual or 1e-3) * np.linspace(1.0, 1.01, SOME)
-        ensemble = Ensemble(scenario=Scenario.rest(), fields={name: values})
+    varied = [(Scenario.rest(), name, usual or 1e-3) for name, (usual, *_) in RANGES.items()]
+    for law in (kind() for kind in LAWS.values()):
+        numbers = [each.name for each in fields(law)[1:]]
+        varied += [(Scenario(friction=law), name, getattr(law, name)) for name in numbers]
+    for scenario, name, usual in varied:
+        values = usual * np.linspace(1.0, 1.01, SOME)
+        ensemble = Ensemble(scenario=scenario, fields={name: values})
         ((rows, _),) = ensemble.map_groups(lambda scenario: scenario)
         assert rows.tolist() == list(range(SOME)), name
 
