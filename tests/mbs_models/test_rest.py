@@ -1,6 +1,7 @@
-"""The engine's way to rest against the in-house one."""
+"""The way to rest in the engine, and either side's against the most accurate in-house one."""
 
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,9 +19,11 @@ from analysis import (
     Start,
     Table,
 )
+from analysis.problem.choices import SOURCES, Source
 from tests.bodies import BODIES, TIPPE_TOP
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
+from validation.run import run_to_rest
 
 EVERYTHING = Dissipation(
     rolling_dry=1e-3, rolling_viscous=1e-4, pivoting=5e-5, air_drag=1.2, rolling_smoothing=0.1
@@ -53,15 +56,6 @@ def test_fixed_steps_are_cut_where_rolling_resistance_makes_a_nearly_flat_disk_s
     other = analysis.simulate_to_rest(scene.scenario, 0.05, local_tolerance=1e-10)
     # Steps of the length asked for are a hundred times less accurate.
     assert mbs_models.simulate_to_rest(scene, 0.05, step=3e-4).deviation(other) < 1e-5
-
-
-@pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-5], [None]))
-def test_impacts_meet_the_tolerance_and_its_estimate(tolerance: float | None) -> None:
-    scene = rest_scene(start=Start(height=5e-3))
-    impacts = analysis.simulate_to_rest(scene.scenario, 0.5, spacing=5e-3, local_tolerance=1e-12)
-    found = mbs_models.simulate_to_rest(scene, 0.5, tolerance=tolerance, spacing=5e-3)
-    assert found.deviation(impacts) <= not_none(found.error_estimate) <= (tolerance or 1e-3)
-    assert found.energy_taken("damping")[-1] == pytest.approx(0.0213610, rel=tolerance or 1e-3)
 
 
 def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -> None:
@@ -102,30 +96,44 @@ FILM = Scenario.rest(
 """A sphere that only just touches at first, and a film that lets go as a disk lifts off."""
 
 
-@pytest.mark.parametrize(("scenario", "end"), [(TOUCHING, 0.02), (FILM, 0.3)])
-def test_a_contact_that_opens_and_closes_does_not_stall_either_side(
-    scenario: Scenario, end: float
-) -> None:
-    runs = [
-        run(scenario, end, tolerance=1e-4, spacing=5e-3, time_limit=60.0)
-        for run in (mbs_models.simulate_to_rest, analysis.simulate_to_rest)
-    ]
-    assert runs[0].deviation(runs[1]) < 1e-5
-    for run in runs:
-        assert run.ending is None
-        assert run.counts["steps"] < 10_000
+IMPACTS = Scenario.rest(start=Start(height=5e-3))
+BOUNCES = Scenario.rest(start=Start(beta=0.7, gamma=0.3, spin=1.0, height=0.05))
 
 
-@pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
-def test_bodies_go_the_same_way_through_every_attitude(body: Body) -> None:
-    scenario = Scenario(
+def turning(body: Body) -> Scenario:
+    return Scenario(
         disk=body,
         contact=PenaltyContact.rounded(body, stiffness=2e4),
         dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4),
         start=Start(beta=1.3, gamma=0.4, spin=12.0, beta_rate=0.5),
     )
-    one = analysis.simulate_to_rest(scenario, 0.1, tolerance=1e-7)
-    other = mbs_models.simulate_to_rest(scenario, 0.1, tolerance=1e-7)
-    assert one.deviation(other) < 1e-7
-    np.testing.assert_allclose(other.contact_points, one.contact_points, atol=1e-8)
-    np.testing.assert_allclose(other.contour_speeds, one.contour_speeds, atol=1e-5)
+
+
+CASES: list[tuple[Scenario, float, float | None]] = [
+    *((scenario, 0.5, None) for scenario in (IMPACTS, BOUNCES)),
+    (TOUCHING, 0.02, 1e-4),
+    (FILM, 0.3, 1e-4),
+    *((turning(body), 0.1, 1e-7) for body in BODIES.values()),
+    *((scenario, 0.5, each) for scenario in (IMPACTS, BOUNCES) for each in (1e-2, 1e-5)),
+]
+"""Scenarios, ends and tolerances."""
+
+
+@pytest.mark.parametrize("case", mostly_slow(range(len(CASES)), range(9)))
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_tolerance_is_met_and_estimated_through_every_attitude_and_impact(
+    source: Source, case: int
+) -> None:
+    scenario, end, tolerance = CASES[case]
+    how: dict[str, Any] = {"spacing": 5e-3, "time_limit": 60.0}
+    best = analysis.simulate_to_rest(scenario, end, local_tolerance=1e-12, **how)
+    run = run_to_rest(scenario, end, source=source, tolerance=tolerance, **how)
+    assert run.ending is None
+    # It does not stall where the contact opens and closes.
+    assert run.counts["steps"] < 10_000
+    assert run.deviation(best) <= not_none(run.error_estimate) <= (tolerance or 1e-3)
+    for name in ("contact_points", "contour_speeds"):
+        found, right = getattr(run, name), getattr(best, name)
+        np.testing.assert_allclose(found, right, rtol=0.0, atol=tolerance or 1e-3)
+    assert np.max(np.abs(best.energy_residual)) < 1e-6 * best.energies[0].sum()
+    assert np.min(best.normal_force) >= 0.0

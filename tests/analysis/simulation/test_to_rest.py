@@ -133,20 +133,6 @@ def test_what_is_too_thick_to_lie_is_never_flat(part: float, is_ever_flat: bool)
     assert (motion.phases.flat is not None) == is_ever_flat
 
 
-@pytest.mark.parametrize("tolerance", mostly_slow([1e-2, None, 1e-6], [None]))
-def test_bounces_meet_the_tolerance_without_pull_and_with_a_closed_budget(
-    tolerance: float | None,
-) -> None:
-    scenario = Scenario.rest(start=Start(beta=0.7, gamma=0.3, spin=1.0, height=0.05))
-    found, best = (
-        simulate_to_rest(scenario, 0.5, spacing=1e-3, tolerance=value)
-        for value in (tolerance, 1e-8)
-    )
-    assert found.deviation(best) <= not_none(found.error_estimate) <= (tolerance or 1e-3)
-    assert np.min(best.normal_force) == 0.0 < np.max(best.normal_force)
-    assert np.max(np.abs(best.energy_residual)) < 1e-6 * best.energies[0].sum()
-
-
 def off(motion: SpatialMotion, part: float) -> SpatialMotion:
     """A motion that has lost another part of its energy."""
     return replace(motion, dissipated=motion.dissipated + part * motion.energies[0].sum())
