@@ -268,9 +268,6 @@ WRONG: dict[str, Callable[[], Any]] = {
         model(4, friction=SmoothCoulomb(load="contact"))
     ),
     "formulation 'reduced' needs a hor": lambda: _reduced(model(4, table=Table(inclination=0.1))),
-    "start breaks 'fixed centre of gravity": lambda: _full(
-        scenario=model(2, start=FULL.initial_state)
-    ),
     "formulation 'free-body' needs a penalty contact, got": lambda: _full(formulation="free-body"),
     "formulation 'index-1' takes no penalty contact, got": lambda: _full(
         scenario=PENALTY, formulation="index-1"

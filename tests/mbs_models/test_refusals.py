@@ -6,7 +6,7 @@
 import signal
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from math import pi
 from typing import Any
@@ -18,7 +18,6 @@ import mbs_models
 from analysis import (
     STEEL_DISK,
     Dissipation,
-    Level,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -31,7 +30,6 @@ from mbs_models import FORMULATIONS, EngineError, Integrator, Newton, Scene
 from mbs_models.integrators import FINEST_LOCAL
 from tests.bodies import EGG, TIPPE_TOP
 from tests.calls import python
-from tests.helpers import model
 from tests.scenes import LOADED, TIMES, rest_scene, runner, scene_of
 
 simulate = partial(mbs_models.simulate, scene_of(2), TIMES)
@@ -125,28 +123,6 @@ def test_bad_input_is_refused_and_a_run_that_comes_to_nothing_says_why(
     with pytest.raises(error, match=message) as caught:
         call()
     assert "\n" not in str(caught.value)
-
-
-BROKEN: dict[str, tuple[Level, str, int]] = {
-    "'contact' of Model 1.*position level by 1.000e-04 m,": (1, "coordinates", 2),
-    "'contact' of Model 1.*velocity level by 1.000e-04 m/s,": (1, "rates", 2),
-    "'fixed-cog' of Model 2.*position level by 1.000e-04 m,": (2, "coordinates", 0),
-    "'fixed-cog' of Model 2.*velocity level by 1.000e-04 m/s,": (2, "rates", 1),
-    "velocity level by 2.488e-07 m/s,": (3, "rates", 5),
-}
-
-
-@pytest.mark.parametrize("name", BROKEN)
-def test_start_that_breaks_a_constraint_is_refused_by_its_name(name: str) -> None:
-    level, part, column = BROKEN[name]
-    start = model(level).initial_state
-    values = getattr(start, part) + 1e-4 * np.eye(6)[column]
-    broken = model(level, start=replace(start, **{part: tuple(values.tolist())}))
-    simulate = partial(mbs_models.simulate, times=[0.0, 0.1])
-    for formulation in mbs_models.formulations(broken):
-        for call in (mbs_models.acceleration, mbs_models.eigenvalues, simulate):
-            with pytest.raises(ValueError, match=name):
-                call(Scene(broken, formulation))
 
 
 def test_a_further_constraint_needs_no_place_in_the_list_of_what_a_formulation_holds() -> None:

@@ -1,12 +1,15 @@
 """What a scenario and its parts accept, refuse and compute; constraints, and starts under them."""
 
 import re
+from collections.abc import Callable
 from dataclasses import asdict, replace
+from functools import partial
 from math import pi
 
 import numpy as np
 import pytest
 
+import mbs_models
 from analysis import (
     COORDINATES,
     DISKS,
@@ -25,6 +28,7 @@ from analysis import (
     State,
     Table,
     multiplier_names,
+    simulate,
 )
 from analysis.mechanics import constraints as rows
 from analysis.problem.constraints import DEMANDS
@@ -74,11 +78,17 @@ def test_default_start_is_table_3_made_consistent(level: Level) -> None:
     np.testing.assert_allclose(start.rates, (0, 0, 0, 40, 0, 0), rtol=0.0, atol=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("name", "index"),
-    [("normal_force", 2), ("cog_force_x", 0), ("cog_force_y", 1), ("tangential_force", 3)],
-)
-def test_broken_constraint_is_named_with_its_amount(name: str, index: int) -> None:
+BROKEN = {
+    "normal_force": ("contact", 2),
+    "cog_force_x": ("fixed-cog", 0),
+    "cog_force_y": ("fixed-cog", 1),
+    "tangential_force": ("no-slip-along", 3),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_constraint_is_named_with_its_amount_on_both_sides(name: str) -> None:
+    constraint, index = BROKEN[name]
     beta, gamma = 1.0, 0.3
     scenario = model(3, start=Start(beta=beta, gamma=gamma, spin=0.5))
     # Turning faster about the COG moves the contact point at its distance from the axis.
@@ -88,12 +98,21 @@ def test_broken_constraint_is_named_with_its_amount(name: str, index: int) -> No
         amounts = {"velocity level": ("rates", lever * 2e-6, "m/s")}
     else:
         amounts["position level"] = ("coordinates", 2e-6, "m")
-    label = re.escape(DEMANDS[name])
+    label = f"({re.escape(DEMANDS[name])}|{constraint})"
     for level, (field, amount, unit) in amounts.items():
-        broken = shifted(scenario.initial_state, field, index, 2e-6)
+        broken = replace(scenario, start=shifted(scenario.initial_state, field, index, 2e-6))
         said = rf"'{label}' of Model 3 on {level} by {amount:.3e} {unit}, allowed is 1\.0e-09$"
-        with pytest.raises(ValueError, match=said):
-            rows.check_admissible(scenario, broken)
+        calls: list[Callable[[], object]] = [partial(simulate, broken, [0.0, 0.1])]
+        for formulation in mbs_models.formulations(broken):
+            scene = mbs_models.Scene(broken, formulation)
+            calls.append(partial(mbs_models.simulate, scene, [0.0, 0.1]))
+            calls += (
+                partial(mbs_models.acceleration, scene),
+                partial(mbs_models.eigenvalues, scene),
+            )
+        for call in calls:
+            with pytest.raises(ValueError, match=said):
+                call()
 
 
 def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
