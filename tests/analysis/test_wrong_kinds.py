@@ -6,7 +6,8 @@
 import re
 import traceback
 from collections.abc import Callable, Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
+from functools import partial
 from importlib import import_module
 from inspect import Parameter, isfunction, signature
 from math import nan
@@ -35,16 +36,20 @@ from analysis import (
     simulate,
     simulate_many,
 )
+from analysis.mechanics.paper import closed_form
 from analysis.nonlinear import families, stationary
 from analysis.nonlinear.collocation import hopf_cycle
 from analysis.nonlinear.following import Family
-from analysis.nonlinear.heteroclinic import fall
+from analysis.nonlinear.heteroclinic import Connection, fall, period_growth, saddle
 from analysis.nonlinear.motions import Event
-from analysis.stability import stationary_rolling
+from analysis.nonlinear.slow_manifold import slow_connection
+from analysis.stability import stationary_rolling as rolling
 from analysis.stability.boundaries import hopf_curves
-from analysis.stability.chart import static_gradient
-from analysis.stability.critical import Crossing
+from analysis.stability.chart import stability_chart, static_gradient
+from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.linearisation import stationary_eigenvalues
+from analysis.stability.spectra import branches
+from analysis.stability.stationary_rolling import fit_power_law
 from mbs_models import Integrator, Newton, Scene
 from tests.calls import ROOT
 from tests.helpers import model, refusals
@@ -54,6 +59,7 @@ from validation.sweeps.plan import Plan
 
 FULL, REDUCED, REST = Scenario(), model(4), Scenario.rest()
 TIMES = [0.0, 0.01]
+to_rest = analysis.simulate_to_rest
 RUN, REST_RUN = simulate(FULL, TIMES), analysis.simulate_to_rest(REST, 0.01)
 TILTED = stationary.StationaryMotion(
     spin=30.0, x=0.0, y=0.0, beta=1.0, gamma=1.0, eigenvalues=np.zeros(1, complex), value=30.0
@@ -120,9 +126,9 @@ OTHERS = (
 
 CENTRED = Scenario.rest(disk=CENTRED_DISK, dissipation=Dissipation(rolling_dry=1e-3))
 CLOSED_FORMS = (
-    stationary_rolling.axial_spin, stationary_rolling.upright_rolling_spin,
-    stationary_rolling.euler_disk_precession, stationary_rolling.euler_disk_energy,
-    stationary_rolling.time_to_flat,
+    rolling.axial_spin, rolling.upright_rolling_spin,
+    rolling.euler_disk_precession, rolling.euler_disk_energy,
+    rolling.time_to_flat,
 )  # fmt: skip
 """Of a disk that rolls, whose centre of gravity is its centre."""
 
@@ -130,10 +136,10 @@ CALLS: dict[Any, dict[str, Any]] = {
     **{call: {} for call in (*filter(isfunction, PUBLIC), *OTHERS)},
     families.cycle_family: {"amplitudes": (0.1,)},
     families.cycles_over: {"amplitude": None, "spin": 30.0},
-    analysis.simulate_to_rest: {"scenario": REST},
+    to_rest: {"scenario": REST},
     mbs_models.simulate_to_rest: {"scene": Scene(REST)},
     **{call: {"scenario": CENTRED} for call in CLOSED_FORMS},
-    stationary_rolling.rolling_start: {"disk": CENTRED_DISK},
+    rolling.rolling_start: {"disk": CENTRED_DISK},
     **{type(each): {field.name: getattr(each, field.name) for field in fields(each)}
        for each in OBJECTS},
 }  # fmt: skip
@@ -158,6 +164,15 @@ def parameters(call: Any) -> dict[str, Parameter]:
         found = {**signature(simulate).parameters, **found}
         del found["scenario"]
     return {name: each for name, each in found.items() if each.kind != Parameter.VAR_KEYWORD}
+
+
+def fitting(call: Any) -> dict[str, Any]:
+    """What goes for the arguments of a call that have no default, or that it wants otherwise."""
+    known, given = parameters(call), CALLS.get(call, {})
+    usual = REDUCED if "nonlinear" in getattr(call, "__module__", "") else FULL
+    fits = FITTING | {"scenario": usual} | given
+    needed = [each for each in known if known[each].default is Parameter.empty]
+    return given | {each: fits[each] for each in needed if each in fits}
 
 
 def wrong_values(name: str, default: Any) -> Iterator[Any]:
@@ -189,11 +204,8 @@ EVERY = [(call, name) for call in CALLS for name in parameters(call)]
 def test_what_is_of_the_wrong_kind_is_refused_in_one_line_by_the_name_of_its_argument(
     call: Any, name: str
 ) -> None:
-    known = parameters(call)
-    given = {"scenario": REDUCED if "nonlinear" in call.__module__ else FULL} | CALLS[call]
-    needed = [each for each in known if known[each].default is Parameter.empty]
-    given = CALLS[call] | {each: (FITTING | given)[each] for each in needed}
-    for wrong in wrong_values(name, known[name].default):
+    given = fitting(call)
+    for wrong in wrong_values(name, parameters(call)[name].default):
         with pytest.raises(ValueError, match=f"^{SAID.get((call, name), name)}") as raised:
             call(**{**given, name: wrong})
         assert "\n" not in str(raised.value)
@@ -202,105 +214,144 @@ def test_what_is_of_the_wrong_kind_is_refused_in_one_line_by_the_name_of_its_arg
         assert "__setattr__" not in "".join(traceback.format_exception(raised.value))
 
 
-def _place(*place: Any) -> Any:
-    return stationary_eigenvalues(REDUCED, 30.0, place)
-
-
-def _trajectory(**changes: Any) -> Any:
-    return Trajectory(**CALLS[Trajectory] | changes)
-
-
-def _full(**how: Any) -> Any:
-    return simulate(**{"scenario": FULL, "times": TIMES} | how)
-
-
-def _reduced(scenario: Scenario) -> Any:
-    return simulate(scenario, TIMES, formulation="reduced")
-
-
-def _many(scenarios: Any = (FULL,), **how: Any) -> Any:
-    return simulate_many(list(scenarios), TIMES, **{"workers": 1} | how)
-
-
-def _rest(scenario: Scenario = REST, **how: Any) -> Any:
-    return analysis.simulate_to_rest(scenario, 0.01, **how)
-
-
-def _ensemble(scenario: Scenario = FULL, **fields: Any) -> Any:
-    return Ensemble(scenario=scenario, fields=fields)
-
-
 PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
 SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
+LEANING = Table(inclination=0.1)
+LOADED = SmoothCoulomb(load="contact")
 CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
-
-WRONG: dict[str, Callable[[], Any]] = {
-    "constraints must be one of contact, .* got array": lambda: Scenario(
-        constraints=["contact", np.zeros(2)]
-    ),
-    "fields must be named by text, got 5": lambda: Ensemble(scenario=FULL, fields={5: [1.0]}),
-    r"motions\[1\] must be a SampledMotion, got 'x'": lambda: analysis.outcomes([RUN, "x"]),
-    r"scenarios\[1\] must be a Scenario, got 3": lambda: _many([FULL, 3]),
-    "ax must be the axes of a figure, got 5": lambda: RUN.plot("beta", ax=5),
-    "index must be at most 1, got 2": lambda: RUN.state(2),
-    "index must be at least -2, got -3": lambda: RUN.state(-3),
-    r"path must be the path of a file, got 'a\\x00b'": lambda: RUN.save("a\0b"),
-    "pulling must hold first and last times, got": lambda: _trajectory(pulling=[(1.0,)]),
-    "coordinates must have shape .* got": lambda: analysis.energies(
-        FULL, np.zeros((3, 5)), RUN.rates
-    ),
-    "rates must have shape .* got": lambda: analysis.energies(
-        FULL, RUN.coordinates, np.zeros((3, 6))
-    ),
-    "spin must lie from -100000 to 100000": lambda: stationary.stationary_motions(REDUCED, 1e6),
-    "starts must be at most 10000": lambda: stationary.stationary_motions(REDUCED, 30.0, 10**9),
-    "place must hold x, y, beta and gamma": lambda: _place(1.0, 2.0),
-    "beta must lie in the open interval": lambda: _place(0.0, 0.0, 0.0, 1.5),
-    "stiffness must be above 0 and at most 1e": lambda: PenaltyContact(stiffness=2e12),
-    "gradients must lie from 0 to 1e\\+12": lambda: hopf_curves(FULL, [1e15]),
-    "interval must be lowest and highest value": lambda: stationary.stationary_branch(
-        REDUCED, TILTED, [1.0]
-    ),
-    "local_tolerance must lie from 3e-14 to less than 1": lambda: _full(local_tolerance=2.0),
-    "give either tolerance or": lambda: _full(tolerance=1e-6, local_tolerance=1e-6),
-    "formulation 'reduced' exists for Model 4 alone, got": lambda: _reduced(model(3)),
-    "formulation 'reduced' takes the load 'weight'": lambda: _reduced(
-        model(4, friction=SmoothCoulomb(load="contact"))
-    ),
-    "formulation 'reduced' needs a hor": lambda: _reduced(model(4, table=Table(inclination=0.1))),
-    "formulation 'free-body' needs a penalty contact, got": lambda: _full(formulation="free-body"),
-    "formulation 'index-1' takes no penalty contact, got": lambda: _full(
-        scenario=PENALTY, formulation="index-1"
-    ),
-    "stop_when must be one of inverted, lost, module:func": lambda: _full(stop_when="asleep"),
-    "stop_when must hold names or functions of a State": lambda: _full(stop_when="math:pi"),
-    "stop_when <lambda> must say a number of": lambda: _full(stop_when=lambda _: "low"),
-    "stop_when 'no.such:thing' cannot be loaded: No": lambda: _full(stop_when="no.such:thing"),
-    "stop_when .* different names, got <lambda> twice": lambda: _full(stop_when=CONDITIONS),
-    "stop_when must hold functions that worker processes": lambda: _many(
-        2 * [FULL], workers=2, method="RK45", stop_when=CONDITIONS[0]
-    ),
-    "local_tolerance must lie from 1e-13 to less th": lambda: _rest(local_tolerance=2.0),
-    "half_thickness must be positive for the disk": lambda: _rest(SHARP),
-    "contact must be a PenaltyContact, got None": lambda: _rest(FULL),
-    "spacing must not exceed end = 0.01": lambda: _rest(spacing=2.0),
-    "give either tolerance or l": lambda: _rest(tolerance=1e-3, local_tolerance=1e-8),
-    "method must be one of": lambda: _rest(method="Radau"),
-    "fields must map names to arrays": _ensemble,
-    "start.spin must hold no masked valu": lambda: _ensemble(spin=np.ma.array([1.0], mask=[True])),
-    "fields must be a field of a scenario": lambda: _ensemble(spim=[1.0]),
-    "fields .* start.spin twice": lambda: _ensemble(**{"spin": [1.0], "start.spin": [2.0]}),
-    r"fields .* got \(2,\) of start.spin": lambda: _ensemble(spin=[1.0, 2.0], mu=[0.1]),
-    r"start.spin must have shape \(m,\)": lambda: _ensemble(spin=3.0),
-    "member 1 of fields: stiffness must be at le": lambda: _ensemble(
-        PENALTY, stiffness=[1e5, 1.0]
-    ),
-}
-"""How a message begins, and the call."""
-
-test_wrong_value_is_told_with_what_is_allowed = refusals(
-    {f"^{message}": call for message, call in WRONG.items()}
+FOLD = Event("fold", BORN.motion)
+UPRIGHT = replace(TILTED, beta=np.pi / 2, gamma=np.pi / 2)
+STILL = np.array((0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2))
+ROLLING_BOTH = Scenario.rest(
+    disk=CENTRED_DISK, dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3)
 )
+HERE = Connection(spin=1, below=1, above=1, growing=1, slow=-1, strong=-2)
+MASKED = np.ma.array([1.0], mask=[True])
+
+
+def rubbing(**law: Any) -> dict[str, Any]:
+    """Model 4 with other friction."""
+    return {"scenario": model(4, friction=SmoothCoulomb(**law))}
+
+
+WRONG: list[tuple[Any, dict[str, Any], str]] = [
+    (Scenario, {"constraints": ["contact", np.zeros(2)]}, "constraints .* contact, .* got array"),
+    (Ensemble, {"fields": {5: [1.0]}}, "fields must be named by text, got 5"),
+    (Ensemble, {"fields": {}}, "fields must map names to arrays"),
+    (Ensemble, {"fields": {"spin": MASKED}}, "start.spin must hold no masked valu"),
+    (Ensemble, {"fields": {"spim": [1.0]}}, "fields must be a field of a scenario"),
+    (Ensemble, {"fields": {"spin": [1.0], "start.spin": [2.0]}}, "fields .* start.spin twice"),
+    (Ensemble, {"fields": {"spin": [1.0, 2.0], "mu": [0.1]}}, r"fields .* got \(2,\) of start.sp"),
+    (Ensemble, {"fields": {"spin": 3.0}}, r"start.spin must have shape \(m,\)"),
+    (Ensemble, {"scenario": PENALTY, "fields": {"stiffness": [1e5, 1.0]}},
+     "member 1 of fields: stiffness must be at le"),
+    (analysis.outcomes, {"motions": [RUN, "x"]}, r"motions\[1\] must be a SampledMotion, got 'x'"),
+    (lambda ax: RUN.plot("beta", ax=ax), {"ax": 5}, "ax must be the axes of a figure, got 5"),
+    (RUN.state, {"index": 2}, "index must be at most 1, got 2"),
+    (RUN.state, {"index": -3}, "index must be at least -2, got -3"),
+    (RUN.save, {"path": "a\0b"}, r"path must be the path of a file, got 'a\\x00b'"),
+    (Trajectory, {"pulling": [(1.0,)]}, "pulling must hold first and last times, got"),
+    (analysis.energies, {"coordinates": np.zeros((3, 5))}, "coordinates must have shape .* got"),
+    (analysis.energies, {"rates": np.zeros((3, 6))}, "rates must have shape .* got"),
+    (PenaltyContact, {"stiffness": 2e12}, "stiffness must be above 0 and at most 1e"),
+    # Runs.
+    (simulate, {"local_tolerance": 2.0}, "local_tolerance must lie from 3e-14 to less than 1"),
+    (simulate, {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
+    (simulate, {"scenario": model(3), "formulation": "reduced"},
+     "formulation 'reduced' exists for Model 4 alone, got"),
+    (simulate, {"scenario": model(4, friction=LOADED), "formulation": "reduced"},
+     "formulation 'reduced' takes the load 'weight'"),
+    (simulate, {"scenario": model(4, table=LEANING), "formulation": "reduced"},
+     "formulation 'reduced' needs a hor"),
+    (simulate, {"formulation": "free-body"}, "formulation 'free-body' needs a penalty contact, g"),
+    (simulate, {"scenario": PENALTY, "formulation": "index-1"},
+     "formulation 'index-1' takes no penalty contact, got"),
+    (simulate, {"stop_when": "asleep"}, "stop_when must be one of inverted, lost, module:func"),
+    (simulate, {"stop_when": "math:pi"}, "stop_when must hold names or functions of a State"),
+    (simulate, {"stop_when": lambda _: "low"}, "stop_when <lambda> must say a number of"),
+    (simulate, {"stop_when": "no.such:thing"}, "stop_when 'no.such:thing' cannot be loaded: No"),
+    (simulate, {"stop_when": CONDITIONS}, "stop_when .* different names, got <lambda> twice"),
+    (simulate_many, {"scenarios": [FULL, 3]}, r"scenarios\[1\] must be a Scenario, got 3"),
+    (simulate_many,
+     {"scenarios": 2 * [FULL], "workers": 2, "method": "RK45", "stop_when": CONDITIONS[0]},
+     "stop_when must hold functions that worker processes"),
+    (to_rest, {"local_tolerance": 2.0}, "local_tolerance must lie from 1e-13 to less th"),
+    (to_rest, {"scenario": SHARP}, "half_thickness must be positive for the disk"),
+    (to_rest, {"scenario": FULL}, "contact must be a PenaltyContact, got None"),
+    (to_rest, {"spacing": 2.0}, "spacing must not exceed end = 0.01"),
+    (to_rest, {"tolerance": 1e-3, "local_tolerance": 1e-8}, "give either tolerance or l"),
+    (to_rest, {"method": "Radau"}, "method must be one of"),
+    # Linear systems.
+    (stability_chart, {"gradients": []}, "gradients must be one-dimensional"),
+    (stability_chart, {"gradients": [-1.0]}, "gradients must not be negative, got -1"),
+    (critical_speeds, {"interval": (10.0, 10.0)}, "interval must have .* got 10 to 10"),
+    (critical_speeds, {"interval": (-5.0, 10.0)}, "interval must have .* got -5 to 10"),
+    (critical_speeds, {"interval": (0.0, 1e6)}, "interval must lie from -100000 to 100000"),
+    (hopf_curves, {"gradients": [1e15]}, "gradients must lie from 0 to 1e\\+12"),
+    (hopf_curves, {"gradients": [1.0, 1.0]}, "gradients must be two or more"),
+    (hopf_curves, {"gradients": [1.0, 0.0]}, "gradients must be positive"),
+    (branches, {"spins": [1.0, 1.0]}, "spins must increase strictly, got 1 before 1"),
+    (closed_form, rubbing(coefficient=0.0) | {"spins": 1.0}, "friction must have a positive grad"),
+    (closed_form, {"scenario": REDUCED, "spins": nan}, "spins must be finite"),
+    # Rolling.
+    (rolling.euler_disk_precession, {"scenario": FULL}, "disk must be centred"),
+    (rolling.euler_disk_energy, {"scenario": replace(CENTRED, table=LEANING)}, ".*horizontal"),
+    (rolling.time_to_flat, {"scenario": ROLLING_BOTH}, ".*either rolling_dry or rolling_viscous"),
+    (fit_power_law, {"times": [0.0, 1.0], "values": [0.0, 1.0]}, "values must be positive, got 0"),
+    (fit_power_law, {"end": 0.005}, "end must lie behind the last time"),
+    # Stationary and periodic motions.
+    (stationary.stationary_motions, {"spin": 1e6}, "spin must lie from -100000 to 100000"),
+    (stationary.stationary_motions, {"spin": 0.0}, "spin must not be 0"),
+    (stationary.stationary_motions, {"starts": 10**9}, "starts must be at most 10000"),
+    (stationary.stationary_motions, {"scenario": Scenario(disk=CENTRED_DISK)},
+     ".*eccentricity must be positive"),
+    (stationary.stationary_motions, {"scenario": Scenario(table=LEANING)}, ".*horizontal table"),
+    (stationary.stationary_motions, {"scenario": REST}, ".*ideal contact"),
+    (stationary.stationary_branch, {"interval": [1.0]}, "interval must be lowest and highest val"),
+    (stationary.stationary_branch, {"start": UPRIGHT}, "start must be tilted"),
+    (stationary.stationary_branch, {"interval": (40.0, 50.0)}, r".*spins about 30, got \(4"),
+    (stationary_eigenvalues, {"place": (1.0, 2.0)}, "place must hold x, y, beta and gamma"),
+    (stationary_eigenvalues, {"place": (0.0, 0.0, 0.0, 1.5)}, "beta must lie in the open int"),
+    (families.rotating_family, {"scenario": FULL}, ".*is that of Model 4"),
+    (families.cycle_family, {"scenario": model(4, disk=CENTRED_DISK)}, ".*eccentricity"),
+    (families.cycle_family, rubbing(coefficient=0.0), "friction must have a positive"),
+    (families.cycle_family, rubbing(load="contact"), ".*load must be 'weight'"),
+    (families.cycle_family, rubbing(smoothing=1e-5), ".*gradient of at most 10000 s/m"),
+    (families.cycle_family, {"amplitudes": (1.0, 6.3)}, r".*2 pi, got \(1.0, 6.3\)"),
+    (families.rotating_family, {"tilts": (0.1, 1.6)}, "tilts must rise .* 0 and pi/2"),
+    (families.asymmetric_family, {"breaking": FOLD}, ".*must be symmetry-breaking, got 'fold'"),
+    (families.asymmetric_family, {"amplitudes": (0.2, 0.1)}, ".* rise strictly beyond 1e-06, got"),
+    (families.cycles_over, {"amplitude": 1.0}, "amplitude or spin must be given"),
+    (families.cycles_over, {"amplitude": 4.0, "spin": None},
+     r"amplitude must lie in the open interval \(0, pi\)"),
+    (families.cycles_over, {"scenarios": []}, "scenarios must be 1 or more"),
+    (families.cycle_at, {"spin": 100.0}, r"spin must lie in the open interval \(15.* got 100"),
+    (fall, rubbing(smoothing=1e-6), r".*gradient of at most 100000 s/m .* got 300000"),
+    (fall, {"spin": -30.0}, "spin must be positive"),
+    (partial(period_growth, connection=HERE), {"cycles": []}, "cycles must hold 4"),
+]  # fmt: skip
+"""A call, arguments of which the others are those that go, and how the message begins."""
+
+
+@pytest.mark.parametrize(("call", "wrong", "message"), WRONG)
+def test_wrong_value_is_told_with_what_is_allowed(
+    call: Any, wrong: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=f"^{message}") as raised:
+        call(**fitting(call) | wrong)
+    assert "\n" not in str(raised.value)
+
+
+NONE_THERE: dict[str, Callable[[], object]] = {
+    "friction law cannot give": lambda: slow_connection(**rubbing(coefficient=0.02)),
+    "is no saddle with one growing": lambda: saddle(REDUCED, 0.0),
+    "no cycle of the family loses its symmetry": lambda: families.first_asymmetric_family(
+        replace(families.cycle_family(REDUCED, (0.15,)), born=FOLD)
+    ),
+    "is not stationary": lambda: stationary_eigenvalues(FULL, 30.0, STILL),
+}
+
+test_what_there_is_not_is_no_wrong_value = refusals(NONE_THERE, ArithmeticError)
 
 
 @pytest.mark.parametrize("member", [2, -3, "x", None])
@@ -314,5 +365,5 @@ def test_member_that_an_ensemble_does_not_have_is_refused_by_name(member: Any) -
 
 
 def test_truth_values_of_numpy_are_switches() -> None:
-    assert _full(allow_pulling=np.True_).ending is None
+    assert simulate(FULL, TIMES, allow_pulling=np.True_).ending is None
     assert PenaltyContact(stiffness=1e5, bilateral=np.True_).bilateral is True

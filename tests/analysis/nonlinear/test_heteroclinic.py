@@ -1,6 +1,5 @@
 """The end of the cycles: its spin from motions, from cycles and from the slow manifold."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -14,15 +13,13 @@ from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
 from analysis.nonlinear.families import cycle_family
 from analysis.nonlinear.heteroclinic import (
-    Connection,
     NoConnectionError,
     fall,
     heteroclinic_connection,
     period_growth,
-    saddle,
 )
-from analysis.nonlinear.slow_manifold import NoManifoldError, slow_connection, slow_cycle
-from tests.helpers import model, refusals
+from analysis.nonlinear.slow_manifold import slow_connection, slow_cycle
+from tests.helpers import model
 
 PAPER = model(4)
 TO_THE_END = np.append((1.0, 2.0, 2.7, 3.0), np.pi - np.append(np.geomspace(9e-3, 9e-5, 4), 1e-6))
@@ -168,19 +165,3 @@ def test_a_motion_that_has_not_left_says_how_long_it_was_followed(
     monkeypatch.setattr(heteroclinic, "_LONGEST", 1.0)
     with pytest.raises(NoConnectionError, match=r"goes over within 0\.\d+ s: The solver"):
         fall(PAPER, 30.0)
-
-
-LOOSE = replace(PAPER, friction=SmoothCoulomb(coefficient=0.02))
-HERE = Connection(spin=1, below=1, above=1, growing=1, slow=-1, strong=-2)
-
-REFUSED: dict[str, Callable[[], object]] = {
-    r"gradient of at most 100000 s/m .* got 300000": lambda: fall(with_smoothing(1e-6), 30.0),
-    "spin must be positive": lambda: fall(PAPER, -30.0),
-    "friction law cannot give": lambda: slow_connection(LOOSE),
-    "cycles must hold 4": lambda: period_growth([], HERE),
-    "is no saddle with one growing": lambda: saddle(PAPER, 0.0),
-}
-
-test_what_there_is_not_is_refused = refusals(
-    REFUSED, errors=(ValueError, NoManifoldError, NoConnectionError)
-)

@@ -4,32 +4,30 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis import CENTRED_DISK, Disk, FrictionLaw, Scenario, SmoothCoulomb, TanhCoulomb
+from analysis import Disk, FrictionLaw, Scenario, SmoothCoulomb, TanhCoulomb
 from analysis.mechanics import reduced
 from analysis.nonlinear import families, flow
-from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, solve
+from analysis.nonlinear.collocation import NoCycleError, solve
 from analysis.nonlinear.families import (
     asymmetric_family,
     cycle_at,
     cycle_family,
     cycles_over,
-    first_asymmetric_family,
     rotating_family,
 )
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
-from analysis.nonlinear.motions import INVERTED, Event, PeriodicMotion
+from analysis.nonlinear.motions import INVERTED, PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.disk import STEEL_RING
 from analysis.stability.spectra import matrices_over_spin
-from tests.helpers import model, mostly_slow, not_none, refusals
+from tests.helpers import model, mostly_slow, not_none
 
 PAPER = model(4)
 WEAK = model(4, friction=SmoothCoulomb(coefficient=0.1, smoothing=0.4))
@@ -321,38 +319,3 @@ def test_rotating_motions_begin_with_a_tilt_where_the_connection_swings_beyond()
     assert found.motions[0].period > 2.0 * found.motions[1].period
     with pytest.raises(ValueError, match=r"tilts must rise strictly between 0\.0996"):
         rotating_family(scenario, (0.09, 0.2))
-
-
-# --- Refusals -----------------------------------------------------------------------------------
-
-_BORN = Event("fold", hopf_cycle(PAPER))
-
-
-def with_law(**changes: Any) -> Scenario:
-    return replace(PAPER, friction=SmoothCoulomb(**changes))
-
-
-REFUSED: dict[str, Callable[[], object]] = {
-    "is that of Model 4": lambda: rotating_family(model(1)),
-    "eccentricity": lambda: cycle_family(replace(PAPER, disk=CENTRED_DISK)),
-    "friction must have a positive": lambda: cycle_family(with_law(coefficient=0.0)),
-    "load must be 'weight'": lambda: cycle_family(with_law(load="contact")),
-    "gradient of at most 10000 s/m": lambda: cycle_family(with_law(smoothing=1e-5)),
-    r"2 pi, got \(1.0, 6.3\)": lambda: cycle_family(PAPER, (1.0, 6.3)),
-    "tilts must rise strictly between 0 and pi/2": lambda: rotating_family(PAPER, (0.1, 1.6)),
-    "must be symmetry-breaking, got 'fold'": lambda: asymmetric_family(_BORN, (2.0,)),
-    "must rise strictly beyond 1e-06, got": lambda: asymmetric_family(
-        _BORN._replace(kind="symmetry-breaking"), (0.2, 0.1)
-    ),
-    "amplitude or spin must be given": lambda: cycles_over([PAPER], spin=30.0, amplitude=1.0),
-    r"amplitude must lie in the open interval \(0, pi\)": lambda: cycles_over(
-        [PAPER], amplitude=4.0
-    ),
-    r"spin must lie in the open interval \(15.* got 100": lambda: cycle_at(PAPER, 100.0),
-    "scenarios must be 1 or more": lambda: cycles_over([], spin=30.0),
-    "no cycle of the family loses its symmetry": lambda: first_asymmetric_family(
-        replace(cycle_family(PAPER, (0.15,)), born=_BORN)
-    ),
-}
-
-test_what_there_is_not_is_refused = refusals(REFUSED, errors=(ValueError, NoCycleError))

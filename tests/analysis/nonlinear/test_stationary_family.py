@@ -1,6 +1,5 @@
 """All stationary motions of a disk, and of other bodies."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -8,13 +7,11 @@ import pytest
 
 import mbs_models
 from analysis import (
-    CENTRED_DISK,
     MODELS,
     ConstraintSet,
     Scenario,
     SmoothCoulomb,
     Start,
-    Table,
     simulate,
 )
 from analysis.nonlinear.stationary import (
@@ -23,10 +20,9 @@ from analysis.nonlinear.stationary import (
     stationary_branch,
     stationary_motions,
 )
-from analysis.stability.linearisation import stationary_eigenvalues
 from analysis.stability.spectra import matrices_over_spin
 from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP
-from tests.helpers import not_none, refusals
+from tests.helpers import not_none
 
 HELD = Scenario(constraints=("contact", "constant-spin"))
 """At held spin a disk has tilted stationary motions."""
@@ -185,22 +181,3 @@ def test_tilted_motions_are_followed_over_friction() -> None:
     at = min(branch, key=lambda motion: abs(motion.value - 0.4) + abs(motion.gamma - 2.4))
     again = stationary_motions(rubbing(at.value), 60.0, starts=20)
     assert min(abs(each.gamma - at.gamma) for each in again) < 1e-8
-
-
-UPRIGHT = StationaryMotion.at(Scenario(), 10.0, np.array((0.0, 0.0, np.pi / 2, np.pi / 2)))
-TILTED = replace(UPRIGHT, beta=1.2)
-REFUSED: dict[str, Callable[[], object]] = {
-    "spin must not be 0": lambda: stationary_motions(Scenario(), 0.0),
-    "eccentricity must be positive": lambda: stationary_motions(Scenario(disk=CENTRED_DISK), 9.0),
-    "horizontal table": lambda: stationary_motions(Scenario(table=Table(inclination=0.1)), 9.0),
-    "ideal contact": lambda: stationary_motions(Scenario.rest(), 10.0),
-    "start must be tilted": lambda: stationary_branch(Scenario(), UPRIGHT, (5.0, 20.0)),
-    r"positive spins about 10, got \(20": lambda: stationary_branch(
-        Scenario(), TILTED, (20.0, 30.0)
-    ),
-    "is not stationary": lambda: stationary_eigenvalues(
-        Scenario(), 30.0, (0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2)
-    ),
-}
-
-test_what_there_is_not_is_refused = refusals(REFUSED, errors=(ValueError, ArithmeticError))

@@ -1,6 +1,5 @@
 """Eigenvalues of stacks, and branches that stay whole; what has no linear system is refused."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -26,7 +25,6 @@ from analysis.stability.chart import stability_chart, static_gradient
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import spinning
 from analysis.stability.spectra import System, branches, eigenvalues, follow, matrices_over_spin
-from tests.helpers import refusals
 from validation.studies.comparisons import distance
 
 
@@ -145,21 +143,3 @@ def test_other_scenarios_are_refused(name: str) -> None:
     for message, scenario in others.items():
         with pytest.raises(ValueError, match=message):
             call(scenario)
-
-
-SLIPPERY = replace(PAPER, friction=SmoothCoulomb(coefficient=0.0))
-
-REFUSED: dict[str, Callable[[], object]] = {
-    "gradients must be one-dimensional": lambda: stability_chart(FULL, [1.0], []),
-    "must not be negative, got -1": lambda: stability_chart(FULL, [1.0], [-1.0]),
-    "interval must have .* got 10 to 10": lambda: critical_speeds(FULL, (10.0, 10.0)),
-    "interval must have .* got -5 to 10": lambda: critical_speeds(FULL, (-5.0, 10.0)),
-    "interval must lie from -100000 to 100000": lambda: critical_speeds(FULL, (0.0, 1e6)),
-    "gradients must be two or more": lambda: hopf_curves(FULL, [1.0, 1.0]),
-    "gradients must be positive": lambda: hopf_curves(FULL, [1.0, 0.0]),
-    "spins must increase strictly, got 1 before 1": lambda: branches(FULL, [1.0, 1.0]),
-    "spins must be finite": lambda: closed_form(PAPER, np.nan),
-    "friction must have a positive gradient": lambda: closed_form(SLIPPERY, 1.0),
-}
-
-test_other_bad_calls_are_refused = refusals(REFUSED)

@@ -1,6 +1,5 @@
 """Rolling of a centred disk: the textbook's closed forms against equations and motions."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from math import log10, sqrt
 
@@ -8,17 +7,15 @@ import numpy as np
 import pytest
 
 from analysis import CENTRED_DISK as DISK
-from analysis import GRAVITY, ConstraintSet, Disk, Dissipation, Scenario, Table, simulate
+from analysis import GRAVITY, ConstraintSet, Disk, Scenario, simulate
 from analysis.stability.stationary_rolling import (
     axial_spin,
-    euler_disk_energy,
     euler_disk_precession,
     fit_power_law,
     rolling_start,
-    time_to_flat,
     upright_rolling_spin,
 )
-from tests.helpers import mostly_slow, refusals
+from tests.helpers import mostly_slow
 from validation.studies.rest import closed_forms
 
 CENTRED = Scenario(disk=DISK)
@@ -62,19 +59,3 @@ def test_fit_finds_the_power_law_it_was_given() -> None:
     times = np.linspace(0.0, 0.95, 200)
     law = fit_power_law(times, 0.3 * (1.0 - times) ** 0.6)
     assert law == pytest.approx((0.6, 1.0, 0.0, log10(20.0)), rel=1e-5, abs=1e-6)
-
-
-BOTH = Scenario.rest(disk=DISK, dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3))
-TIMES = np.linspace(0.0, 0.95, 20)
-
-
-LEANING = replace(CENTRED, table=Table(inclination=0.1))
-REFUSED: dict[str, Callable[[], object]] = {
-    "disk must be centred": lambda: euler_disk_precession(Scenario(), 0.1),
-    "horizontal": lambda: euler_disk_energy(LEANING, 0.3),
-    "either rolling_dry or rolling_viscous": lambda: time_to_flat(BOTH, 0.1),
-    "values must be positive, got 0": lambda: fit_power_law(TIMES, TIMES),
-    "end must lie behind the last time": lambda: fit_power_law(TIMES, TIMES + 1.0, 0.5),
-}
-
-test_closed_forms_refuse_what_they_do_not_hold_for = refusals(REFUSED)
