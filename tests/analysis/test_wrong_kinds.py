@@ -21,6 +21,7 @@ import mbs_models
 from analysis import (
     CENTRED_DISK,
     LAWS,
+    ROUNDED_STEEL_DISK,
     STEEL_DISK,
     Disk,
     Dissipation,
@@ -36,7 +37,7 @@ from analysis import (
     simulate,
     simulate_many,
 )
-from analysis.mechanics.paper import closed_form
+from analysis.mechanics.paper import closed_form, critical_speed
 from analysis.nonlinear import families, stationary
 from analysis.nonlinear.collocation import hopf_cycle
 from analysis.nonlinear.following import Family
@@ -47,8 +48,8 @@ from analysis.stability import stationary_rolling as rolling
 from analysis.stability.boundaries import hopf_curves
 from analysis.stability.chart import stability_chart, static_gradient
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.linearisation import stationary_eigenvalues
-from analysis.stability.spectra import branches
+from analysis.stability.linearisation import spinning, stationary_eigenvalues
+from analysis.stability.spectra import branches, eigenvalues
 from analysis.stability.stationary_rolling import fit_power_law
 from mbs_models import Integrator, Newton, Scene
 from tests.calls import ROOT
@@ -234,6 +235,14 @@ def rubbing(**law: Any) -> dict[str, Any]:
     return {"scenario": model(4, friction=SmoothCoulomb(**law))}
 
 
+FULL_SYSTEM = (
+    partial(eigenvalues, system="full"), static_gradient, stability_chart, hopf_curves,
+)  # fmt: skip
+ANY_SYSTEM = (eigenvalues, critical_speeds, spinning)
+REDUCED_SYSTEM = partial(eigenvalues, system="reduced")
+# What takes others is told where eigenvalues are asked for, and nowhere else.
+HINT = "; eigenvalues .* are those of the system 'numeric'$"
+
 WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (Scenario, {"constraints": ["contact", np.zeros(2)]}, "constraints .* contact, .* got array"),
     (Ensemble, {"fields": {5: [1.0]}}, "fields must be named by text, got 5"),
@@ -243,6 +252,16 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (Ensemble, {"fields": {"spin": [1.0], "start.spin": [2.0]}}, "fields .* start.spin twice"),
     (Ensemble, {"fields": {"spin": [1.0, 2.0], "mu": [0.1]}}, r"fields .* got \(2,\) of start.sp"),
     (Ensemble, {"fields": {"spin": 3.0}}, r"start.spin must have shape \(m,\)"),
+    (Ensemble, {"fields": {"contact.stiffness": [1e5]}}, ".*needs a penalty contact"),
+    (Ensemble, {"fields": {"friction.static": [0.1]}}, ".*static is unknown here; .* takes law"),
+    (Ensemble, {"fields": {"disk.radius": [0.05], "disk.mass": [0.4]}},
+     ".*mass does not go with hole_ra.*; or radius, m"),
+    (Ensemble, {"fields": {"disk.density": [1.0], "disk.mass": [0.4]}},
+     ".*mass does not go with density; .disk"),
+    (Ensemble, {"scenario": Scenario(disk=ROUNDED_STEEL_DISK), "fields": {"disk.radius": [0.05]}},
+     ".*radius varies a ring alone"),
+    (Ensemble, {"scenario": replace(FULL, start=FULL.initial_state)},
+     ".*the start is told by its coordinates and"),
     (Ensemble, {"scenario": PENALTY, "fields": {"stiffness": [1e5, 1.0]}},
      "member 1 of fields: stiffness must be at le"),
     (analysis.outcomes, {"motions": [RUN, "x"]}, r"motions\[1\] must be a SampledMotion, got 'x'"),
@@ -282,6 +301,16 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (to_rest, {"tolerance": 1e-3, "local_tolerance": 1e-8}, "give either tolerance or l"),
     (to_rest, {"method": "Radau"}, "method must be one of"),
     # Linear systems.
+    *((call, {"scenario": Scenario(table=LEANING)}, ".*needs a horizontal table")
+      for call in (*FULL_SYSTEM, *ANY_SYSTEM, closed_form, critical_speed)),
+    (REDUCED_SYSTEM, {"scenario": model(4, table=LEANING)}, ".*needs a horizontal table"),
+    # A penalty contact takes no further constraint.
+    *((call, {"scenario": PENALTY}, ".*needs the ideal contact, got a Penalty")
+      for call in (*FULL_SYSTEM, *ANY_SYSTEM)),
+    (FULL_SYSTEM[0], {"scenario": model(2)}, rf"the full .* of Model 1, got Model 2{HINT}"),
+    (REDUCED_SYSTEM, {"scenario": model(2)}, rf"the reduced .* of Model 4, got Model 2{HINT}"),
+    *((call, {"scenario": model(2)}, "the full system is that of Model 1, got Model 2$")
+      for call in FULL_SYSTEM[1:]),
     (stability_chart, {"gradients": []}, "gradients must be one-dimensional"),
     (stability_chart, {"gradients": [-1.0]}, "gradients must not be negative, got -1"),
     (critical_speeds, {"interval": (10.0, 10.0)}, "interval must have .* got 10 to 10"),
@@ -291,7 +320,7 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (hopf_curves, {"gradients": [1.0, 1.0]}, "gradients must be two or more"),
     (hopf_curves, {"gradients": [1.0, 0.0]}, "gradients must be positive"),
     (branches, {"spins": [1.0, 1.0]}, "spins must increase strictly, got 1 before 1"),
-    (closed_form, rubbing(coefficient=0.0) | {"spins": 1.0}, "friction must have a positive grad"),
+    (closed_form, rubbing(coefficient=0.0), "friction must have a positive grad"),
     (closed_form, {"scenario": REDUCED, "spins": nan}, "spins must be finite"),
     # Rolling.
     (rolling.euler_disk_precession, {"scenario": FULL}, "disk must be centred"),

@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import (
-    MODELS,
-    ConstraintSet,
-    Scenario,
-    SmoothCoulomb,
-    Start,
-    simulate,
-)
+from analysis import MODELS, ConstraintSet, Scenario, SmoothCoulomb, Start, simulate
 from analysis.nonlinear.stationary import (
     Parameter,
     StationaryMotion,

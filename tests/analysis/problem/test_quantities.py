@@ -2,12 +2,10 @@
 
 import re
 from dataclasses import MISSING, asdict, fields, replace
-from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from analysis import (
@@ -17,7 +15,6 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     Disk,
-    Ensemble,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -31,7 +28,6 @@ from analysis.problem.quantities import QUANTITIES, RING, Quantity, default
 from analysis.problem.scenario import KINDS, as_plain
 from analysis.problem.variations import changed
 from tests.calls import printed, run
-from tests.helpers import refusals
 from tests.scenario_texts import with_key
 from validation.sweeps.axes import axis_from_text
 
@@ -189,24 +185,3 @@ def test_case_is_the_scenario_with_its_fields_changed(
 def test_what_is_no_number_of_a_model_is_refused_by_name(model: Any) -> None:
     with pytest.raises(ArgumentError, match=r"^model must be one of 1, 2, 3, 4, got '"):
         changed(PAPER, {"model": model})
-
-
-ROUNDED = replace(PAPER, disk=ROUNDED_STEEL_DISK)
-TOLD = replace(PAPER, start=PAPER.initial_state)
-
-
-def varied(scenario: Scenario, *names: str) -> Any:
-    values = np.array([0.04, 0.05])
-    return partial(Ensemble, scenario=scenario, fields=dict.fromkeys(names, values))
-
-
-test_fields_that_do_not_vary_in_a_scenario_are_refused = refusals(
-    {
-        "needs a penalty contact": varied(PAPER, "contact.stiffness"),
-        "static is unknown here; .* takes law, .*coefficient": varied(PAPER, "friction.static"),
-        "mass does not go with hole_ra.*; or radius, m": varied(PAPER, "disk.radius", "disk.mass"),
-        "mass does not go with density; .disk": varied(PAPER, "disk.density", "disk.mass"),
-        "radius varies a ring alone": varied(ROUNDED, "disk.radius"),
-        "the start is told by its coordinates and": varied(TOLD, "start.spin"),
-    }
-)

@@ -10,13 +10,7 @@ from analysis.problem.elementary import Rows
 from analysis.simulation.formulations import pose
 from analysis.simulation.request import TIGHTEST_LOCAL_TOLERANCE
 from analysis.solve.stepping import Run
-from analysis.solve.to_tolerance import (
-    Runs,
-    agree,
-    estimated_errors,
-    run_to,
-    tighter_and_tighter,
-)
+from analysis.solve.to_tolerance import Runs, agree, estimated_errors, run_to, tighter_and_tighter
 
 TIMES = np.linspace(0.0, 0.6, 7)
 

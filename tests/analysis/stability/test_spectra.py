@@ -1,29 +1,10 @@
-"""Eigenvalues of stacks, and branches that stay whole; what has no linear system is refused."""
-
-from dataclasses import replace
-from functools import partial
-from typing import Any
+"""Eigenvalues of stacks, and branches that stay whole."""
 
 import numpy as np
 import pytest
 
-from analysis import (
-    MODELS,
-    MOTIONS,
-    POSSIBLE_SETS,
-    Level,
-    Motion,
-    PenaltyContact,
-    Scenario,
-    SmoothCoulomb,
-    Table,
-)
-from analysis.mechanics.paper import closed_form, critical_speed
+from analysis import MODELS, MOTIONS, POSSIBLE_SETS, Level, Motion, Scenario, SmoothCoulomb
 from analysis.problem.constraints import set_name
-from analysis.stability.boundaries import hopf_curves
-from analysis.stability.chart import stability_chart, static_gradient
-from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import spinning
 from analysis.stability.spectra import System, branches, eigenvalues, follow, matrices_over_spin
 from validation.studies.comparisons import distance
 
@@ -102,44 +83,3 @@ def test_branches_go_on_as_they_have_come_past_others_collisions_and_zeros_that_
 def test_pairs_are_numbered_from_even_places_and_a_real_eigenvalue_gives_way() -> None:
     matrix = np.array([[2.0, 0, 0, 0], [0, -1, 1, 0], [0, -1, -1, 0], [0, 0, 0, -3]])
     np.testing.assert_allclose(follow(matrix[None]), [[2.0, -3.0, -1.0 + 1j, -1.0 - 1j]])
-
-
-# --- Refusals -----------------------------------------------------------------------------------
-
-FULL = Scenario()
-PAPER = Scenario(constraints=MODELS[4])
-
-CALLS: dict[str, tuple[str, Any]] = {
-    "full system": ("full", partial(eigenvalues, spins=1.0, system="full")),
-    "reduced system": ("reduced", partial(eigenvalues, spins=1.0, system="reduced")),
-    "closed form": ("closed", partial(closed_form, spins=1.0)),
-    "spectra": ("any", partial(eigenvalues, spins=1.0)),
-    "static": ("full", partial(static_gradient, spins=1.0)),
-    "chart": ("full", partial(stability_chart, spins=1.0, gradients=[1.0])),
-    "hopf curves": ("full", partial(hopf_curves, gradients=[1.0])),
-    "critical speed": ("closed", critical_speed),
-    "critical speeds": ("any", critical_speeds),
-    "linearisation": ("any", spinning),
-}
-"""What takes a scenario, with its system."""
-
-
-@pytest.mark.parametrize("name", CALLS)
-def test_other_scenarios_are_refused(name: str) -> None:
-    system, call = CALLS[name]
-    fitting = PAPER if system == "reduced" else FULL
-    others = {"needs a horizontal table": replace(fitting, table=Table(inclination=0.1))}
-    # A penalty contact takes no further constraint.
-    if system in ("full", "any"):
-        soft = replace(fitting, contact=PenaltyContact(stiffness=1e5))
-        others["needs the ideal contact, got a Penalty"] = soft
-    if system in ("full", "reduced"):
-        # What takes others is told where eigenvalues are asked for, and nowhere else.
-        hint = (
-            "; eigenvalues .* are those of the system 'numeric'" if name.endswith("system") else ""
-        )
-        message = rf"^the {system} system is that of Model \d, got Model 2{hint}$"
-        others[message] = replace(fitting, constraints=MODELS[2])
-    for message, scenario in others.items():
-        with pytest.raises(ValueError, match=message):
-            call(scenario)
