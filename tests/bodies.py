@@ -1,11 +1,9 @@
-"""Bodies of several kinds, and states of them, for tests of both sides."""
+"""Bodies of several kinds, for tests of both sides."""
 
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
-from analysis import Body, Disk, Start
+from analysis import Body, Disk
 from analysis.problem.elementary import sqrt
 from validation.studies import crosscheck
 
@@ -53,17 +51,3 @@ RINGS: dict[str, Body] = {
     "ring": Disk.ring(hole_radius=0.01),
     "hole ahead": Disk.of_parts((0.045, 0.01, 7700.0), [(0.02, 0.0, 0.012)]),
 }
-
-
-def random_start(seed: int, pace: float = 1.0) -> Start:
-    """Start that tells all that can be told, with turns of up to 20 rad/s times the pace."""
-    rng = np.random.default_rng(seed)
-    return Start(
-        alpha=rng.uniform(-3.0, 3.0),
-        beta=rng.uniform(0.4, 2.7),
-        gamma=rng.uniform(-3.0, 3.0),
-        spin=pace * rng.uniform(-20.0, 20.0),
-        beta_rate=pace * rng.uniform(-5.0, 5.0),
-        gamma_rate=pace * rng.uniform(-20.0, 20.0),
-        **{name: rng.uniform(-1.0, 1.0) for name in ("x", "y", "x_rate", "y_rate")},
-    )

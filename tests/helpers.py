@@ -245,13 +245,6 @@ def angular_velocity(path: Callable[[float], Array], time: float = 0.0) -> Array
     return np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
 
 
-def spin_momentum(disk: Body, path: Callable[[float], Array], time: float) -> Array:
-    """Angular momentum about S in inertial axes."""
-    turn = rotation(path(time))
-    in_body = turn.T @ angular_velocity(path, time)
-    return turn @ disk.tensor_about_cog @ in_body
-
-
 def slip(disk: Body, path: Callable[[float], Array], time: float = 0.0) -> Array:
     """Velocity of the disk's material point at the contact, in R-frame axes, shape (2,)."""
     speed = derivative(lambda s: centre(path(time + s)))

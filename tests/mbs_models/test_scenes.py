@@ -1,6 +1,6 @@
 """What is in a scene, item by item, where it starts, and its accelerations, as in-house."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
@@ -26,7 +26,6 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Table,
-    multiplier_names,
 )
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
@@ -36,12 +35,13 @@ from mbs_models.inventory import BALLAST, Item, inventory, six_axes
 from mbs_models.model import Model
 from mbs_models.runs import run
 from mbs_models.scene import build
-from tests.bodies import BODIES, random_start
+from tests.bodies import BODIES, TIPPE_TOP
 from tests.calls import printed
-from tests.helpers import model, more_sets, random_scenario, slip
+from tests.helpers import TILTED, model, random_scenario, slip
 from tests.helpers import random_start as free_start
 from tests.scenes import scene_of
 from tests.wayward_law import Own
+from validation.studies.comparisons import compare_scenario
 
 SMOOTH = SmoothCoulomb(coefficient=0.0)
 ROUGHNESS = pytest.mark.parametrize("friction", [SmoothCoulomb(), SMOOTH], ids=["rough", "smooth"])
@@ -170,70 +170,7 @@ def test_the_default_is_the_most_accurate_formulation_and_all_start_where_the_sc
         np.testing.assert_allclose(rates[0], state.rates, atol=1e-11)
 
 
-# --- Accelerations and forces in a state -------------------------------------------------------
-
-STEEP = Table(inclination=0.2, downhill=0.5)
-
-
-def compare(scenario: Scenario, parts: Sequence[float] = (1e-9, 1e-9), least: float = 0.0) -> None:
-    """Accelerations and forces of every formulation with the in-house ones.
-
-    They differ by no more than so large a part of the largest, or of the least if that is more.
-    """
-    state = scenario.initial_state
-    expected = accelerations(scenario, state.coordinates, state.rates)
-    built = formulations(scenario)
-    assert built
-    for formulation in built:
-        found = mbs_models.acceleration(Scene(scenario, formulation))
-        assert found[1].shape == (len(multiplier_names(scenario.constraints)),)
-        for one, other, part in zip(found, expected, parts, strict=True):
-            scale = max(least, float(np.max(np.abs(other))))
-            np.testing.assert_allclose(one, other, rtol=0.0, atol=part * scale)
-
-
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("products", [0.0, 0.25])
-@more_sets
-def test_accelerations_with_every_set_of_constraints(
-    constraints: ConstraintSet, products: float, load: Load
-) -> None:
-    for seed in range(3):
-        compare(random_scenario(constraints, seed, SmoothCoulomb(load=load), products)[0])
-
-
-@pytest.mark.parametrize("spin", [-1000.0, 5.0])
-@pytest.mark.parametrize("tilt", [1e-3, 1e-2])
-@pytest.mark.parametrize("side", ["bottom", "top"])
-@pytest.mark.parametrize("level", [2, 3, 4])
-def test_accelerations_near_a_flat_disk(level: Level, side: str, tilt: float, spin: float) -> None:
-    """Angles are ill-conditioned there: a tilt of 1e-3 loses six digits of alpha and gamma."""
-    beta = tilt if side == "bottom" else pi - tilt
-    for seed in range(4):
-        start = free_start(MODELS[level], np.random.default_rng(seed))
-        start = replace(start, beta=beta, spin=spin)
-        scenario = Scenario(constraints=MODELS[level], start=start)
-        compare(scenario, (1e-10 / tilt**2, 1e-7), scenario.weight)
-
-
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("seed", range(3))
-@pytest.mark.parametrize("contact", ["ideal", "sharp", "sharp, losses", "rounded, losses"])
-@pytest.mark.parametrize("body", BODIES.values(), ids=list(BODIES))
-def test_accelerations_of_bodies_on_either_contact(
-    body: Body, contact: str, seed: int, load: Load
-) -> None:
-    given: Any = {"friction": SmoothCoulomb(load=load), "start": random_start(seed)}
-    if "sharp" in contact:
-        given["contact"] = PenaltyContact.damped(1e5, body)
-    if "rounded" in contact:
-        given["contact"] = PenaltyContact.rounded(body, stiffness=1e5)
-    if "losses" in contact:
-        drag = 1.2 * body.is_round_disk
-        given["dissipation"] = Dissipation(
-            rolling_dry=1e-3, rolling_viscous=1e-3, pivoting=1e-4, air_drag=drag
-        )
-    compare(Scenario(disk=body, table=STEEP, **given))
+# --- Accelerations, forces and eigenvalues -----------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -248,21 +185,67 @@ class Slanted(SmoothCoulomb):
 
 
 ON_CONTACT = [kind(load="contact") for kind in (*[*LAWS.values()][1:], Own)]
-BESIDE = Start(beta=1.2, gamma=0.4, spin=20.0, beta_rate=2.0)
-RUBBED = [
-    *(model(level, friction=law, start=BESIDE) for level in (1, 3) for law in ON_CONTACT),
-    model(1, friction=Slanted(), start=BESIDE),
-    *(
-        Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
-        for law in ON_CONTACT
-        if not law.is_simple
-    ),
-]
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
+STEEP = Table(inclination=0.2, downhill=0.5)
+LOSSES = {"rolling_dry": 1e-3, "rolling_viscous": 1e-3, "pivoting": 1e-4}
 
 
-@pytest.mark.parametrize("scenario", RUBBED, ids=lambda each: f"{each.friction} {each.name}")
-def test_accelerations_under_every_law_and_on_a_yielding_table(scenario: Scenario) -> None:
-    compare(scenario, least=1.0)
+def touching(body: Body, load: Load) -> Iterator[Scenario]:
+    """A body on the ideal contact and on yielding ones, without and with losses."""
+    ideal = Scenario(disk=body, table=STEEP, friction=SmoothCoulomb(load=load))
+    losses = Dissipation(**LOSSES, air_drag=1.2 * body.is_round_disk)
+    sharp = replace(ideal, contact=PenaltyContact.damped(1e5, body))
+    rounded = PenaltyContact.rounded(body, stiffness=1e5)
+    yield from (ideal, sharp, replace(sharp, dissipation=losses))
+    yield replace(ideal, contact=rounded, dissipation=losses)
+
+
+COMPARED: list[Scenario] = [
+    *(Scenario(constraints=held) for held in POSSIBLE_SETS),
+    *(random_scenario(held, 1, SmoothCoulomb(load=load), products)[0]
+      for held in (*POSSIBLE_SETS, *TILTED) for load in LOADS for products in (0.0, 0.25)),
+    *(each for body in BODIES.values() for load in LOADS for each in touching(body, load)),
+    *(model(level, friction=law) for level in (1, 3) for law in (*ON_CONTACT, Slanted())),
+    *(Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
+      for law in ON_CONTACT if not law.is_simple),
+    *(Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(smoothing=0.01, load=load))
+      for load in LOADS),
+    # Where nothing rubs, it does not matter how finely friction would bend.
+    Scenario(constraints=ROLLING, friction=SmoothCoulomb(smoothing=1e-5)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("scenario", COMPARED, ids=lambda each: f"{each.friction} {each.name}")
+def test_accelerations_forces_and_eigenvalues_of_every_formulation_are_those_in_house(
+    scenario: Scenario,
+) -> None:
+    found = compare_scenario(scenario, states=3, end=None)
+    assert {each.formulation for each in found} == set(formulations(scenario))
+    for each in found:
+        if each.difference is None:
+            assert "eigenvalues" in each.quantity
+            assert scenario.contact is not None or not scenario.table.is_horizontal
+        else:
+            assert each.difference < min(each.criterion, 5e-8), each
+
+
+@pytest.mark.parametrize("spin", [-1000.0, 5.0])
+@pytest.mark.parametrize("tilt", [1e-3, 1e-2])
+@pytest.mark.parametrize("side", ["bottom", "top"])
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_accelerations_near_a_flat_disk(level: Level, side: str, tilt: float, spin: float) -> None:
+    """Angles are ill-conditioned there: a tilt of 1e-3 loses six digits of alpha and gamma."""
+    beta = tilt if side == "bottom" else pi - tilt
+    for seed in range(4):
+        start = free_start(MODELS[level], np.random.default_rng(seed))
+        scenario = model(level, start=replace(start, beta=beta, spin=spin))
+        state = scenario.initial_state
+        moving, forces = accelerations(scenario, state.coordinates, state.rates)
+        scale, most = (max(scenario.weight, *np.abs(each)) for each in (moving, forces))
+        for formulation in formulations(scenario):
+            one, other = mbs_models.acceleration(Scene(scenario, formulation))
+            np.testing.assert_allclose(one, moving, rtol=0.0, atol=1e-10 / tilt**2 * scale)
+            np.testing.assert_allclose(other, forces, rtol=0.0, atol=1e-7 * most)
 
 
 def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:

@@ -7,10 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
-import mbs_models
 from analysis import (
     CENTRED_DISK,
-    LOADS,
     MODELS,
     MOTIONS,
     POSSIBLE_SETS,
@@ -25,7 +23,6 @@ from analysis import (
     Start,
     Table,
 )
-from analysis.mechanics.constraints import SLIPS
 from analysis.problem.constraints import set_name
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import (
@@ -85,26 +82,6 @@ def test_friction_may_bend_as_finely_as_it_likes(smoothing: float) -> None:
     # A slip of 1e-16 m/s, which rounding leaves at pi / 2, is that part of the smoothing.
     numeric, printed = (eigenvalues(scenario, SPINS, each) for each in ("numeric", "full"))
     assert gap(numeric, printed) < 1e-15 / smoothing
-
-
-SETS = [Scenario(constraints=held) for held in POSSIBLE_SETS]
-TOPS = [
-    Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(smoothing=0.01, load=load)) for load in LOADS
-]
-# Where nothing rubs, it does not matter how finely friction would bend.
-ROLLING = Scenario(constraints=("contact", *SLIPS), friction=SmoothCoulomb(smoothing=1e-5))
-
-
-@pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("scenario", [*SETS, *TOPS, ROLLING], ids=str)
-def test_every_set_and_other_bodies_are_linearised_as_in_the_engine(
-    motion: Motion, scenario: Scenario
-) -> None:
-    spun = replace(scenario, start=Start.stationary(150.0, motion))
-    found = eigenvalues(spun, [150.0], motion=motion)
-    engine = mbs_models.eigenvalues(mbs_models.Scene(spun, "floating"))
-    assert found.size == engine.size
-    assert gap(found, engine[None]) < 1e-8
 
 
 def test_law_without_one_slope_is_linearised_where_no_system_is_asked_for() -> None:
