@@ -13,8 +13,6 @@ from scipy.integrate import quad
 import mbs_models
 from analysis import (
     CENTRED_DISK,
-    MODELS,
-    Formulation,
     Level,
     Method,
     PenaltyContact,
@@ -31,7 +29,7 @@ from analysis.problem import limits
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.limits import LEAST_TILT
 from analysis.solve import effort
-from tests.helpers import EITHER_METHOD, angles_apart, model, mostly_slow, not_none
+from tests.helpers import EITHER_METHOD, angles_apart, model, not_none
 from tests.scenes import LOADED, scene_of
 from validation.comparison.differences import ending_error
 from validation.run import run
@@ -70,17 +68,6 @@ def test_a_run_is_the_whole_one_up_to_where_the_disk_is_up_or_down_again(case: s
     above = whole.cog_direction > level
     assert np.all(above[:count] == above[0])
     assert above[count] != above[0]
-
-
-@pytest.mark.parametrize("method", EITHER_METHOD)
-@pytest.mark.parametrize("formulation", ["index-1", "reduced"])
-def test_a_condition_may_ask_for_any_coordinate(formulation: Formulation, method: Method) -> None:
-    def turned(state: State) -> float:
-        return 1.7 - state.coordinates[3]
-
-    how: dict[str, Any] = {"formulation": formulation, "method": method}
-    run = simulate(model(4, start=Start(alpha=0.3)), TIMES, stop_when=turned, **how)
-    assert_ends(run, "turned", (1.7 - 0.3) / 40.0, 1e-9)
 
 
 def slow(state: State) -> Any:
@@ -137,39 +124,6 @@ def test_a_run_may_start_on_a_condition_and_ends_where_it_comes_back(method: Met
             assert_ends(found, condition.__name__, time, 2e-8)
 
 
-@pytest.mark.parametrize(
-    ("start", "tolerance", "time"),
-    [
-        # The first two runs end in nearly the same state, half a microsecond apart.
-        (Start(spin=45.2112, gamma=-1.467538, beta=1.356142), 1e-6, 0.743089983348),
-        # Two runs of an early reversal of slip, where friction has a kink, agree by chance.
-        (Start(spin=37.25768, gamma=-1.761848, beta=1.823287), 1e-8, 0.469902896322),
-    ],
-)
-def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
-    start: Start, tolerance: float, time: float
-) -> None:
-    scenario = model(4, start=start)
-    run = simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
-    assert_ends(run, "inverted", time, tolerance / 3.0)
-    # Steps across that kink would be short, and twice as many.
-    assert run.counts["right_hand_sides"] < 2000
-    whole = simulate(
-        scenario, run.times, formulation="reduced", method="Radau", local_tolerance=1e-9
-    )
-    assert angles_apart(run, whole) < tolerance
-
-
-QUICK, ALL = 8, 300
-
-
-def random_scenario(random: np.random.Generator) -> Scenario:
-    """A start that ends, for more than one reason, within a second, or does not."""
-    ranges = {"spin": (15.0, 150.0), "beta": (0.8, 2.3), "gamma": (-3.0, 3.0)}
-    start = Start(**{name: random.uniform(*ends) for name, ends in ranges.items()})
-    return Scenario(constraints=[*MODELS.values()][random.integers(4)], start=start)
-
-
 def turned_by(angle: float) -> Callable[[State], float]:
     """Condition that ends a run where gamma has risen by an angle."""
 
@@ -197,28 +151,6 @@ def test_conditions_say_nothing_of_what_comes_after_a_fall() -> None:
     how: dict[str, Any] = {"formulation": "reduced", "tolerance": 1e-3}
     run = simulate(model(4, start=start), [0.0, 1.5], stop_when="lost", **how)
     assert_ends(run, "flat", 0.148187, 1e-5)
-
-
-@pytest.mark.parametrize("starts", mostly_slow([QUICK, ALL], [QUICK]))
-def test_endings_do_not_depend_on_times_and_are_those_of_other_solvers(starts: int) -> None:
-    random = np.random.default_rng(21)
-    ended = 0
-    for number in range(starts):
-        scenario = random_scenario(random)
-        how: dict[str, Any] = {"tolerance": 1e-6, "stop_when": ["inverted", "lost"]}
-        if scenario.model == 4 and number % 2:
-            how["formulation"] = "reduced"
-        between = np.sort(random.uniform(0.0, 0.6, 40))
-        few = simulate(scenario, [0.0, 0.6], **how)
-        others = [simulate(scenario, [0.0, *between, 0.6], **how)]
-        if starts == ALL:
-            # Compiling takes longer than a quick test may.
-            others.append(simulate(scenario, [0.0, 0.6], method="taylor", **how))
-        reason = None if few.ending is None else few.ending.reason
-        for other in others:
-            assert_ends(other, reason, few.times[-1], 2e-6)
-        ended += few.ending is not None
-    assert ended > starts // 4
 
 
 @pytest.mark.parametrize("method", EITHER_METHOD)
