@@ -19,6 +19,7 @@ from analysis import (
     Body,
     ConstraintSet,
     Dissipation,
+    FrictionLaw,
     Level,
     Load,
     PenaltyContact,
@@ -184,7 +185,8 @@ class Slanted(SmoothCoulomb):
         return x + 0.5 * y, y + 0.5 * x
 
 
-ON_CONTACT = [kind(load="contact") for kind in (*[*LAWS.values()][1:], Own)]
+KINDS: list[type[FrictionLaw]] = [*LAWS.values(), Own]
+ON_CONTACT = [kind(load="contact") for kind in KINDS[1:]]
 ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 STEEP = Table(inclination=0.2, downhill=0.5)
 LOSSES = {"rolling_dry": 1e-3, "rolling_viscous": 1e-3, "pivoting": 1e-4}
