@@ -124,6 +124,29 @@ def test_a_run_may_start_on_a_condition_and_ends_where_it_comes_back(method: Met
             assert_ends(found, condition.__name__, time, 2e-8)
 
 
+@pytest.mark.parametrize(
+    ("start", "tolerance", "time"),
+    [
+        # The first two runs end in nearly the same state, half a microsecond apart.
+        (Start(spin=45.2112, gamma=-1.467538, beta=1.356142), 1e-6, 0.743089983348),
+        # Two runs of an early reversal of slip, where friction has a kink, agree by chance.
+        (Start(spin=37.25768, gamma=-1.761848, beta=1.823287), 1e-8, 0.469902896322),
+    ],
+)
+def test_tolerance_covers_the_time_of_an_ending_and_the_state_there(
+    start: Start, tolerance: float, time: float
+) -> None:
+    scenario = model(4, start=start)
+    run = simulate(scenario, [0.0, 2.0], tolerance=tolerance, stop_when="inverted")
+    assert_ends(run, "inverted", time, tolerance / 3.0)
+    # Steps across that kink would be short, and twice as many.
+    assert run.counts["right_hand_sides"] < 2000
+    whole = simulate(
+        scenario, run.times, formulation="reduced", method="Radau", local_tolerance=1e-9
+    )
+    assert angles_apart(run, whole) < tolerance
+
+
 def turned_by(angle: float) -> Callable[[State], float]:
     """Condition that ends a run where gamma has risen by an angle."""
 
