@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.helpers import failing, planted
+from tests.faults import GONE, faults
+from tests.helpers import failing
 from validation.display.figures import new_figure
 from validation.nonlinear import figures
 from validation.page.section import Section
@@ -88,31 +89,29 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 FITS = "fit over theory less 1"
-WRONG = [
-    *(("engine-cycles", "engine", name, f"cycles: {name}, engine") for name in SAME_CYCLE),
-    ("families", "end", "off", "cycles: end at the connection"),
-    ("families", "birth", "fitted_curvature", f"cycles: spin over amplitude², {FITS}"),
-    ("families", "birth", "fitted_exponent", f"cycles: power of the amplitude, {FITS}"),
-    ("families", "end", "by_amplitude", f"cycles: period over ln(π − amplitude), {FITS}"),
-    ("connections", "disk of Table 1", "bracket", "connections: bracket"),
-    ("passages", f"{DISSIPATED}, engine", "lowest_spin", "passage: lowest_spin, engine"),
-    ("passages", f"{DISSIPATED}, engine", "crossing", "passage: crossing, engine"),
-]
+WRONG = (0.3, nan, inf)
+LATE = f"{DISSIPATED}, engine"
 
-
-@pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize(("study", "label", "column", "check"), WRONG)
-def test_a_wrong_value_none_or_a_missing_row_fails_its_check(
-    study: str, label: str, column: str, check: str, rows: dict[str, pd.DataFrame]
-) -> None:
-    table = rows[study]
-    at = table.index[table.isin([label]).any(axis=1)][0]
-    for value in (0.3, nan, inf):
-        assert failing(present({**rows, study: planted(table, at, column, value)}).checks) == {
-            check
-        }
-    if study != "families":
-        assert failing(present({**rows, study: table.drop(at)}).checks)
+test_a_wrong_value_none_or_a_missing_row_fails_its_check = pytest.mark.usefixtures("undrawn")(
+    faults(
+        present,
+        [
+            *(
+                ("engine-cycles", "engine", name, f"cycles: {name}, engine", *WRONG)
+                for name in SAME_CYCLE
+            ),
+            ("engine-cycles", "engine", "", "cycles: ", GONE),
+            ("families", "end", "off", "cycles: end at the connection", *WRONG),
+            ("families", "birth", "fitted_curvature", f"spin over amplitude², {FITS}", *WRONG),
+            ("families", "birth", "fitted_exponent", f"power of the amplitude, {FITS}", *WRONG),
+            ("families", "end", "by_amplitude", f"over ln(π − amplitude), {FITS}", *WRONG),
+            ("connections", "disk of Table 1", "bracket", "connections: ", *WRONG, GONE),
+            ("passages", LATE, "lowest_spin", "passage: lowest_spin, engine", *WRONG),
+            ("passages", LATE, "crossing", "passage: crossing, engine", *WRONG),
+            ("passages", LATE, "", "passage", GONE),
+        ],
+    )
+)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -1,80 +1,89 @@
 """The study of the way to rest: its numbers, and that what is wrong in it fails."""
 
-from collections.abc import Callable
 from math import nan
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from analysis.problem.choices import SOURCES
-from tests.helpers import failing, planted
+from tests.faults import faults
+from tests.helpers import failing
 from validation import study as studying
+from validation.page.content import Content
 from validation.studies.rest import closed_forms, creep, runs, section, starts
 from validation.study import Row
 
+CLOSED = [
+    {"case": name, "quantity": quantity, "exact": exact, "source": source, "value": exact}
+    for name, case in closed_forms.cases().items()
+    if isinstance(case, tuple)
+    for quantity, exact in case.exact.items()
+    for source in SOURCES
+]
+"""Rows in which both sides have each closed form."""
+
 
 @pytest.fixture(scope="module")
-def fresh() -> pd.DataFrame:
-    """In place of the runs made for each report, rows of stored ones."""
-    known = studying.load(runs.STUDY).set_index("case").to_dict("index")
-    rows = [
+def rows() -> dict[str, pd.DataFrame]:
+    """The stored tables; rows of them stand in for runs made for each report."""
+    stored = {each.name: studying.load(each) for each in section.STUDIES if each.is_stored}
+    known = stored[runs.STUDY.name].set_index("case").to_dict("index")
+    fresh = [
         {**known[runs.ENGINE[each]], "case": runs.INHOUSE[each]}
         for each in (runs.SHOWN, runs.VISCOUS)
     ]
     ideal = {name: known[runs.INHOUSE[runs.SLIDING]][name] for name in runs.PHASES[:2]}
-    return pd.DataFrame([*rows, {**ideal, "case": runs.IDEAL, "end": 19.5}])
+    fresh.append({**ideal, "case": runs.IDEAL, "end": 19.5})
+    made = {runs.FRESH.name: fresh, closed_forms.STUDY.name: CLOSED}
+    return stored | {name: pd.DataFrame(told) for name, told in made.items()}
 
 
-def judged(part: Any, table: pd.DataFrame, fresh: pd.DataFrame) -> set[str]:
-    """Names of the checks that fail with a table of a part."""
-    if part is not runs:
-        return failing(part.present(table).checks)
-    every = pd.concat([table, fresh]).set_index("case")
-    return failing(section.checks(every.to_dict("index")))
+def present(rows: dict[str, pd.DataFrame]) -> Content:
+    """Checks of the section, without its figures and animation."""
+    table = pd.concat([rows[study.name] for study in (runs.STUDY, runs.FRESH)])
+    content = Content(checks=section.checks(table.set_index("case").to_dict("index")))
+    for each in (creep, closed_forms, starts):
+        content |= each.present(rows[each.STUDY.name])
+    return content
 
 
-def wrong(table: pd.DataFrame, case: str, column: str, change: Callable[[Any], Any]) -> Any:
-    """The table with a value of a case replaced."""
-    return planted(table, table.index[table["case"] == case][0], column, change)
+def test_all_holds(rows: dict[str, pd.DataFrame]) -> None:
+    assert not failing(present(rows).checks)
 
 
-CASES = {runs: runs.ENGINE[runs.SHOWN], creep: "ε = 0.3 m/s", starts: "random, seed 3"}
-"""In which a value is replaced."""
+RUNS, RUN, SEED = runs.STUDY.name, runs.ENGINE[runs.SHOWN], "random, seed 3"
+SHIFTED = "rest, stiffness doubled: phases in s apart from"
 
-
-@pytest.mark.parametrize(
-    ("part", "column", "change", "check"),
+test_what_departs_fails_its_check = faults(
+    present,
     [
-        (runs, "tilt", lambda x: [*x[:700], x[700] + 2e-3, *x[701:]], "tilt in rad"),
-        (runs, "flat", lambda _: nan, "phases in s"),
-        (runs, "taken_by_sliding", lambda taken: 1.1 * taken, "energy taken"),
-        (runs, "face", lambda _: "second", "face apart"),
-        (runs, "rise", lambda _: 1e-6, "rise of the energy"),
-        (runs, "force", lambda _: -1.0, "contact pulls"),
-        (runs, "unexplained", lambda _: 1e-3, "unexplained part"),
-        (creep, "error", lambda _: 0.01, "deviation from the law"),
-        (creep, "part", lambda _: 0.9, "parts of the rate"),
-        (starts, "force", lambda _: -1.0, "contact pulls"),
+        (RUNS, RUN, "tilt", "tilt in rad", lambda x: [*x[:700], x[700] + 2e-3, *x[701:]]),
+        (RUNS, RUN, "flat", "phases in s", nan),
+        (RUNS, RUN, "taken_by_sliding", f"{RUN}: energy taken", lambda taken: 1.1 * taken),
+        (RUNS, RUN, "face", f"{RUN}: face apart", "second"),
+        (RUNS, RUN, "rise", f"{RUN}: rise of the energy", 1e-6),
+        (RUNS, RUN, "force", f"{RUN}: contact pulls", -1.0),
+        (RUNS, RUN, "unexplained", f"{RUN}: unexplained part", 1e-3),
+        (RUNS, "stiffness doubled", "rest", SHIFTED, lambda time: time + 0.1),
+        (
+            *(RUNS, "spin 1e-06 rad/s faster", "tilt", "rest, spin: effect out of proportion"),
+            lambda tilts: [each + 1e-3 for each in tilts],
+        ),
+        (creep.STUDY.name, "ε = 0.3 m/s", "error", "deviation from the law", 0.01),
+        (creep.STUDY.name, "ε = 0.3 m/s", "part", "parts of the rate", 0.9),
+        (starts.STUDY.name, SEED, "force", "contact pulls", -1.0),
+        (
+            closed_forms.STUDY.name,
+            0,
+            "value",
+            f"rest, {CLOSED[0]['case']}",
+            nan,
+            lambda x: 1.1 * x,
+        ),
+        (closed_forms.STUDY.name, -1, "value", f"rest, {CLOSED[-1]['case']}", 1.0),
     ],
 )
-def test_what_departs_in_a_stored_table_fails_its_check(
-    part: Any, column: str, change: Callable[[Any], Any], check: str, fresh: pd.DataFrame
-) -> None:
-    right, case = studying.load(part.STUDY), CASES[part]
-    assert not judged(part, right, fresh)
-    found = judged(part, wrong(right, case, column, change), fresh)
-    assert any(check in name and (case in name or part is not runs) for name in found)
-
-
-def test_a_variant_that_shifts_a_phase_or_loses_its_proportion_fails(fresh: pd.DataFrame) -> None:
-    table = wrong(studying.load(runs.STUDY), "stiffness doubled", "rest", lambda time: time + 0.1)
-    table = wrong(table, "spin 1e-06 rad/s faster", "tilt", lambda x: [each + 1e-3 for each in x])
-    assert judged(runs, table, fresh) == {
-        f"rest, stiffness doubled: phases in s apart from {runs.INHOUSE[runs.SHOWN]}",
-        "rest, spin: effect out of proportion",
-    }
 
 
 def test_a_phase_that_one_side_passes_without_fails_but_not_one_behind_its_end() -> None:
@@ -92,18 +101,3 @@ def test_the_creeps_law_and_its_deviation_are_found() -> None:
     tilts = (10.0 + 0.02 * times) ** -0.5
     tilts[times >= creep.TIMES[1]] *= 1.01
     assert creep.fit(times, tilts) == pytest.approx((0.02, 0.01), rel=1e-6)
-
-
-def test_a_side_that_misses_a_closed_form_fails() -> None:
-    cases = closed_forms.cases().items()
-    right = pd.DataFrame(
-        {"case": name, "quantity": quantity, "exact": exact, "source": source, "value": exact}
-        for name, case in cases
-        if isinstance(case, tuple)
-        for quantity, exact in case.exact.items()
-        for source in SOURCES
-    )
-    assert not failing(closed_forms.present(right).checks)
-    for place, value in ((0, nan), (0, 1.1 * right.at[0, "value"]), (right.index[-1], 1.0)):
-        table = planted(right, place, "value", value)
-        assert len(failing(closed_forms.present(table).checks)) == 2
