@@ -36,7 +36,7 @@ def sweep(
 
 def swept(
     wanted: Sweep,
-    path: Path,
+    path: Path = Path("a.db"),
     pool: Pool | None = None,
     *,
     told: Callable[[list[CaseRow]], object] = len,

@@ -1,24 +1,39 @@
-"""README and docs: links lead somewhere, code runs, commands are understood; what goes out."""
+"""README, docs and notebooks: links, code, commands and numbers are right; what goes out."""
 
+import ast
 import doctest
 import importlib
 import inspect
+import io
+import json
 import re
 import shlex
 import tomllib
+from contextlib import redirect_stdout
 from fnmatch import fnmatch
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
+import matplotlib as mpl
 import pytest
+from matplotlib import pyplot as plt
 
 import analysis
 import mbs_models
-from analysis import Scenario, Start, simulate_to_rest
+from analysis import MODELS, Scenario, Start, simulate_to_rest
+from analysis.mechanics.paper import critical_speed
+from analysis.stability.critical import critical_speeds
 from tests.calls import ROOT, python
+from tests.helpers import mostly_slow
+from tests.stated import chapter, missing, numbers, rows_below, stands, values, words
 from validation.parser.commands import parsed
+from validation.studies.robustness import section as robustness
+from validation.studies.robustness.outcomes import CASES, explained
+from validation.study import load
 
 PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")])
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 LONG = ("report", "study", "rest", "map", "cycles", "heteroclinic", "passage")
 """Subcommands of more than some seconds, which other tests run."""
 
@@ -63,9 +78,18 @@ LATER = [name for name in PYTHON if name not in SCRIPTS and reads_what_commands_
 ALONE = [name for name in PYTHON if name not in SCRIPTS and name not in LATER]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def cells(path: Path, kind: str) -> list[dict[str, Any]]:
+    """Cells of a kind of a notebook."""
+    read = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    return [cell for cell in read if cell["cell_type"] == kind]
+
+
+@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS], ids=lambda page: page.stem)
 def test_links_lead_to_files_that_are_there(page: Path) -> None:
-    for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
+    text = page.read_text(encoding="utf-8")
+    if page in NOTEBOOKS:
+        text = "".join(line for cell in cells(page, "markdown") for line in cell["source"])
+    for link in re.findall(r"\]\(([^)]+)\)", text):
         file = page.parent / link.partition("#")[0]
         assert link.startswith("https://") or file.exists(), link
 
@@ -161,3 +185,113 @@ def test_newest_release_is_the_version_that_is_built_and_cited() -> None:
 @pytest.mark.parametrize("package", ["analysis", "mbs_models", "validation"])
 def test_type_checkers_find_the_annotations(package: str) -> None:
     assert files(package).joinpath("py.typed").is_file()
+
+
+# --- Notebooks -----------------------------------------------------------------------------------
+
+LARGEST = 300_000
+"""Bytes of a notebook with its outputs."""
+
+
+def shown(cell: dict[str, Any]) -> str:
+    """Text that is stored below a cell: what is printed, and tables; of pages their title."""
+    made = [each for each in cell["outputs"] if each["output_type"] != "display_data"]
+    return " ".join("".join(each.get("text") or each["data"]["text/plain"]) for each in made)
+
+
+def run_cell(cell: dict[str, Any], names: dict[str, Any]) -> str:
+    """What a cell prints, and its last expression, as a front end shows it."""
+    source = "".join(cell["source"])
+    tree = ast.parse(source)
+    last = tree.body[-1]
+    printed = io.StringIO()
+    with redirect_stdout(printed):
+        if isinstance(last, ast.Expr) and not source.endswith(";"):
+            exec(compile(ast.Module(tree.body[:-1], []), "cell", "exec"), names)  # noqa: S102
+            value = eval(compile(ast.Expression(last.value), "cell", "eval"), names)  # noqa: S307
+            printed.write("" if value is None else repr(value))
+        else:
+            exec(compile(tree, "cell", "exec"), names)  # noqa: S102
+    return printed.getvalue()
+
+
+@pytest.mark.parametrize("path", mostly_slow(NOTEBOOKS, NOTEBOOKS[:2]), ids=lambda path: path.stem)
+def test_notebook_shows_what_comes_out_of_one_run(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if "to_xarray" in path.read_text(encoding="utf-8"):
+        pytest.importorskip("xarray")
+    mpl.use("Agg")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {"__name__": "notebook"}
+    for number, cell in enumerate(cells(path, "code"), 1):
+        assert cell["execution_count"] == number
+        found, stored = run_cell(cell, names), shown(cell)
+        assert words(found).split() == words(stored).split()
+        # Differences and error estimates are of the size of the tolerance, 1e-6.
+        assert values(found) == pytest.approx(values(stored), rel=1e-3, abs=1e-6)
+    plt.close("all")
+    assert not list(tmp_path.iterdir())
+    assert path.stat().st_size < LARGEST
+
+
+# --- Stated numbers ------------------------------------------------------------------------------
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+RESULTS = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+SAID = " ".join(README.split())
+
+AGREEMENT = "| compared | over | largest difference |"
+
+
+STATED = [
+    *(each.partition("\n\n")[0] for each in chapter(README, "What it shows").split("\n- ")[1:]),
+    *(row[-1] for row in rows_below(README, AGREEMENT) if "SymPy" not in row[0]),
+    SAID.partition("come out more accurate than asked")[2].partition("since their")[0],
+]
+FRONT, *SECTIONS = RESULTS.split("\n## ")
+FOUND = [values(part) for part in (*FRONT.split("\n- "), *SECTIONS)]
+"""Numbers of each verdict at the front, and of each section: in all of them together, most short
+numbers stand somewhere."""
+
+
+@pytest.mark.parametrize("said", STATED)
+def test_what_the_readme_shows_stands_in_one_part_of_all_results(said: str) -> None:
+    assert numbers(said)
+    assert any(not missing(said, found) for found in FOUND)
+
+
+def test_differences_in_the_runs_of_the_figures_are_the_largest_of_their_table() -> None:
+    (head,) = (line for line in RESULTS.splitlines() if "| normal force apart in N |" in line)
+    runs = rows_below(RESULTS, head)
+    named = [name.strip() for name in head.strip("|").split("|")]
+    (said,) = (row[-1] for row in rows_below(README, AGREEMENT) if "paper's figures" in row[0])
+    for column, stated in zip(("β and γ apart", "normal force apart"), numbers(said), strict=True):
+        place = next(at for at, name in enumerate(named) if name.startswith(column))
+        assert stands(stated, [max(float(row[place]) for row in runs)]), column
+
+
+def test_number_stands_to_the_digits_it_is_stated_with_or_if_it_is_small_to_its_size() -> None:
+    right = (("0.9", 0.8812), ("−3", -3.0), ("5e-9", 3.2e-9))
+    wrong = (("0.88", 0.8912), ("8e-5", 8.6e-5), ("5e-9", 8.0e-9), ("5e-9", 5.0e-10))
+    assert all(stands(stated, [found]) for stated, found in right)
+    assert not any(stands(stated, [found]) for stated, found in wrong)
+
+
+def test_numbers_are_told_from_names() -> None:
+    text = "Model 1, λ₃ at 30.92 rad/s to 1e-7, index-1, v2.0, −0.5 and 3."
+    assert numbers(text) == ["30.92", "1e-7", "−0.5", "3"]
+
+
+def test_hard_cases_are_those_of_the_stored_study() -> None:
+    found = robustness.case_numbers(explained(load(CASES)))
+    assert f"Of {found['total']} stiff and extreme cases" in SAID
+    assert f"{found['without']} of the {found['total']} extreme cases" in SAID
+    assert not found["broken"]
+
+
+def test_critical_speeds_are_those_that_come_out() -> None:
+    low, high = (crossing.spin for crossing in critical_speeds(Scenario()).hopf)
+    closed = critical_speed(Scenario(constraints=MODELS[4])).spin
+    assert f"critical speed of {closed:.2f} rad/s is confirmed" in SAID
+    assert f"they are {low:.2f} and {high:.2f}, in" in SAID

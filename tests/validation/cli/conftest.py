@@ -1,4 +1,4 @@
-"""Every call of the command line is made in a folder of its own."""
+"""A motion lies in the working directory of every call of the command line."""
 
 from pathlib import Path
 
@@ -8,8 +8,5 @@ from tests.helpers import random_trajectory
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Working directory with a stored motion of five samples."""
-    monkeypatch.chdir(tmp_path)
-    random_trajectory().save("run.npz")
-    return tmp_path
+def _run(folder: Path) -> None:
+    random_trajectory().save(folder / "run.npz")

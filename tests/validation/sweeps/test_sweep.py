@@ -112,27 +112,24 @@ def test_witnesses_are_spread_evenly() -> None:
 # --- The store -----------------------------------------------------------------------------------
 
 
-def test_same_command_runs_only_what_is_missing_and_failures_where_asked(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-
+def test_same_command_runs_only_what_is_missing_and_failures_where_asked() -> None:
     def again(time_limit: float = 60.0, **how: Any) -> list[Any]:
         done: list[Any] = []
         wanted = sweep("spin=30:40:3", "mu=0.2,-0.1", time_limit=time_limit)
-        swept(wanted, path, told=done.extend, **how)
+        swept(wanted, told=done.extend, **how)
         return sorted(row["number"] for row in done)
 
     # A store that is killed while it is made is empty.
-    path.touch()
+    Path("a.db").touch()
     assert again(numbers=[4, 1]) == [1, 4]
     assert again() == [0, 2, 3, 5]
     assert again() == []
     assert again(time_limit=30.0, retry=True) == [1, 3, 5]
 
 
-def test_an_empty_cell_is_none_beside_words_and_nan_beside_numbers(tmp_path: Path) -> None:
+def test_an_empty_cell_is_none_beside_words_and_nan_beside_numbers() -> None:
     # Of four cases one is refused, and one is seen by the other side.
-    wanted = sweep("spin=30,40", "mu=0.2,-0.1", witnesses=1)
-    found = swept(wanted, tmp_path / "a.db")
+    found = swept(sweep("spin=30,40", "mu=0.2,-0.1", witnesses=1))
     words = {
         name: found.columns[name].tolist() for name in ("reason", "ending", "other_inversion")
     }
@@ -146,10 +143,10 @@ def test_an_empty_cell_is_none_beside_words_and_nan_beside_numbers(tmp_path: Pat
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path() -> Path:
     """Store of `WANTED` that holds its first case."""
-    swept(WANTED, tmp_path / "a.db", numbers=[0])
-    return tmp_path / "a.db"
+    swept(WANTED, numbers=[0])
+    return Path("a.db")
 
 
 OTHERS = {
@@ -186,7 +183,7 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
         assert not file.execute("SELECT code FROM cases EXCEPT SELECT name FROM code").fetchall()
 
 
-def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(tmp_path: Path) -> None:
+def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments() -> None:
     own: tuple[dict[str, Any], ...] = (
         {},
         {"scenario": WAYWARD},
@@ -202,8 +199,8 @@ def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(tmp_path
         "# noted\ndef double(x):\n    'Twice.'\n    return (2 *\n      x)\n",
         "def double(x): return 2.0 * x\n",
     ):
-        (tmp_path / "law.py").write_text(text)
-        found.append(digest([tmp_path / "law.py"]))
+        Path("law.py").write_text(text)
+        found.append(digest([Path("law.py")]))
     assert found[0] == found[1] != found[2]
 
 
@@ -246,15 +243,12 @@ def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
 # --- Results -------------------------------------------------------------------------------------
 
 
-def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_grid(
-    tmp_path: Path,
-) -> None:
+def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_grid() -> None:
     pytest.importorskip("xarray")
-    wanted, path = sweep("spin=30:40:3", "mu=0.2,-0.1"), tmp_path / "a.db"
-    results = swept(wanted, path, numbers=[0, 1, 2, 3, 5])
+    results = swept(sweep("spin=30:40:3", "mu=0.2,-0.1"), numbers=[0, 1, 2, 3, 5])
     frame, cube = results.to_dataframe(), results.to_xarray()
-    write_csv(path, tmp_path / "a.csv")
-    written = pd.read_csv(tmp_path / "a.csv")
+    write_csv("a.db", "a.csv")
+    written = pd.read_csv("a.csv")
     assert written["number"].tolist() == [0, 1, 2, 3, 5]
     assert list(written) == ["number", "start.spin", "friction.coefficient", *COLUMNS]
     np.testing.assert_allclose(written["force_least"], frame["force_least"], rtol=1e-15)
@@ -266,14 +260,13 @@ def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_g
     assert results.on_grid("status").tolist() == [*[[DONE, "refused"]] * 2, [None, "refused"]]
 
 
-def test_truth_values_of_an_axis_are_so_in_all_results(tmp_path: Path) -> None:
-    path, rest = tmp_path / "a.db", Scenario.rest()
-    wanted = sweep("bilateral=true,false", scenario=rest, to_rest=True, end=0.01)
-    rows = swept(wanted, path).rows()
-    assert [row["contact.bilateral"] for row in rows] == [True, False]
-    assert all(type(row["contact.bilateral"]) is bool for row in Results.load(path).rows())
-    write_csv(path, tmp_path / "a.csv")
-    assert pd.read_csv(tmp_path / "a.csv")["contact.bilateral"].dtype == bool
+def test_truth_values_of_an_axis_are_so_in_all_results() -> None:
+    wanted = sweep("bilateral=true,false", scenario=Scenario.rest(), to_rest=True, end=0.01)
+    told = [row["contact.bilateral"] for row in swept(wanted).rows()]
+    assert (told[0], told[1]) == (True, False)
+    assert {type(each) for each in told} == {bool}
+    write_csv("a.db", "a.csv")
+    assert pd.read_csv("a.csv")["contact.bilateral"].dtype == bool
 
 
 class Failing(ThreadPoolExecutor):
@@ -285,7 +278,7 @@ class Failing(ThreadPoolExecutor):
 
 @pytest.mark.parametrize("executor", [ThreadPoolExecutor, Failing])
 def test_cases_are_asked_for_while_others_are_run(
-    executor: type[ThreadPoolExecutor], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    executor: type[ThreadPoolExecutor], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(runner, "LARGEST_CHUNK", 2)
     monkeypatch.setattr(store, "_LOOK", 2)
@@ -299,7 +292,7 @@ def test_cases_are_asked_for_while_others_are_run(
 
     how: dict[str, Any] = {"numbers": numbers(), "told": enough}
     with pytest.raises(LookupError):
-        swept(sweep("spin=30:40:40"), tmp_path / "a.db", direct(executor(1)), **how)
+        swept(sweep("spin=30:40:40"), pool=direct(executor(1)), **how)
 
 
 # --- Workers -------------------------------------------------------------------------------------
@@ -312,18 +305,18 @@ class Impatient(Plan):
 
 
 @pytest.mark.slow
-def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(tmp_path: Path) -> None:
+def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results() -> None:
     wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02, time_limit=0.3)
     wanted = replace(wanted, plan=Impatient(**asdict(wanted.plan)))
     with open_pool("processes", workers=1) as pool:
-        table = swept(wanted, tmp_path / "a.db", pool).columns
+        table = swept(wanted, pool=pool).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
 
 
-def test_quick_cases_go_out_in_larger_and_larger_chunks(tmp_path: Path) -> None:
+def test_quick_cases_go_out_in_larger_and_larger_chunks() -> None:
     sizes: list[int] = []
-    swept(sweep("spin=30:40:40"), tmp_path / "a.db", told=lambda rows: sizes.append(len(rows)))
+    swept(sweep("spin=30:40:40"), told=lambda rows: sizes.append(len(rows)))
     assert sum(sizes) == 40
     # The first chunk has one case, and two chunks at most come in together.
     assert sizes[0] <= 2
@@ -336,10 +329,10 @@ def one_worker() -> ProcessPoolExecutor:
 
 
 @pytest.mark.slow
-def test_executor_that_breaks_is_made_again(tmp_path: Path) -> None:
+def test_executor_that_breaks_is_made_again() -> None:
     wanted = sweep(f"mu={CRASHES},0.1,0.2,0.3,0.25", scenario=WAYWARD, end=0.02)
     with open_pool(f"{__name__}:one_worker", workers=1) as pool:
-        found = swept(wanted, tmp_path / "a.db", pool).columns
+        found = swept(wanted, pool=pool).columns
     assert found["status"].tolist() == ["crashed", *[DONE] * 4]
 
 
@@ -363,12 +356,12 @@ def broken() -> ThreadPoolExecutor:
     return executor
 
 
-def test_executor_that_takes_nothing_ends_the_sweep_with_what_to_do(tmp_path: Path) -> None:
+def test_executor_that_takes_nothing_ends_the_sweep_with_what_to_do() -> None:
     with (
         pytest.raises(OSError, match="the workers are lost; what is done is stored, and the same"),
         open_pool(f"{__name__}:broken", workers=1) as pool,
     ):
-        swept(WANTED, tmp_path / "a.db", pool)
+        swept(WANTED, pool=pool)
 
 
 # --- Looking ahead -------------------------------------------------------------------------------

@@ -11,40 +11,12 @@ from pathlib import Path
 import pytest
 
 from tests.calls import ROOT
-from tests.helpers import is_running, not_none
+from tests.helpers import is_running
 from tests.sweeps import sweep, swept
 from validation.sweeps.case import CaseRow
 
-WRITER = """
-import sys
-from tests.sweeps import sweep
-from validation.sweeps.store import Store
-with Store(sys.argv[1], sweep("spin=0:60:1000000")) as kept:
-    for first in range(0, 1_000_000, 7):
-        new = range(first, first + 7)
-        kept.add({"number": n, "status": "done", "end": float(n)} for n in new)
-        kept.commit()
-        print(first + 7, flush=True)
-"""
 
-
-def test_store_outlives_its_killed_writer(tmp_path: Path) -> None:
-    path = tmp_path / "a.db"
-    call = [sys.executable, "-c", WRITER, str(path)]
-    with subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, text=True) as writer:
-        said = [not_none(writer.stdout).readline() for _ in range(3)]
-        writer.kill()
-        said += writer.communicate()[0].splitlines()
-    with closing(sqlite3.connect(path)) as file:
-        assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-        ends = [end for (end,) in file.execute('SELECT "end" FROM cases ORDER BY number')]
-    assert ends == [float(n) for n in range(len(ends))]
-    # Of the commit that was going on, all or nothing.
-    assert len(ends) - int(said[-1]) in (0, 7)
-
-
-def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> None:
-    wanted, path = sweep("spin=30:40:30"), tmp_path / "a.db"
+def test_interrupt_ends_a_sweep_once_what_came_in_is_stored() -> None:
     done: list[int] = []
 
     def told(new: list[CaseRow]) -> None:
@@ -57,10 +29,10 @@ def test_interrupt_ends_a_sweep_once_what_came_in_is_stored(tmp_path: Path) -> N
     says = r"^\d+ of 30 cases are in .*a\.db; the same comm"
     try:
         with pytest.raises(KeyboardInterrupt, match=says):
-            swept(wanted, path, told=told)
+            swept(sweep("spin=30:40:30"), told=told)
     finally:
         signal.signal(signal.SIGINT, before)
-    assert [rows(path)] == done
+    assert [rows(Path("a.db"))] == done
 
 
 @pytest.mark.slow
@@ -93,5 +65,6 @@ def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path
 def rows(path: Path) -> int:
     with closing(sqlite3.connect(path, timeout=10.0)) as file:
         tables = file.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        assert file.execute("PRAGMA integrity_check").fetchone() == ("ok",)
         count = file.execute("SELECT count(*) FROM cases").fetchone()[0] if tables else 0
     return int(count)

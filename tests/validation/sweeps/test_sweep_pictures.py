@@ -1,7 +1,8 @@
 """Pictures of sweeps, and series that they keep of each motion."""
 
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario, Start, Table, Trajectory, simulate_to_rest
+from tests.helpers import refusals
 from tests.sweeps import sweep, swept
 from validation.maps.figures import check_drawable, draw_sweep
 from validation.run import run
@@ -16,18 +18,17 @@ from validation.sweeps.case import COLUMNS, series
 from validation.sweeps.plan import TIME, series_known
 from validation.sweeps.results import Results
 from validation.sweeps.store import expected_size
-from validation.sweeps.sweep import Sweep
 
 NINE = ("mu", "eps", "spin", "alpha", "beta", "gamma", "beta-rate", "gamma-rate", "inclination")
 
 
-def drawn(wanted: Sweep, folder: Path) -> tuple[Figure, Results]:
-    results = swept(wanted, folder / "a.db")
+def drawn(*axes: str, **how: Any) -> tuple[Figure, Results]:
+    results = swept(sweep(*axes, **how))
     return draw_sweep(results), results
 
 
-def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) -> None:
-    figure, results = drawn(sweep("mu=-0.1,0.1,0.4"), tmp_path)
+def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order() -> None:
+    figure, results = drawn("mu=-0.1,0.1,0.4")
     # None inverts, so that there are no times.
     outcomes, spins, forces = figure.axes
     assert [each.get_text() for each in outcomes.get_yticklabels()] == ["not inverted", "refused"]
@@ -36,23 +37,25 @@ def test_one_axis_is_drawn_as_curves_of_the_outcomes_in_order(tmp_path: Path) ->
     for line, name in zip(forces.lines, ("force_least", "force_largest"), strict=True):
         np.testing.assert_array_equal(line.get_ydata(), results.columns[name])
     assert forces.get_xlabel() == "friction coefficient μ"
-    random = sweep("spin=30:40", layout={"layout": "random", "number": 4})
-    figure = draw_sweep(swept(random, tmp_path / "b.db"))
-    assert np.all(np.diff(np.asarray(figure.axes[0].lines[0].get_xdata(), dtype=float)) > 0.0)
 
 
-def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right(tmp_path: Path) -> None:
-    wanted = sweep("mu=0.1:0.4:2:log", "gamma=0:0.5:2", end=1.5, tolerance=1e-3)
-    axes = drawn(wanted, tmp_path)[0].axes[0]
+@pytest.mark.parametrize("number", [1, 4])
+def test_what_is_drawn_on_a_range_is_shown_in_order(number: int) -> None:
+    figure, results = drawn("spin=30:40", layout={"layout": "random", "number": number})
+    spins = figure.axes[0].lines[0].get_xdata()
+    np.testing.assert_array_equal(spins, np.sort(results.columns["start.spin"]))
+
+
+def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right() -> None:
+    axes = drawn("mu=0.1:0.4:2:log", "gamma=0:0.5:2", end=1.5, tolerance=1e-3)[0].axes[0]
     assert axes.get_xlabel() == "γ at the start in rad"
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
 
 
 @pytest.mark.parametrize("how", [{}, {"layout": "latin-hypercube", "number": 24}], ids=str)
-def test_several_axes_are_drawn_in_pairs(how: dict[str, Any], tmp_path: Path) -> None:
+def test_several_axes_are_drawn_in_pairs(how: dict[str, Any]) -> None:
     axes = ("spin=30:44", "mu=-0.1:0.5") if how else ("spin=30:44:2", "mu=-0.1,0.3")
-    wanted = sweep(*axes, "gamma=-1.5,-1", layout=how, end=4.0, tolerance=1e-2)
-    figure, _ = drawn(wanted, tmp_path)
+    figure, _ = drawn(*axes, "gamma=-1.5,-1", layout=how, end=4.0, tolerance=1e-2)
     shares, below, listed = (figure.axes[place] for place in (0, 3, 8))
     assert below.get_ylabel() == "friction coefficient μ"
     # A case that is refused counts in no share; where nothing else is, there is a cross.
@@ -65,77 +68,60 @@ def test_several_axes_are_drawn_in_pairs(how: dict[str, Any], tmp_path: Path) ->
     np.testing.assert_array_equal(listed.lines[0].get_xdata(), [-1.5, -1.0])
 
 
-def test_names_are_drawn_at_their_places(tmp_path: Path) -> None:
-    wanted = sweep("model=4,1", scenario=Scenario())
-    figure, results = drawn(wanted, tmp_path)
+def test_names_are_drawn_at_their_places() -> None:
+    figure, results = drawn("model=4,1", scenario=Scenario())
     spins, forces = figure.axes[-2:]
     assert [each.get_text() for each in forces.get_xticklabels()] == ["4", "1"]
     np.testing.assert_array_equal(spins.lines[0].get_xdata(), [0, 1])
     np.testing.assert_array_equal(spins.lines[0].get_ydata(), results.columns["spin_end"])
 
 
-def test_pictures_of_pairs_have_no_text_over_or_outside_of_another(tmp_path: Path) -> None:
-    wanted = sweep("mu=0.05:0.5:2:log", "law=smooth-coulomb,tanh", end=0.1, tolerance=1e-2)
-    figure, _ = drawn(wanted, tmp_path)
-    figure.canvas.draw()
-    below = figure.axes[2]
-    assert [each.get_text() for each in below.get_xticklabels()] == ["0.05", "0.5"]
-    assert not below.get_xticklabels(minor=True)
-    box = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
-    assert box.x0 >= 0.0
-    assert box.x1 <= figure.bbox.width
-
-
-def test_sets_of_constraints_are_several_models_and_their_names_do_not_meet(
-    tmp_path: Path,
-) -> None:
+def test_pictures_of_pairs_have_no_text_over_or_outside_of_another() -> None:
     names = ("contact+constant-spin", "contact+no-slip-along")
-    wanted = sweep(f"constraints={','.join(names)}", "spin=30,40", scenario=Scenario(), end=0.01)
-    figure, _ = drawn(wanted, tmp_path)
+    axes = ("mu=0.05:0.5:2:log", f"constraints={','.join(names)}")
+    figure, _ = drawn(*axes, scenario=Scenario(), end=0.01)
     assert figure.get_suptitle().startswith("Sweep of several models")
     figure.canvas.draw()
-    points = np.asarray(figure.axes[2].collections[0].get_offsets())
-    assert {*points[:, 0]} == {0.0, 1.0}
-    first, second = figure.axes[2].get_xticklabels()
+    box = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
+    assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
+    below, last = figure.axes[2:4]
+    assert {*np.asarray(below.collections[0].get_offsets())[:, 1]} == {0.0, 1.0}
+    assert [each.get_text() for each in below.get_xticklabels()] == ["0.05", "0.5"]
+    assert not below.get_xticklabels(minor=True)
+    first, second = last.get_xticklabels()
     assert (first.get_text(), second.get_text()) == names
     # Slanted, each ends at its own tick.
     assert first.get_rotation() == second.get_rotation() == 30.0
     assert first.get_window_extent().x1 < second.get_window_extent().x1 - 10.0
 
 
-def test_what_is_not_decided_counts_in_no_share(tmp_path: Path) -> None:
-    figure, results = drawn(
-        sweep("spin=25,40", "mu=0.29,0.3", "alpha=0,0.1", end=1.3, tolerance=1e-3), tmp_path
-    )
+def test_what_is_not_decided_counts_in_no_share() -> None:
+    axes = ("spin=25,40", "mu=0.29,0.3", "alpha=0,0.1")
+    figure, results = drawn(*axes, end=1.3, tolerance=1e-3)
     ends = dict(zip(results.columns["start.spin"], results.columns["inversion"], strict=True))
     assert ends == {25.0: "not inverted", 40.0: "not decided"}
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), [25.0])
 
 
-def test_a_single_case_that_is_drawn_on_ranges_has_a_picture(tmp_path: Path) -> None:
-    wanted = sweep("spin=30:40", "mu=0.1:0.5", layout={"layout": "sobol", "number": 1})
-    figure, results = drawn(wanted, tmp_path)
-    spins = figure.axes[0].lines[0].get_xdata()
-    np.testing.assert_array_equal(spins, results.columns["start.spin"])
-
-
 LEANING: Any = {"scenario": Scenario.rest(table=Table(inclination=0.1)), "to_rest": True}
-UNDRAWN = {
-    "axis start.spin can be drawn if its values rise": sweep("spin=40,30"),
-    "at most 8 axes can be drawn, got 9": sweep(*(f"{name}=0.1:0.2:2" for name in NINE)),
-    "needs a horizontal table, got an inclination of 0.1": sweep("spin=1,2", **LEANING),
-    "needs a horizontal table, got an inclination of 0.2": sweep("inclination=0,0.2", **LEANING),
-}
 
 
-@pytest.mark.parametrize("message", UNDRAWN)
-def test_sweep_without_a_picture_is_refused(message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        check_drawable(UNDRAWN[message])
+def undrawn(*axes: str, **how: Any) -> Callable[[], None]:
+    return partial(check_drawable, sweep(*axes, **how))
+
+
+test_sweep_without_a_picture_is_refused = refusals(
+    {
+        "axis start.spin can be drawn if its values rise": undrawn("spin=40,30"),
+        "at most 8 axes can be drawn, got 9": undrawn(*(f"{name}=0.1:0.2:2" for name in NINE)),
+        "a horizontal table, got an inclination of 0.1": undrawn("spin=1,2", **LEANING),
+        "a horizontal table, got an inclination of 0.2": undrawn("inclination=0,0.2", **LEANING),
+    }
+)
 
 
 def test_face_that_is_up_is_drawn_where_a_table_is_level_in_all_cases() -> None:
-    check_drawable(sweep("inclination=0", **LEANING))
+    undrawn("inclination=0", **LEANING)()
 
 
 REDUCED = Scenario(constraints=MODELS[4])
@@ -161,13 +147,11 @@ def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     assert not {"number", *COLUMNS} & {TIME, *known, *known_to_rest}
 
 
-def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_none(
-    tmp_path: Path,
-) -> None:
-    wanted, path = sweep("spin=30:40:2", "mu=0.3,-0.1", keep=KEEP), tmp_path / "a.db"
+def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_none() -> None:
+    wanted = sweep("spin=30:40:2", "mu=0.3,-0.1", keep=KEEP)
     # A sweep that goes on keeps them, too.
-    swept(wanted, path, numbers=[0, 1])
-    results = swept(wanted, path)
+    swept(wanted, numbers=[0, 1])
+    results = swept(wanted)
     found, made = results.series(2), motion(replace(REDUCED, start=Start(spin=40.0)))
     assert tuple(found) == (TIME, *KEEP)
     np.testing.assert_array_equal(found["time"], made.times)
