@@ -195,7 +195,7 @@ def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.Da
 test_what_is_wrong_in_a_table_fails = faults(
     section.present,
     [
-        ("robustness", 0, "repeatable", "promise broken", False),
+        ("robustness", 0, "error", ("promise broken", "against their numbers"), 1e-3),
         ("robustness-chosen", 0, "energy", "against their numbers", inf),
         ("robustness-chosen", 0, "way", "missing or too many", "another"),
         ("robustness-chosen", 0, "verdict", "without an accurate result", "diverged"),
