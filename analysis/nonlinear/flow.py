@@ -14,6 +14,7 @@ import numpy as np
 from analysis.mechanics import reduced
 from analysis.mechanics.dual import of_duals, rate
 from analysis.problem.checks import Array, within
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.stability.linearisation import require_spinning
 
@@ -26,23 +27,24 @@ def require_cycles(scenario: Scenario, steepest: float = np.inf) -> None:
     """
     require_spinning(scenario, "the reduced system", 4)
     if not scenario.friction.is_simple:
-        raise ValueError(
-            "friction must be isotropic and in proportion to the load for periodic motions, got "
-            f"{scenario.friction!r}"
-        )
+        fault = "must be isotropic and in proportion to the load for periodic motions, got "
+        raise ArgumentError("friction", f"{fault}{scenario.friction!r}")
     if not scenario.friction.is_on:
-        raise ValueError("friction must have a positive gradient for periodic motions, got 0")
-    if scenario.friction.load != "weight":
-        raise ValueError(
-            "load must be 'weight' in the reduced system, which does not know the contact force, "
-            f"got {scenario.friction.load!r}"
+        raise ArgumentError(
+            "friction", "must have a positive gradient for periodic motions, got 0"
         )
+    if scenario.friction.load != "weight":
+        fault = (
+            "must be 'weight' in the reduced system, which does not know the contact force, got "
+        )
+        raise ArgumentError("load", f"{fault}{scenario.friction.load!r}")
     if scenario.disk.eccentricity == 0.0:
-        raise ValueError("eccentricity must be positive for periodic motions, got 0")
+        raise ArgumentError("eccentricity", "must be positive for periodic motions, got 0")
     if scenario.friction.gradient > steepest:
-        raise ValueError(
-            f"friction must have a gradient of at most {steepest:g} s/m to be followed here, got "
-            f"{scenario.friction.gradient:g}; steeper, motions are those of the slow manifold"
+        raise ArgumentError(
+            "friction",
+            f"must have a gradient of at most {steepest:g} s/m to be followed here, got "
+            f"{scenario.friction.gradient:g}; steeper, motions are those of the slow manifold",
         )
 
 

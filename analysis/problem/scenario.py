@@ -255,10 +255,10 @@ def require_level(scenario: Scenario, analysis: str) -> None:
     """Raise `ValueError` unless the table is horizontal; see `require_plain`."""
     instance("scenario", scenario, Scenario)
     if not scenario.table.is_horizontal:
-        raise ValueError(
-            f"{analysis} needs a horizontal table, got an inclination of "
-            f"{scenario.table.inclination:g} rad"
+        fault = (
+            f"needs a horizontal table, got an inclination of {scenario.table.inclination:g} rad"
         )
+        raise ArgumentError("inclination", fault, analysis)
 
 
 def require_plain(scenario: Scenario, analysis: str) -> None:
@@ -272,10 +272,10 @@ def require_plain(scenario: Scenario, analysis: str) -> None:
     """
     require_level(scenario, analysis)
     if not scenario.disk.is_plain:
-        raise ValueError(
-            f"{analysis} needs a round disk whose line from centre to centre of gravity is a "
-            f"principal axis, got {scenario.disk!r}"
+        fault = (
+            "needs a round disk whose line from centre to centre of gravity is a principal axis"
         )
+        raise ArgumentError("disk", f"{fault}, got {scenario.disk!r}", analysis)
 
 
 # --- Parts as plain data -------------------------------------------------------------------------

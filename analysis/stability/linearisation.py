@@ -40,6 +40,7 @@ from analysis.problem.checks import Array, checked, choice, finite_row, instance
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
 from analysis.problem.friction import ViscousFriction
+from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import FASTEST_TURN, QUANTITIES, STEEPEST_FRICTION, Level
 from analysis.problem.scenario import Scenario, require_level, require_plain
 from analysis.problem.start import MOTIONS, Motion, Start
@@ -94,9 +95,12 @@ def require_spinning(
     if level is not None:
         require_plain(scenario, analysis)
     if scenario.contact is not None:
-        raise ValueError(f"{analysis} needs the ideal contact, got a {scenario.contact!r}")
+        raise ArgumentError(
+            "contact", f"needs the ideal contact, got a {scenario.contact!r}", analysis
+        )
     if level is not None and scenario.model != level:
-        raise ValueError(f"{analysis} is that of Model {level}, got {scenario.name}{hint}")
+        fault = f"is that of Model {level}, got {scenario.name}{hint}"
+        raise ArgumentError("constraints", fault, analysis)
 
 
 def has_drift(constraints: ConstraintSet) -> bool:

@@ -41,7 +41,7 @@ def rows() -> dict[str, pd.DataFrame]:
 def present(rows: dict[str, pd.DataFrame]) -> Content:
     """Checks of the section, without its figures and animation."""
     table = pd.concat([rows[study.name] for study in (runs.STUDY, runs.FRESH)])
-    content = Content(checks=section.checks(table.set_index("case").to_dict("index")))
+    content = Content(checks=[*section.checks(table.set_index("case").to_dict("index"))])
     for each in (creep, closed_forms, starts):
         content |= each.present(rows[each.STUDY.name])
     return content
