@@ -212,17 +212,17 @@ def branches(
         scenario none of this system.
     """
     wanted = increasing("spins", spin_array(spins))
-    # Spectra are even in the spin.
-    sizes = np.abs(wanted)
-    matrices = matrices_over_spin(scenario, system, motion)
     # There is a step even where no other spin than 0 is asked for.
-    spins = helper_spins(scenario, 0.0, max(_LARGEST_STEP, np.max(sizes)))
-    helpers = follow(matrices(spins))
-    right = np.clip(np.searchsorted(spins, sizes), 1, spins.size - 1)
-    fraction = ((sizes - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
+    first, last = min(0.0, wanted[0]), max(_LARGEST_STEP, wanted[-1])
+    below, above = (helper_spins(scenario, *each) for each in ((first, 0.0), (0.0, last)))
+    matrices = matrices_over_spin(scenario, system, motion)
+    spins = np.append(below[:-1], above)
+    helpers = follow(matrices(spins), below.size - 1)
+    right = np.clip(np.searchsorted(spins, wanted), 1, spins.size - 1)
+    fraction = ((wanted - spins[right - 1]) / (spins[right] - spins[right - 1]))[:, None]
     before, after = helpers[right - 1], helpers[right]
     expected = before + fraction * (after - before)
-    values = matched(before, expected, np.linalg.eigvals(matrices(sizes)).astype(complex))
+    values = matched(before, expected, np.linalg.eigvals(matrices(wanted)).astype(complex))
     if has_drift(scenario.constraints):
         values = np.insert(values, [2, 2], np.column_stack((1j * wanted, -1j * wanted)), axis=1)
     return values
@@ -235,23 +235,30 @@ def helper_spins(scenario: Scenario, low: float, high: float) -> Array:
     return np.linspace(low, high, count + 1)
 
 
-def follow(matrices: Array) -> ComplexArray:
+def follow(matrices: Array, start: int = 0) -> ComplexArray:
     """Eigenvalues of a stack of real matrices ordered into branches, shape (n, k).
-
-    They are numbered in the first one, by falling real part; a complex pair has neighbouring
-    numbers, the positive imaginary part first.
 
     Parameters
     ----------
     matrices : ndarray, shape (n, k, k)
-        Matrices that change little from one to the next, in equal steps.
+        Matrices that change little from one to the next.
+    start : int
+        Index of the matrix whose eigenvalues number the branches, by falling real part; a
+        complex pair has neighbouring numbers, the positive imaginary part first.
     """
     values = np.linalg.eigvals(matrices).astype(complex)
-    found = [values[:1, _numbering(values[0])]] * 2
-    for step in range(1, len(values)):
+    first = values[start][_numbering(values[start])]
+    before, after = (_onward(first, way) for way in (values[:start][::-1], values[start + 1 :]))
+    return np.array([*before[:0:-1], *after])
+
+
+def _onward(first: ComplexArray, values: ComplexArray) -> list[ComplexArray]:
+    """Those of equal steps one after the other, each in the order of the first."""
+    found = [first[None], first[None]]
+    for step in range(len(values)):
         expected = 2.0 * found[-1] - found[-2]
         found.append(matched(found[-1], expected, values[step : step + 1]))
-    return np.concatenate(found[1:])
+    return [each[0] for each in found[1:]]
 
 
 def matched(last: ComplexArray, expected: ComplexArray, values: ComplexArray) -> ComplexArray:
