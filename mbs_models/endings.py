@@ -14,8 +14,9 @@ import numpy.typing as npt
 from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array, ToleranceError
 from analysis.problem.choices import Method
+from analysis.problem.elementary import Rows
 from analysis.solve.stepping import InitialValueProblem, SolverError, integrate, pulls_at_start
-from analysis.solve.watch import Watch, intervals
+from analysis.solve.watch import Watch
 from mbs_models.solving import EngineError, stepping
 
 T = TypeVar("T")
@@ -189,38 +190,65 @@ def _dips(moments: Array, values: Array, reason: str) -> Iterator[Suspect]:
         return
     negative = armed + np.flatnonzero(values[armed:] < 0.0)
     end = int(negative[0]) if negative.size else values.size - 1
-    inside = max(0, end - armed - 1)
-    before, here, after = (values[armed + shift :][:inside] for shift in range(3))
-    first, second = (np.diff(moments)[armed + shift :][:inside] for shift in range(2))
-    fall, rise = (here - before) / first, (after - here) / second
-    lowest = (fall <= 0.0) & (rise >= 0.0) & (after >= 0.0) & (rise > fall)
-    # Of the parabola through all three.
-    slope, bend = fall * second + rise * first, np.where(lowest, rise - fall, 1.0)
-    vertex = here - slope**2 / (4.0 * bend * (first + second))
-    near = vertex < 0.1 * (np.maximum(before, after) - here)
-    for row in (armed + np.flatnonzero(lowest & near)).tolist():
+    for row in (armed + _near_zero(moments[armed : end + 1], values[armed : end + 1])).tolist():
         yield Suspect(row, float(moments[row + 2] - moments[row]), "")
     if negative.size:
         yield Suspect(end - 1, float(moments[end] - moments[end - 1]), reason)
 
 
+def _near_zero(moments: Array, values: Array) -> Rows:
+    """First of three samples that are not negative, between which a function may yet be so."""
+    before, here, after = (values[shift : max(0, values.size - 2) + shift] for shift in range(3))
+    first, second = np.diff(moments)[: here.size], np.diff(moments)[1:]
+    fall, rise = (here - before) / first, (after - here) / second
+    lowest = (np.minimum(np.minimum(before, here), after) >= 0.0) & (fall <= 0.0) & (rise >= 0.0)
+    lowest &= rise > fall
+    # Of the parabola through all three.
+    slope, bend = fall * second + rise * first, np.where(lowest, rise - fall, 1.0)
+    vertex = here - slope**2 / (4.0 * bend * (first + second))
+    return np.flatnonzero(lowest & (vertex < 0.1 * (np.maximum(before, after) - here)))
+
+
 def pulling_times(
-    moments: npt.ArrayLike, forces: npt.ArrayLike
+    moments: Array, records: Array, forces: Array, motion: Stepped, work: Counter[str]
 ) -> tuple[tuple[float, float], ...]:
-    """Times in s between which a force is negative, by linear interpolation of samples.
+    """Times in s between which the contact pulls.
+
+    Between two records that differ in that, and where the force comes near to zero, they are
+    located by stepping the scene's accelerations.
 
     Parameters
     ----------
-    moments : array_like, shape (n,)
+    moments : ndarray, shape (n,)
         Increasing times in s.
-    forces : array_like, shape (n,)
-        In N.
+    records : ndarray, shape (n, k)
+    forces : ndarray, shape (n,)
+        Normal forces in N.
+    motion : Stepped
+    work : Counter
+        To which the steps of the search are added.
     """
-    times, values = np.asarray(moments), np.asarray(forces)
-    negative = values < 0.0
-    edges = np.flatnonzero(negative[1:] != negative[:-1])
-    share = values[edges] / (values[edges] - values[edges + 1])
-    crossings = (times[edges] + share * np.diff(times)[edges]).tolist()
-    if negative[0]:
-        crossings.insert(0, float(times[0]))
-    return intervals(crossings, float(times[-1]))
+    pulls = forces < 0.0
+    searched = pulls[1:] != pulls[:-1]
+    for sign in (1.0, -1.0):
+        rows = _near_zero(moments, sign * forces)
+        searched[rows] = searched[rows + 1] = True
+    found = [tuple(moments[rows].tolist()) for rows in _runs_of(pulls[:-1] & ~searched)]
+    with stepping(motion.system):
+        for rows in _runs_of(searched):
+            problem = motion.starting_at(records[rows[0]])
+            how: dict[str, Any] = {"allow_pulling": True, "watch": Watch()}
+            part = integrate(problem, moments[rows], motion.method, LOCAL, **how)
+            work.update(steps=part.steps, right_hand_sides=part.evaluations)
+            found += part.pulling
+    joined: list[tuple[float, float]] = []
+    for first, last in sorted(found):
+        begin = joined.pop()[0] if joined and joined[-1][1] >= first else first
+        joined.append((begin, last))
+    return tuple(joined)
+
+
+def _runs_of(intervals: npt.NDArray[np.bool_]) -> Rows:
+    """First and last sample of each row of intervals between samples, shape (m, 2)."""
+    changes = np.diff(np.concatenate(([0], intervals.astype(int), [0])))
+    return np.flatnonzero(changes).reshape(-1, 2)

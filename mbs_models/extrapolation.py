@@ -94,6 +94,13 @@ class Ladder:
         """
         return self._worse >= 3 and self.best_estimate < 1e-5
 
+    @property
+    def reached(self) -> str:
+        """The accuracy that has been reached, in words."""
+        if self.best_estimate == np.inf:
+            return "there were no two runs to compare"
+        return f"the best estimated error is {self.best_estimate:.1e} rad"
+
     def add(self, values: Array, times: Array, step: float) -> None:
         """Add a run with half the step of the run before.
 
@@ -224,10 +231,9 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
         if is_late:
             raise TimeLimitError(
                 f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "
-                f"{step:.3g} s, before runs agreed to {tolerance:g} rad; the best "
-                f"estimated error is {ladder.best_estimate:.1e} rad"
+                f"{step:.3g} s, before runs agreed to {tolerance:g} rad; {ladder.reached}"
             )
     raise failure or ToleranceError(
         f"tolerance {tolerance:g} rad cannot be reached with {integrator.name} on formulation "
-        f"{scene.built_as!r}: the best estimated error is {ladder.best_estimate:.1e} rad"
+        f"{scene.built_as!r}: {ladder.reached}"
     )

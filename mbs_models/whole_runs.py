@@ -110,7 +110,10 @@ def run_over(
         kept = np.union1d(kept, [len(values) - 1])
     elif kept.size < sampled.size:
         ended = TIME_LIMIT
-    pulling = pulling_times(reached, values[:, NORMAL_FORCE]) if call.allow_pulling else ()
+    pulling: tuple[tuple[float, float], ...] = ()
+    if call.allow_pulling and model.may_pull:
+        forces = values[:, NORMAL_FORCE]
+        pulling = pulling_times(reached, values, forces, call.motion, call.counts)
     # Differences of times have fewer digits than these.
     longest = float(f"{np.max(np.diff(moments) / steps):.9g}")
     found = Run(reached[kept], values[kept], 0, ended, pulling, seconds=recording.seconds)

@@ -34,9 +34,9 @@ from analysis.problem.checks import (
     Array,
     function,
     instance,
-    number,
     real_array,
     several,
+    turn_rate,
     within,
 )
 from analysis.problem.scenario import Scenario
@@ -212,7 +212,7 @@ def cycles_over(
     for scenario in scenarios:
         flow.require_cycles(scenario, STEEPEST)
     amplitude = None if amplitude is None else flow.open_amplitude(amplitude)
-    spin = None if spin is None else number("spin", spin)
+    spin = None if spin is None else turn_rate("spin", spin)
 
     def first(scenario: Scenario) -> PeriodicMotion:
         if spin is not None:

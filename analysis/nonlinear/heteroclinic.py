@@ -10,6 +10,7 @@ weak or smooth).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import sin
 from operator import attrgetter
 from typing import Any
@@ -22,7 +23,7 @@ from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed, reduced_matrices
 from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
-from analysis.problem.checks import Array, number, positive
+from analysis.problem.checks import Array, instance, turn_rate
 from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import WIDEST, nearest_root
 from analysis.stability.linearisation import ComplexArray
@@ -134,7 +135,7 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
     NoConnectionError
         If it is no saddle with one growing direction.
     """
-    (matrix,) = reduced_matrices(scenario, number("spin", spin), "noninverted")
+    (matrix,) = reduced_matrices(scenario, turn_rate("spin", spin), "noninverted")
     values, vectors = np.linalg.eig(matrix)
     order = np.argsort(-values.real)
     values = values[order]
@@ -165,7 +166,7 @@ def fall(scenario: Scenario, spin: float) -> Fall:
         If noninverted spinning is no saddle, the run fails, or it comes to neither.
     """
     flow.require_cycles(scenario, _STEEPEST)
-    spin = positive("spin", spin)
+    spin = turn_rate("spin", spin, is_above=True)
     values, growing = saddle(scenario, spin)
     growth = values[0].real
     how: dict[str, Any] = {"method": "LSODA", "rtol": _TOLERANCE, "atol": _TOLERANCE * 1e-2}
@@ -243,6 +244,12 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     NoConnectionError
         If there is none within half the critical speed, or a run comes to neither side.
     """
+    return _connection(instance("scenario", scenario, Scenario))
+
+
+# It takes seconds, and families of cycles and of rotating motions ask for it each.
+@lru_cache(maxsize=64)
+def _connection(scenario: Scenario) -> Connection:
     tried: dict[float, Fall] = {}
 
     def missed(spin: float) -> float:

@@ -25,11 +25,11 @@ from analysis.problem.checks import (
     instance,
     number,
     positive,
+    turn_rate,
     whole,
-    within,
 )
 from analysis.problem.limits import MOST_STARTS
-from analysis.problem.quantities import FASTEST_TURN
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import Curve
 from analysis.stability.linearisation import (
@@ -178,8 +178,8 @@ def stationary_motions(
     require_spinning(scenario, "the search for stationary motions")
     if scenario.disk.is_round_disk and scenario.disk.eccentricity == 0.0:
         raise ValueError("eccentricity must be positive: without it every gamma is stationary")
-    if within("spin", spin, -FASTEST_TURN, FASTEST_TURN) == 0.0:
-        raise ValueError("spin must not be 0")
+    if turn_rate("spin", spin) == 0.0:
+        raise ArgumentError("spin", f"must not be 0, got {spin!r}")
     starts = whole("starts", starts, most=MOST_STARTS)
     random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]

@@ -112,6 +112,24 @@ def positive(name: str, value: Any) -> float:
     return within(name, value, 0.0, is_above=True)
 
 
+def turn_rate(name: str, value: Any, *, is_above: bool = False) -> float:
+    """Return a rate of turning in rad/s as a float, up to `FASTEST_TURN` either way.
+
+    Parameters
+    ----------
+    name : str
+    value
+    is_above : bool
+        Whether only positive ones are allowed.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or lies elsewhere.
+    """
+    return within(name, value, 0.0 if is_above else -FASTEST_TURN, FASTEST_TURN, is_above=is_above)
+
+
 def not_negative(name: str, value: Any) -> float:
     """Return `value` as a float not below zero; `ValueError` otherwise."""
     return within(name, value, 0.0)
@@ -312,8 +330,7 @@ def spin_array(spins: npt.ArrayLike) -> Array:
         exceeds `FASTEST_TURN`.
     """
     result = finite_row("spins", spins)
-    fastest = float(result[np.argmax(np.abs(result))])
-    within("spins", fastest, -FASTEST_TURN, FASTEST_TURN)
+    turn_rate("spins", float(result[np.argmax(np.abs(result))]))
     return result
 
 

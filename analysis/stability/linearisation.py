@@ -36,12 +36,12 @@ from analysis.mechanics.constraints import position_residuals, velocity_residual
 from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
-from analysis.problem.checks import Array, checked, choice, finite_row, instance, within
+from analysis.problem.checks import Array, checked, choice, finite_row, instance, turn_rate
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
 from analysis.problem.friction import ViscousFriction
 from analysis.problem.names import ArgumentError
-from analysis.problem.quantities import FASTEST_TURN, QUANTITIES, STEEPEST_FRICTION, Level
+from analysis.problem.quantities import QUANTITIES, STEEPEST_FRICTION, Level
 from analysis.problem.scenario import Scenario, require_level, require_plain
 from analysis.problem.start import MOTIONS, Motion, Start
 
@@ -334,7 +334,7 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     ArithmeticError
         If the motion is not stationary.
     """
-    spin = within("spin", spin, -FASTEST_TURN, FASTEST_TURN)
+    spin = turn_rate("spin", spin)
     numbers = finite_row("place", place).tolist()
     if len(numbers) != 4:
         raise ValueError(f"place must hold x, y, beta and gamma, got {place!r}")

@@ -21,6 +21,7 @@ from analysis.problem.checks import (
     number,
     positive,
     real_array,
+    turn_rate,
     within,
 )
 from analysis.problem.names import ArgumentError
@@ -72,7 +73,7 @@ def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> St
         If the disk is not centred, or the precession is zero.
     """
     _across(instance("disk", disk, Body))
-    rate, spin = _precession(precession), number("spin", spin)
+    rate, spin = _precession(precession), turn_rate("spin", spin)
     return Start(
         beta=_inclination(beta),
         gamma=0.0,
@@ -150,10 +151,9 @@ def _across(disk: Body) -> float:
 
 
 def _precession(precession: float) -> float:
-    precession = number("precession", precession)
-    if precession == 0.0:
-        raise ValueError("precession must not be zero")
-    return precession
+    if (rate := turn_rate("precession", precession)) == 0.0:
+        raise ArgumentError("precession", f"must not be 0, got {precession!r}")
+    return rate
 
 
 def _inclination(beta: float) -> float:

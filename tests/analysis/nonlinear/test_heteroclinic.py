@@ -120,10 +120,8 @@ def test_cycles_may_swing_beyond_the_saddle_and_end_in_the_connection(name: str)
 
 
 @pytest.mark.slow
-def test_cycles_of_steep_friction_are_followed_and_their_connection_is_found() -> None:
-    assert cycle_family(with_smoothing(1e-3), np.linspace(0.2, 3.0, 15)).reason is None
-    # Two motions next to it fall to the same side, but for the error of their runs.
-    assert heteroclinic_connection(with_smoothing(5e-4)).last_amplitude == np.pi
+def test_cycles_of_steep_friction_are_followed() -> None:
+    assert cycle_family(with_smoothing(1e-3), np.linspace(0.2, 1.6, 8)).reason is None
 
 
 def test_a_connection_may_lie_far_below_the_critical_speed() -> None:
@@ -154,9 +152,11 @@ def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
 
 @pytest.mark.slow
 def test_steep_friction_brings_the_connection_to_that_on_the_slow_manifold() -> None:
-    limit = slow_connection(PAPER).spin
-    missing = [limit - heteroclinic_connection(with_smoothing(each)).spin for each in (1e-3, 1e-4)]
-    assert np.log10(missing[0] / missing[1]) == pytest.approx(2.0, abs=0.01)
+    # Next to the latter, two motions fall to the same side but for the error of their runs.
+    found = [heteroclinic_connection(with_smoothing(each)) for each in (1e-3, 5e-4)]
+    missing = [slow_connection(PAPER).spin - each.spin for each in found]
+    assert np.log2(missing[0] / missing[1]) == pytest.approx(2.0, abs=0.01)
+    assert [each.last_amplitude for each in found] == [np.pi, np.pi]
 
 
 def test_a_motion_that_has_not_left_says_how_long_it_was_followed(

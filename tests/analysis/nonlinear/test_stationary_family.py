@@ -130,7 +130,9 @@ def test_a_tilted_motion_is_linearised_as_in_the_engine(name: str) -> None:
         # It slides where it will: the place turns with the frame, and is a double eigenvalue.
         told = told[np.abs(np.abs(told.imag) - spin) > 0.1]
         assert told.size == 4
-    assert np.max(np.abs(told[:, None] - engine).min(axis=1)) < 1e-6
+    gaps = np.abs(told[:, None] - engine).min(axis=1)
+    # A double eigenvalue of zero parts by the root of an error in the matrix.
+    assert np.all(gaps < np.where(np.abs(told) < 1e-6, 1e-4, 1e-6))
 
 
 def test_motions_of_other_bodies_are_followed_in_the_spin() -> None:
