@@ -1,5 +1,6 @@
 """Why a motion of the engine ends, and where: as the in-house one does."""
 
+from itertools import product
 from math import pi
 from typing import Any
 
@@ -99,9 +100,7 @@ QUICK = [
 ]
 
 
-@pytest.mark.parametrize(
-    "case", mostly_slow([(number, side) for number in range(len(ENDS)) for side in SOURCES], QUICK)
-)
+@pytest.mark.parametrize("case", mostly_slow(sorted({*product(range(8), SOURCES), *QUICK}), QUICK))
 def test_hard_and_random_motions_end_where_and_when_they_promise(case: tuple[int, Source]) -> None:
     number, side = case
     problem = ENDS[number]

@@ -97,3 +97,14 @@ def test_short_dip_ends_a_motion_wherever_in_a_step_it_lies_and_so_does_the_end_
         run = run_of(lambda *_: (0.0, 1.0), dip=dip)
         assert run.ended == "dip"
         assert run.times[-1] == pytest.approx(middle - sign * half, abs=1e-12)
+
+
+def test_implicit_steps_do_not_iterate_on_rounding() -> None:
+    def right_hand_side(_: float, state: Array) -> Array:
+        rates = np.array([state[1], -1e3 * state[1] - 1e4 * state[0]])
+        return rates * (1.0 + 3e-10 * np.sin(1e17 * state[::-1]))
+
+    problem, times = InitialValueProblem(right_hand_side, np.array([1.0, 0.0]), 0.1), [0.0, 0.3]
+    how: dict[str, Any] = {"allow_pulling": True, "watch": Watch()}
+    # Iterated to the end, it takes ten times as many.
+    assert integrate(problem, np.array(times), "Radau", 1e-10, **how).evaluations < 30_000
