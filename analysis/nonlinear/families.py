@@ -39,6 +39,7 @@ from analysis.problem.checks import (
     turn_rate,
     within,
 )
+from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Progress
 
@@ -157,9 +158,10 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     spins = [each.spin for each in family.motions]
     if not min(spins) <= spin <= max(spins):
         ends = f"; the family ends: {family.reason}" if family.reason else ""
-        raise ValueError(
-            f"spin must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
-            f"cycles, got {spin:.9g}{ends}"
+        raise ArgumentError(
+            "spin",
+            f"must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
+            f"cycles{ends}, got {spin:.9g}",
         )
     before, cycle = family.motions[-2:]
     fraction = (spin - before.spin) / (cycle.spin - before.spin)

@@ -105,8 +105,9 @@ def full_name(name: str, argument: str = "axis") -> str:
     # A friction law of one's own has parameters of its own.
     if name in QUANTITIES or (table == "friction" and key):
         return name
-    if name in KEYS:
-        return KEYS[name]
+    known = {each.option: key for key, each in QUANTITIES.items() if each.option} | KEYS
+    if name in known:
+        return known[name]
     raise ArgumentError(
         argument,
         "must be a field of a scenario, as `tippedisk scenario` lists them, such as start.spin, "

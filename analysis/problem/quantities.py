@@ -340,7 +340,7 @@ _DECLARED = (
     Quantity("dissipation.pivoting_smoothing", "spin over which pivoting sets in", "rad/s", 0.1,
              0.0, is_above=True),
     Quantity("start.beta", "inclination", "rad", pi / 2, 0.0, pi, is_above=True,
-             is_below=True, why="where the Euler angles are regular"),
+             is_below=True, why="in rad, where the Euler angles are regular"),
     _angle("start.gamma", "rotation angle of the disk", -pi / 2 + 0.1),
     Quantity("start.spin", "rate of alpha", "rad/s", 40.0, -FASTEST_TURN, FASTEST_TURN),
     _angle("start.alpha", "direction of the disk's edge"),

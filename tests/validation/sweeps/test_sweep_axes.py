@@ -27,6 +27,13 @@ def test_grid_holds_all_combinations_with_the_last_axis_fastest() -> None:
     assert list(map(tuple, found)) == list(product((1.0, 2.0, 3.0), (0.1,), (0.5, 0.75)))
 
 
+def test_fields_go_by_the_names_of_their_options() -> None:
+    names = ("disk=steel", "mu=1", "eps=1", "rolling=1", "start.spin=1", "law=tanh")
+    fields = ("disk.name", "friction.coefficient", "friction.smoothing",
+              "dissipation.rolling_dry", "start.spin", "friction.law")  # fmt: skip
+    assert tuple(axis_from_text(each).field for each in names) == fields
+
+
 def test_ends_of_a_range_are_exact_and_steps_even() -> None:
     plain, log = axis_from_text("gamma=-pi/2:90deg:3"), axis_from_text("mu=1e-3:0.7:5:log")
     assert plain.grid == [-pi / 2, 0.0, pi / 2]
