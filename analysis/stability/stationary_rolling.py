@@ -70,7 +70,7 @@ def rolling_start(disk: Body, beta: float, precession: float, spin: float) -> St
     Raises
     ------
     ValueError
-        If the disk is not centred, or the precession is zero.
+        If the disk is not centred, the precession is zero, or a number is out of range.
     """
     _across(instance("disk", disk, Body))
     rate, spin = _precession(precession), turn_rate("spin", spin)

@@ -157,7 +157,7 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
             axes[1].plot(passage["predicted"], LOST, "D", markerfacecolor="white", **look)
     hopf = named[0][1]["hopf"]
     axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
-    axes[1].axhline(LOST, color=GREY, linewidth=0.8)
+    axes[1].axhline(LOST, color=GREY, linewidth=0.8, label="inversion lost")
     axes[0].set(ylabel="mean spin in rad/s")
     axes[1].set(xlabel="time in s", yscale="log")
     axes[1].set_ylabel("slow deviation of γ in rad, logarithmic")
