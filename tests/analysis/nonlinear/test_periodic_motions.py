@@ -228,7 +228,7 @@ def test_cycles_without_symmetry_leave_symmetric_ones_until_their_period_doubles
     assert cycle.spin == pytest.approx(29.9690, abs=1e-4)
 
 
-@pytest.mark.slow
+@pytest.mark.whole
 def test_cycles_without_symmetry_pass_the_fold_of_their_amplitude_to_other_symmetric_ones() -> (
     None
 ):
@@ -246,7 +246,7 @@ def test_cycles_without_symmetry_pass_the_fold_of_their_amplitude_to_other_symme
     assert [each.kind for each in events(family)[1:]] == ["period-doubling"] * 2
 
 
-@pytest.mark.slow
+@pytest.mark.whole
 @pytest.mark.parametrize(
     ("follow", "end", "value"),
     [(cycle_family, -1, "last_amplitude"), (rotating_family, 0, "least_tilt")],
@@ -266,7 +266,7 @@ def test_motions_of_weak_friction_wind_through_folds_into_the_connection(
     assert np.sum(np.diff(np.sign(np.diff(spins))) != 0.0) > 5
 
 
-@pytest.mark.slow
+@pytest.mark.whole
 def test_motions_of_weaker_friction_rotate_from_a_connection_of_inverted_spinning_on() -> None:
     family = rotating_family(WEAKEST)
     assert not_none(family.reason).endswith(" of inverted spinning with itself")
