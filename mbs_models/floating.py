@@ -298,5 +298,16 @@ def quaternion_rates(quaternion: Floats, angular: Floats) -> list[float]:
     ]
 
 
+def rotation_rows(quaternion: Floats) -> list[list[float]]:
+    """Rows of the rotation matrix of a quaternion of any length."""
+    s, x, y, z = quaternion
+    double = 2.0 / (s * s + x * x + y * y + z * z)
+    return [
+        [1.0 - double * (y * y + z * z), double * (x * y - s * z), double * (x * z + s * y)],
+        [double * (x * y + s * z), 1.0 - double * (x * x + z * z), double * (y * z - s * x)],
+        [double * (x * z - s * y), double * (y * z + s * x), 1.0 - double * (x * x + y * y)],
+    ]
+
+
 def _sines_and_cosines(a: float, b: float, c: float) -> tuple[float, ...]:
     return sin(a), cos(a), sin(b), cos(b), sin(c), cos(c)

@@ -7,6 +7,7 @@ G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`
 from collections import Counter
 from functools import partial
 from math import ceil, hypot, sqrt
+from operator import mul
 from typing import Any, Final
 
 import exudyn as exu
@@ -27,7 +28,7 @@ from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import PaperState, Progress
 from mbs_models.effort import rest_effort
 from mbs_models.endings import suspects, turning_negative, until_ending
-from mbs_models.floating import FloatingLie, quaternion_rates
+from mbs_models.floating import FloatingLie, quaternion_rates, rotation_rows
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever
 from mbs_models.model import Reading
@@ -291,11 +292,12 @@ class EngineWay(WayToRest):
 
     def to_paper(self, state: Array) -> PaperState:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
-        poses = spatial(state[None])
-        if hypot(*poses.rotations[0, 2, :2]) <= LEAST_TILT:
+        values = state.tolist()
+        rows = rotation_rows(values[POSE])
+        if hypot(*rows[2][:2]) <= LEAST_TILT:
             return None
-        z, u = frames.from_poses(*poses)
-        return z[0].tolist(), u[0].tolist()
+        angular = [sum(map(mul, row, values[TURNING])) for row in rows]
+        return frames.from_pose(values[:3], rows, values[7:10], angular)
 
     def _over_steps(self, step: float, times: Array, state: Array) -> Run:
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))

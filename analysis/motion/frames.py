@@ -1,14 +1,19 @@
 """The way between the co-rotating coordinates and the inertial frame."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from analysis.problem.checks import Array
+from analysis.problem.elementary import atan2, cos, hypot, sin
 
 Flags = npt.NDArray[np.bool_]
+
+Triple = Sequence[Any] | Array
+"""Three numbers of any kind."""
 
 _DOUBT = 0.5 * np.pi
 """How far off what is expected an angle may be in rad, if turns of it are to be told."""
@@ -78,20 +83,27 @@ def from_poses(
     rotation : ndarray, shape (n, 3, 3)
         Rotation matrix A_IB.
     """
-    beta = np.arctan2(np.hypot(rotation[:, 2, 0], rotation[:, 2, 1]), rotation[:, 2, 2])
-    gamma = np.arctan2(rotation[:, 2, 0], rotation[:, 2, 1])
-    alpha = np.arctan2(rotation[:, 0, 2], -rotation[:, 1, 2])
-    place = turn_about_vertical(-alpha, position)
-    speed = turn_about_vertical(-alpha, velocity)
-    spin = turn_about_vertical(-alpha, angular)
-    gd = -spin[:, 1] / np.sin(beta)
-    ad = spin[:, 2] - gd * np.cos(beta)
-    coordinates = np.column_stack((place, alpha, beta, gamma))
-    rates = np.column_stack((speed, ad, spin[:, 0], gd))
+    rows = np.moveaxis(rotation, 0, -1)
+    coordinates, rates = from_pose(position.T, rows, velocity.T, angular.T)
+    return np.column_stack(coordinates), np.column_stack(rates)
+
+
+def from_pose(
+    position: Triple, rotation: Sequence[Triple] | Array, velocity: Triple, angular: Triple
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """The same of one pose, 6 numbers each, or of arrays, from 3 numbers each and rows of 3."""
+    (_, _, ahead), (_, _, across), (sideways, along, up) = rotation
+    leaning = hypot(sideways, along)
+    alpha, beta, gamma = atan2(ahead, -across), atan2(leaning, up), atan2(sideways, along)
+    sa, ca = sin(alpha), cos(alpha)
+    (x, y, z), (u, v, w), (tilting, turning, rolling) = (
+        (ca * a + sa * b, ca * b - sa * a, c) for a, b, c in (position, velocity, angular)
+    )
+    gamma_rate = -turning / leaning
+    spin = rolling - gamma_rate * up
     # The frame in which the place is told turns.
-    rates[:, 0] += ad * place[:, 1]
-    rates[:, 1] -= ad * place[:, 0]
-    return coordinates, rates
+    rates = u + spin * y, v - spin * x, w, spin, tilting, gamma_rate
+    return (x, y, z, alpha, beta, gamma), rates
 
 
 def follow_turns(times: Array, coordinates: Array, rates: Array, fall: float) -> Flags:

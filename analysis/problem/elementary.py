@@ -106,10 +106,18 @@ tanh = _elementary("tanh")
 asinh = _elementary("asinh")
 
 
-def hypot(x: T, y: T) -> T:
-    """Hypotenuse."""
-    library = _library(y) if type(x) is float else _library(x)
-    return library.hypot(x, y)
+def _of_two(name: str) -> Callable[[T, T], T]:
+    """The same of two arguments."""
+
+    def function(x: Any, y: Any, /) -> Any:
+        """As in `math`, of any numbers."""
+        return getattr(_library(y) if type(x) is float else _library(x), name)(x, y)
+
+    return function
+
+
+hypot = _of_two("hypot")
+atan2 = _of_two("atan2")
 
 
 def _library(x: Any) -> Any:

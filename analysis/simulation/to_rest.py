@@ -1,13 +1,14 @@
 """In-house simulation of the disk until it lies still, in any attitude."""
 
 from functools import partial
-from math import atan2, cos, hypot, sin
+from math import hypot
 from typing import Literal, get_args
 
 import numpy as np
 
-from analysis.mechanics.attitude import EulerTurning, Quaternion, paper_of
+from analysis.mechanics.attitude import Quaternion
 from analysis.mechanics.dual import of_floats
+from analysis.mechanics.linear_algebra import add
 from analysis.mechanics.newton_euler import kinetic_energy
 from analysis.mechanics.penalty import YieldingTable, free_solver
 from analysis.motion import frames
@@ -160,19 +161,13 @@ class InHouseWay(WayToRest):
 
     def to_paper(self, state: Array) -> PaperState:
         """The paper's coordinates and their rates of a state; None on a flat disk."""
-        moving = Quaternion.moving(state[:13].tolist())
-        ahead, across, up = moving.frame
-        leaning = hypot(up[0], up[1])
-        if leaning <= LEAST_TILT:
+        moving, back = Quaternion.moving(state[:13].tolist()), -self.scenario.disk.eccentricity
+        axes, (_, q, r) = moving.frame, moving.angular
+        if hypot(*axes.up[:2]) <= LEAST_TILT:
             return None
-        alpha = atan2(ahead[2], -across[2])
-        sa, ca = sin(alpha), cos(alpha)
-        (x, y, z), (u, v, w) = moving.position, moving.velocity
-        position = (ca * x + sa * y, ca * y - sa * x, z)
-        velocity = (ca * u + sa * v, ca * v - sa * u, w)
-        angles = (alpha, atan2(leaning, up[2]), atan2(up[0], up[1]))
-        turning = (*position, *angles, *velocity, *moving.angular)
-        return paper_of(self.scenario.disk, turning, EulerTurning)
+        place = add(moving.position, axes.seen((back, 0.0, 0.0)))
+        velocity = add(moving.velocity, axes.seen((0.0, back * r, -back * q)))
+        return frames.from_pose(place, axes, velocity, axes.seen(moving.angular))
 
 
 def _of_unit_length(states: Array) -> Array:
