@@ -71,7 +71,7 @@ def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -
 
 @pytest.mark.slow
 def test_the_disk_comes_to_rest_as_in_house() -> None:
-    settled = mbs_models.simulate_to_rest(rest_scene(dissipation=SETTLING), 30.0, step=1e-4)
+    settled = mbs_models.simulate_to_rest(rest_scene(dissipation=SETTLING), 30.0, step=2e-4)
     other = analysis.simulate_to_rest(settled.scenario, 30.0, local_tolerance=1e-10)
     count = min(settled.times.size, other.times.size)
     np.testing.assert_allclose(settled.tilt[:count], other.tilt[:count], atol=1e-4)
