@@ -4,7 +4,8 @@ import os
 import signal
 import sys
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import current_process, get_context, parent_process
+from multiprocessing import current_process, parent_process
+from multiprocessing.context import SpawnContext, SpawnProcess
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
 from pathlib import Path
@@ -20,6 +21,25 @@ UNGUARDED = 4
 
 class UnguardedScriptError(RuntimeError):
     """Workers import the script that starts them, and it starts them again."""
+
+
+class _Process(SpawnProcess):
+    """A process that hears nothing of Ctrl-C before it knows what to do with it; see `_begin`."""
+
+    def start(self) -> None:
+        """Start it."""
+        # A mask goes over to what is started; Windows has none.
+        if not hasattr(signal, "pthread_sigmask"):
+            return super().start()
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            return super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Context(SpawnContext):
+    Process = _Process
 
 
 class Spawning:
@@ -53,7 +73,7 @@ class Spawning:
             Path.cwd()
         except OSError as error:
             raise OSError("workers start in the working directory, and that is gone") from error
-        self.context = get_context("spawn")
+        self.context = _Context()
         self._begun = self.context.Event()
         self.first: dict[str, Any] = {"initializer": _begin, "initargs": (deaf, self._begun)}
 
@@ -92,6 +112,8 @@ def _begin(deaf: bool, begun: Event) -> None:
     deaf = deaf or signal.getsignal(signal.SIGINT) == signal.SIG_IGN
     # An exception instead would end one call, and the next would begin.
     signal.signal(signal.SIGINT, signal.SIG_IGN if deaf else signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     end_with_parent()
 
 

@@ -29,15 +29,36 @@ def told_and_work(_: int) -> None:
         pass
 
 
+INTERRUPTIBLE = ["env", "--default-signal=INT", sys.executable, "-c", PARENT]
+"""What runs in the background of a script is born deaf to Ctrl-C."""
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+def test_workers_that_are_interrupted_as_they_start_say_nothing() -> None:
+    pipes: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    with subprocess.Popen(
+        INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True, **pipes
+    ) as parent:
+        children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")
+        # That of a resource tracker, and those of two workers.
+        while len(children.read_text().split()) < 3:
+            assert parent.poll() is None
+        time.sleep(0.05)
+        os.killpg(parent.pid, signal.SIGINT)
+        said = parent.communicate(timeout=60.0)[1]
+    assert said.count("Traceback") == 1
+    assert said.endswith("KeyboardInterrupt\n")
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 @pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
 def test_workers_of_a_killed_or_interrupted_parent_end(sent: signal.Signals) -> None:
-    # What runs in the background of a script is born deaf to Ctrl-C.
-    call = ["env", "--default-signal=INT", sys.executable, "-c", PARENT]
     workers = list[int]()
     pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(call, cwd=ROOT, text=True, start_new_session=True, **pipes) as parent:
+    with subprocess.Popen(
+        INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True, **pipes
+    ) as parent:
         try:
             workers += [int(not_none(parent.stdout).readline()) for _ in range(2)]
             assert all(map(is_running, workers))
