@@ -15,9 +15,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from analysis.problem.checks import Array, within
+from analysis.problem.checks import Array, turn_rate
 from analysis.problem.names import ArgumentError
-from analysis.problem.quantities import FASTEST_TURN
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
 from analysis.stability.linearisation import ROUND_OFF, ZERO, ComplexArray, falling, spin_scale
@@ -126,7 +125,7 @@ def spin_interval(interval: tuple[float, float], name: str = "interval") -> tupl
     ends = list(interval) if isinstance(interval, Iterable) else []
     if len(ends) != 2:
         raise ArgumentError(name, f"must be lowest and highest spin, got {interval!r}")
-    low, high = (within(name, end, -FASTEST_TURN, FASTEST_TURN) for end in ends)
+    low, high = (turn_rate(name, end) for end in ends)
     if not 0.0 <= low < high:
         fault = f"must have 0 <= lowest < highest spin, got {low:g} to {high:g}"
         raise ArgumentError(name, fault)

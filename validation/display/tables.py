@@ -120,3 +120,14 @@ def show(cell: Cell, digits: int = 6) -> str:
             return f"{cell:.0f}"
         return f"{cell:.{digits}g}" if 1e-4 <= abs(cell) < 1e6 or cell == 0.0 else f"{cell:.2e}"
     return str(cell)
+
+
+def power(value: float) -> str:
+    """A power of ten as 1e-3.
+
+    Examples
+    --------
+    >>> power(1e-3), power(1e-12), power(1.0), power(1e6), power(1e10)
+    ('1e-3', '1e-12', '1e0', '1e6', '1e10')
+    """
+    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")

@@ -18,7 +18,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
-from validation.display.tables import show
+from validation.display.tables import power, show
 from validation.study import Content, Verdict
 
 LONG = 12
@@ -251,17 +251,6 @@ def sig(value: float, digits: int = 2) -> str:
     """
     short = float(f"{value:.{digits}g}")
     return f"{short:.0f}" if 10.0**digits <= abs(short) < 1e5 else f"{value:.{digits}g}"
-
-
-def power(value: float) -> str:
-    """A power of ten as 1e-3.
-
-    Examples
-    --------
-    >>> power(1e-3), power(1e-12), power(1.0), power(1e6), power(1e10)
-    ('1e-3', '1e-12', '1e0', '1e6', '1e10')
-    """
-    return f"{value:.0e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 
 def span(values: Iterable[float], digits: int = 2) -> str:

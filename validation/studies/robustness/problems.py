@@ -24,7 +24,7 @@ from analysis import (
 )
 from analysis.problem.checks import Array
 from analysis.problem.disk import STEEL_RING
-from validation.page.section import power
+from validation.display.tables import power
 
 TOLERANCE = 1e-6
 """Accuracy asked for in rad where a problem says nothing else."""

@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 from analysis.problem.choices import FORMULATIONS
 from mbs_models.integrators import EXPONENTS
 from validation.display.figures import new_figure
-from validation.page.section import power, sig
+from validation.display.tables import power
+from validation.page.section import sig
 from validation.studies.work_precision import measuring
 from validation.studies.work_precision.measuring import CURVES, GOALS, REFERENCES, TITLES, USEFUL
 from validation.study import Check, Content, Row, Rows, at_most, grade
