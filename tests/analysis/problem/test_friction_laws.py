@@ -31,7 +31,7 @@ from analysis.problem.user_modules import foreign_names
 from analysis.stability import spectra
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
-from tests.calls import ROOT, python, refusal, run
+from tests.calls import ROOT, printed, python, refusal, run
 from tests.helpers import model, refusals
 from tests.sweeps import sweep
 from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Own, Wayward
@@ -180,25 +180,27 @@ test_what_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs = r
 
 
 @pytest.mark.slow
-def test_command_line_takes_a_law_of_ones_own(tmp_path: Path) -> None:
+def test_command_line_takes_a_law_of_ones_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     text = (ROOT / "docs" / "extending.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
     (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
-
+    law = "--law=rough:SquareRoot"
     # Without the working directory on its path, as an installed command is.
     tippedisk = partial(python, "-P", "-m", "validation", folder=tmp_path)
-    law = "--law=rough:SquareRoot"
     assert tippedisk("simulate", f"{law},coefficient=0.2", "--end=0.1", "--out=own.npz").stdout
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
         load_run(tmp_path / "own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
-    assert "must be imported first" in tippedisk("scenario", "own.npz", code=2).stderr
-    again = tippedisk("scenario", "own.npz", law).stdout
+    assert "must be imported first" in refusal("scenario own.npz")
+    again = printed("scenario own.npz", law)
     assert 'law = "rough:SquareRoot"' in again
     assert "coefficient = 0.2" in again
     (tmp_path / "own.toml").write_text(again)
-    assert tippedisk("scenario", "own.toml").stdout == again
-    tippedisk("show", "own.npz", law, "--plot=own.png")
+    assert printed("scenario own.toml") == again
+    printed("show own.npz", law, "--plot=own.png")
     cases = ("law=tanh,rough:SquareRoot", "--scenario=own.toml", "--end=0.1", "--workers=1")
     assert tippedisk("sweep", *cases, "--out=laws.db").stdout == "laws.db: 2 cases\n"
 

@@ -21,7 +21,7 @@ from validation.studies.nonlinear.held_spin import (
 from validation.studies.nonlinear.measured import HELD_NAMES
 
 
-@pytest.mark.parametrize("source", ["in-house", pytest.param("engine", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("source", ["in-house", pytest.param("engine", marks=pytest.mark.whole)])
 def test_runs_have_the_cycle_of_the_reduced_system(source: str) -> None:
     cycle = cycle_family(model(4), (0.5,)).motions[-1]
     guess = beginning(cycle) * (1.0, 1.01, 1.01, 0.99)
