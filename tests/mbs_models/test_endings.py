@@ -1,5 +1,6 @@
 """Why a motion of the engine ends, and where: as the in-house one does."""
 
+from collections import Counter
 from itertools import product
 from math import pi
 from typing import Any
@@ -15,7 +16,7 @@ from analysis.problem.choices import SOURCES, Source
 from analysis.solve.stepping import SolverError
 from mbs_models import FORMULATIONS, EngineError, Formulation, Scene
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import suspects
+from mbs_models.endings import Suspect, suspects, until_ending
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none
 from tests.scenes import runner, scene_of
@@ -42,6 +43,17 @@ def test_a_run_of_which_next_to_nothing_makes_sense_ends_at_no_condition(
     values: list[float],
 ) -> None:
     assert not list(suspects(np.linspace(0.0, 1.0, 11), {"slow": values}, None))
+
+
+def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
+    fast = Scenario(start=Start(spin=200.0))
+    run = analysis.simulate(fast, np.linspace(0.0, 0.11, 2), allow_pulling=True)
+    assert run.normal_force[1] < 0.0
+    record = np.hstack((run.coordinates[1], run.rates[1], run.multipliers[1]))
+    motion, suspect = AccelerationProblem(Scene(fast), {}), Suspect(0, 0.1, "contact would pull")
+    how: dict[str, Any] = {"margin": 0.0, "work": Counter(), "allow_pulling": False}
+    found = until_ending(LONG, record[None], [suspect], motion, **how)
+    assert (found[0], *found[1]) == ("contact would pull", 0.0)
 
 
 def faster(state: State) -> float:
