@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from math import log
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -252,6 +253,12 @@ def test_map_is_drawn_and_told(
 
 
 @pytest.mark.slow
-def test_pairs_that_tell_no_exponent_are_told_of(tmp_path: Path) -> None:
+def test_an_exponent_or_that_pairs_tell_none_is_told_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     call = f"map rest --out {tmp_path} --cells 1 --levels 0 --end 0.1 --witnesses 0 --pairs 1"
     assert "no uncertainty exponent: pairs of starts end" in printed(call)
+    found = SimpleNamespace(exponent=0.5, error=0.1, parts=[0.04, 0.4])
+    monkeypatch.setattr("validation.commands.maps.uncertainty", lambda _: found)
+    said = " ".join(printed(call).split())
+    assert re.search(r"exponent 0\.50 ± 0\.10: .* apart, 4 %, 40 % end", said)

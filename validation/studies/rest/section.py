@@ -127,8 +127,10 @@ def story(motion: SpatialMotion, tilt: Sequence[float]) -> Figure:
     dots = np.arange(0, len(tilt), _DOT)
     look: Any = {"color": COLOURS[2], "linestyle": "", "marker": ".", "markersize": 4}
     panel = figure.axes[0]
+    panel.lines[0].set_label("in-house")
     panel.plot(runs.EVERY * runs.SPACING * dots, np.degrees(tilt)[dots], label="engine", **look)
-    panel.legend(loc="upper right", bbox_to_anchor=(1.0, 1.2), fontsize=8, frameon=False)
+    where: Any = {"loc": "upper right", "bbox_to_anchor": (1.0, 1.2), "ncols": 2}
+    panel.legend(**where, fontsize=8, frameon=False)
     return figure
 
 
