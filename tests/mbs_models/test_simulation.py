@@ -33,7 +33,7 @@ from analysis.problem.start import FlatError, State
 from analysis.problem.variations import changed
 from mbs_models import EngineError, Integrator, Scene
 from mbs_models.effort import ways
-from mbs_models.extrapolation import Ladder
+from mbs_models.extrapolation import Ladder, apart
 from mbs_models.simulation import advice
 from tests.bodies import EGG, ELLIPSE
 from tests.helpers import model, mostly_slow, not_none
@@ -215,6 +215,16 @@ def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digi
     ]
     assert errors[0] > 1e-11
     assert errors[1] < 1e-12
+
+
+def test_gamma_counts_for_nothing_at_the_last_sample_of_a_disk_that_lies_flat_there() -> None:
+    one, other = np.zeros((2, 3, 13))
+    other[-1, 5], other[:, -1] = 1.0, 0.1
+    other[-1, 11] = 5.0
+    assert apart(one, other) == pytest.approx(1.5)
+    assert apart(one, other, flat=True) == pytest.approx(0.1)
+    other[1, 5] = 0.2
+    assert apart(one, other, flat=True) == pytest.approx(0.3)
 
 
 LADDERS: dict[str, tuple[float | None, tuple[float, ...]]] = {
