@@ -235,3 +235,16 @@ def test_reduced_system_moves_as_the_index_1_system_of_model_4(law: type[Frictio
     assert_close(moving[1], found, relative=1e-11)
     assert solved[3] == pytest.approx(forces[0], rel=1e-12)
     assert solved[4] == pytest.approx(slip(scenario.disk, lambda t: z + t * u)[1], rel=1e-10)
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_printed_linear_equations_leave_a_disk_that_spins_elsewhere_where_it_is(
+    motion: Motion,
+) -> None:
+    printed = paper.printed_matrices(paper.paper_numbers(Scenario(), motion))
+    (matrix,) = paper.first_order(printed, 30.0, 4.0)
+    # A place that stays is seen to go back from a frame that turns.
+    back = 30.0 * np.array(((0.0, 1.0), (-1.0, 0.0)))
+    elsewhere = np.zeros((8, 2))
+    elsewhere[:2], elsewhere[4:6] = np.eye(2), back
+    np.testing.assert_allclose(matrix @ elsewhere, elsewhere @ back, atol=1e-10)
