@@ -11,7 +11,7 @@ from analysis import RestCriterion, SpatialMotion  # noqa: F401 # the text names
 from analysis.motion.quantities import filled
 from analysis.problem.checks import Array
 from validation.comparison.limits import largest
-from validation.display.figures import COLOURS, draw_story
+from validation.display.figures import COLOURS, draw_story, legend_above
 from validation.studies.rest import closed_forms, creep, runs, starts
 from validation.studies.rest.runs import ENGINE, INHOUSE, PHASES, SHOWN, SLIDING, TAKEN, VARIANTS
 from validation.study import Check, Content, Row, Rows, at_most, grade
@@ -129,8 +129,7 @@ def story(motion: SpatialMotion, tilt: Sequence[float]) -> Figure:
     panel = figure.axes[0]
     panel.lines[0].set_label("in-house")
     panel.plot(runs.EVERY * runs.SPACING * dots, np.degrees(tilt)[dots], label="engine", **look)
-    where: Any = {"loc": "upper right", "bbox_to_anchor": (1.0, 1.2), "ncols": 2}
-    panel.legend(**where, fontsize=8, frameon=False)
+    legend_above(panel, size=8)
     return figure
 
 
