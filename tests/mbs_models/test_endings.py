@@ -111,12 +111,15 @@ QUICK = [
     *((number, "in-house") for number in (1, 3, 4, 8, 9, 10, 11, 12, 16, 17)),
 ]
 LONG_RUNS = {(number, "engine") for number in (0, 1, 3)}
-"""By fixed steps, ten seconds each; the robustness study runs these and all the others."""
+"""By fixed steps, ten seconds each."""
 
-SOME = sorted({*product(range(8), SOURCES), *QUICK} - LONG_RUNS)
+CASES = [
+    *mostly_slow(sorted({*product(range(8), SOURCES), *QUICK} - LONG_RUNS), QUICK),
+    *(pytest.param(case, marks=pytest.mark.whole) for case in sorted(LONG_RUNS)),
+]
 
 
-@pytest.mark.parametrize("case", mostly_slow(SOME, QUICK))
+@pytest.mark.parametrize("case", CASES)
 def test_hard_and_random_motions_end_where_and_when_they_promise(case: tuple[int, Source]) -> None:
     number, side = case
     problem = ENDS[number]

@@ -107,9 +107,8 @@ FAR: dict[str, tuple[Scenario, Any, float, Any, float]] = {
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param("saddle focus", marks=pytest.mark.slow),
-        pytest.param("large eccentricity", marks=pytest.mark.whole),
-        pytest.param("leaning saddle", marks=pytest.mark.slow),
+        pytest.param(name, marks=getattr(pytest.mark, "whole" if "large" in name else "slow"))
+        for name in FAR
     ],
 )
 def test_cycles_may_swing_beyond_the_saddle_and_end_in_the_connection(name: str) -> None:
@@ -156,10 +155,19 @@ def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
     assert np.log(missing[0] / missing[1]) / np.log(2.0) == pytest.approx(2.0, abs=0.05)
 
 
-@pytest.mark.slow
-def test_steep_friction_brings_the_connection_to_that_on_the_slow_manifold() -> None:
+@pytest.mark.parametrize(
+    "smoothing",
+    [
+        pytest.param(2e-3, marks=pytest.mark.slow),
+        # By the method for stiff motions.
+        pytest.param(1e-3, marks=pytest.mark.whole),
+    ],
+)
+def test_steep_friction_brings_the_connection_to_that_on_the_slow_manifold(
+    smoothing: float,
+) -> None:
     # Next to the latter, two motions fall to the same side but for the error of their runs.
-    found = [heteroclinic_connection(with_smoothing(each)) for each in (2e-3, 1e-3)]
+    found = [heteroclinic_connection(with_smoothing(each)) for each in (smoothing, smoothing / 2)]
     missing = [slow_connection(PAPER).spin - each.spin for each in found]
     assert np.log2(missing[0] / missing[1]) == pytest.approx(2.0, abs=0.01)
     assert [each.last_amplitude for each in found] == [np.pi, np.pi]
