@@ -88,6 +88,26 @@ def from_poses(
     return np.column_stack(coordinates), np.column_stack(rates)
 
 
+def from_cog(values: Array, slopes: Array, eccentricity: float) -> tuple[Array, Array]:
+    """Co-rotating coordinates and rates from those with the centre of gravity in place of G.
+
+    Parameters
+    ----------
+    values, slopes : ndarray, shape (n, 6)
+        Inertial position of the centre of gravity in m and alpha, beta and gamma in rad, and their
+        rates.
+    eccentricity : float
+        In m.
+    """
+    (_, rotation), (_, angular), alpha = poses(values), twists(values, slopes), values[:, 3]
+    offset = eccentricity * rotation[..., 0]
+    place = turn_about_vertical(-alpha, values[:, :3] - offset)
+    moving = turn_about_vertical(-alpha, slopes[:, :3] - np.cross(angular, offset))
+    # The frame in which the place is told turns.
+    moving[:, :2] -= slopes[:, 3:4] * place[:, 1::-1] * (-1.0, 1.0)
+    return np.hstack((place, values[:, 3:])), np.hstack((moving, slopes[:, 3:]))
+
+
 def from_pose(
     position: Triple, rotation: Sequence[Triple] | Array, velocity: Triple, angular: Triple
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -41,6 +41,10 @@ Setting = str | float | int | None
 FORMAT = 3
 """Of the files of motions; the first held no whole scenario."""
 
+LOOSER = 100.0
+"""Error of a place between samples over the radius that goes with an error of an angle in rad: no
+run is asked for the place."""
+
 UNKNOWN_TOLERANCE = 1e-6
 """Error in rad between samples allowed to a run that was asked for none."""
 
@@ -62,8 +66,12 @@ class SampledMotion(Quantities):
     ending: Ending | None = None
 
     @abstractmethod
-    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
-        """What has rates, at times within the samples, shape (m,), and the errors there."""
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array, Array]:
+        """What has rates, at times within the samples, shape (m,), and the errors there.
+
+        Errors are those of beta and gamma or of the attitude in rad, shape (m,), and of the place
+        in m, shape (m, 3).
+        """
 
     @abstractmethod
     def _beside(self, wanted: Array) -> dict[str, Any]:
@@ -123,8 +131,8 @@ class SampledMotion(Quantities):
         time : float
             In s.
         tolerance : float, optional
-            Largest error that interpolation may add, in rad for beta and gamma or the attitude;
-            by default that asked of the run, or 1e-6.
+            Largest error that interpolation may add, in rad for beta and gamma or the attitude,
+            and 100 times that in radii for the place; by default that asked of the run, or 1e-6.
 
         Raises
         ------
@@ -373,7 +381,9 @@ class SampledMotion(Quantities):
                 f"times must lie within the samples, from {first:g} to {last:g} s, "
                 f"got {outside[0]:g}"
             )
-        arrays, error = self._between(wanted)
+        arrays, turned, moved = self._between(wanted)
+        part = np.linalg.norm(moved, axis=1) / (LOOSER * self.scenario.disk.radius)
+        error = np.maximum(turned, part)
         if tolerance is None:
             asked = self.method.get("tolerance") or self.error_estimate or UNKNOWN_TOLERANCE
             tolerance = float(asked)

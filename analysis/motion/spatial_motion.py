@@ -232,7 +232,7 @@ class SpatialMotion(SampledMotion):
         largest = max(float(np.max(turned)), float(np.max(difference[:, 3:])))
         return largest / self.starting_energy
 
-    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array, Array]:
         values = np.column_stack((self.positions, self.quaternions))
         turning = frames.quaternion_rates(self.quaternions, self.angular_velocities)
         rates = np.column_stack((self.velocities, turning))
@@ -241,12 +241,13 @@ class SpatialMotion(SampledMotion):
         turned: Array = 2.0 * np.linalg.norm(error[:, 3:], axis=1)
         length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
         quaternion = values[:, 3:] / length
-        return {
+        found = {
             "positions": values[:, :3],
             "quaternions": quaternion,
             "velocities": rates[:, :3],
             "angular_velocities": frames.angular_velocities(quaternion, rates[:, 3:] / length),
-        }, turned
+        }
+        return found, turned, error[:, :3]
 
     def _beside(self, wanted: Array) -> dict[str, Any]:
         rest = self.rest_time

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from analysis.motion.frames import from_cog
 from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import InCoordinates
 from analysis.motion.sampled import SampledMotion, Setting
@@ -115,9 +116,14 @@ class Trajectory(InCoordinates, SampledMotion):
         index = whole("index", index, -size, size - 1)
         return State(coordinates=tuple(self.coordinates[index]), rates=tuple(self.rates[index]))
 
-    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array]:
-        coordinates, rates, error = interpolate(self.times, self.coordinates, self.rates, wanted)
-        return {"coordinates": coordinates, "rates": rates}, np.max(error[:, 4:], axis=1)
+    def _between(self, wanted: Array) -> tuple[dict[str, Any], Array, Array]:
+        # The frame of the coordinates turns, however steady the motion is; that of this does not.
+        values = np.column_stack((self.cog_positions, self.coordinates[:, 3:]))
+        slopes = np.column_stack((self.cog_velocities, self.rates[:, 3:]))
+        values, slopes, error = interpolate(self.times, values, slopes, wanted)
+        coordinates, rates = from_cog(values, slopes, self.scenario.disk.eccentricity)
+        found = {"coordinates": coordinates, "rates": rates}
+        return found, error[:, 4:].max(axis=1), error[:, :3]
 
     def _beside(self, wanted: Array) -> dict[str, Any]:
         order: Any = min(2, self.times.size - 1)

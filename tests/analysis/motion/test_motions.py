@@ -215,6 +215,27 @@ def test_samples_too_far_apart_for_the_runs_own_tolerance_are_refused(fine: Traj
     assert unknown.resampled([0.0, 0.005], tolerance=1.0).error_estimate is None
 
 
+@pytest.mark.parametrize("spacing", [0.02, 0.1])
+def test_disk_that_stays_in_its_place_stays_there_between_samples_however_fast_the_frame_turns(
+    spacing: float,
+) -> None:
+    start = replace(Start.stationary(60.0), x=0.2, y_rate=-12.0)
+    run = simulate(Scenario(start=start), np.arange(0.0, 1.01, spacing))
+    between = run.resampled(np.linspace(0.0, 0.9, 91))
+    np.testing.assert_allclose(between.cog_positions[:, :2], [(0.2, 0.0)] * 91, atol=1e-7)
+    np.testing.assert_allclose(between.cog_velocities, 0.0, atol=1e-5)
+
+
+def test_place_between_samples_is_told_to_a_hundred_times_the_tolerance_in_radii() -> None:
+    times, shaken = np.linspace(0.0, 1.0, 11), np.zeros((11, 6))
+    shaken[:, 0] = 1e-4 * (-1.0) ** np.arange(11)
+    upright = simulate(Scenario(start=Start.stationary(60.0)), times)
+    run = replace(upright, coordinates=upright.coordinates + shaken)
+    assert run.at(0.45, tolerance=1e-3)
+    with pytest.raises(ToleranceError):
+        run.at(0.45, tolerance=1e-5)
+
+
 def test_ending_is_that_of_the_last_sample_alone(motion: StoredRun) -> None:
     last, ending = float(motion.times[-1]), Ending(reason="low", time=1.0, value=0.0)
     ended = replace(motion, ending=ending)
