@@ -54,7 +54,8 @@ force_least, force_largest
     Normal force over the samples.
 energy_start, energy_end, taken_..., brought_by_...
     Kinetic, gravitational and elastic energy; what each cause took; and what the torques that
-    keep a rate constant brought. Empty where a motion does not hold it.
+    keep a rate constant brought, by its samples. Empty where a motion does not hold it, or its
+    samples are too far apart to tell that work.
 rolling_from, flat_from, rest_from
     As `Phases` says, of motions to rest.
 ending, end

@@ -278,6 +278,19 @@ def test_sliding_took_what_a_held_rate_brought(
     assert row["taken_sliding"] == pytest.approx(lost + brought, rel=1e-12)
 
 
+def test_work_that_the_samples_do_not_tell_is_left_empty() -> None:
+    start = Start(spin=60.0, beta=1.3, gamma=-1.0)
+    scenario = Scenario(constraints=("contact", "constant-spin"), start=start)
+    counts = (2, 3, 11, 21, 51, 101, 201, 801)
+    motions = [simulate(scenario, np.linspace(0.0, 1.0, count)) for count in counts]
+    columns = outcomes(motions).columns
+    known = np.isfinite(columns["taken_sliding"])
+    assert known.tolist() == np.isfinite(columns["brought_by_spin_torque"]).tolist()
+    assert known.tolist() == [False] * 6 + [True] * 2
+    # By an integration along with the motion.
+    np.testing.assert_allclose(columns["taken_sliding"][known], 0.178233, atol=5e-5)
+
+
 def test_budget_of_a_motion_to_rest_is_told_from_its_first_sample_to_its_last() -> None:
     motion = simulate_to_rest(Scenario.rest(), 0.05, spacing=0.01, local_tolerance=1e-9)
     (row,) = outcomes([motion]).rows()
