@@ -6,6 +6,7 @@ The accelerations are those of the scene's own formulation.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from math import cos, hypot, sin
 
 import exudyn as exu
@@ -244,12 +245,11 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     if state is not None:
         scene = scene.starting_at(instance("state", state, State))
     motion = AccelerationProblem(scene, {})
-    model = motion.model
-    with solving(motion.system):
+    with closing(motion.model) as model, solving(motion.system):
         second_derivatives, algebraic = motion.probe.solved()
-    z, u = model.start.coordinates, model.start.rates
-    forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
-    return np.array(model.decode_accelerations(second_derivatives, z, u)), forces[0]
+        z, u = model.start.coordinates, model.start.rates
+        forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
+        return np.array(model.decode_accelerations(second_derivatives, z, u)), forces[0]
 
 
 def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
@@ -315,7 +315,7 @@ def state_matrix(scene: Scene | Scenario) -> Array:
         part, rim_speed = 1.0, min(SLIDING * bending, PART_OF_SLIP * slip, speed)
     motion = AccelerationProblem(scene, {}, part)
     motion.quick = False
-    with solving(motion.system):
+    with closing(motion.model), solving(motion.system):
         return _linearised(motion, turning, rim_speed)
 
 
@@ -334,8 +334,7 @@ def stock_eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     >>> stock_eigenvalues(Scene(scenario, "contact-tree")).shape
     (8,)
     """
-    model = build(Scene.of(scene))
-    with solving(model.system):
+    with closing(build(Scene.of(scene))) as model, solving(model.system):
         values, _ = model.system.ComputeODE2Eigenvalues(
             computeComplexEigenvalues=True, useAbsoluteValues=False
         )

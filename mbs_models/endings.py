@@ -110,6 +110,7 @@ def until_ending(
     *,
     margin: float,
     work: Counter[str],
+    watch: Watch,
     allow_pulling: bool = True,
 ) -> tuple[str | None, Array, Array]:
     """Why a run ends, if it does, and its records up to there.
@@ -126,6 +127,8 @@ def until_ending(
         Time in s by which a condition may turn negative later than a run shows.
     work : Counter
         To which the steps of the search are added.
+    watch : Watch
+        Of the call: what its time does not suffice to search ends before that.
     allow_pulling : bool
         Whether a contact that pulls ends nothing.
 
@@ -143,6 +146,8 @@ def until_ending(
     for suspect in sorted(suspects):
         # Runs differ by their errors: what one shows to be negative may be so later in another.
         end, size = suspect.width + margin * bool(suspect.reason), suspect.row + 1
+        if watch.is_out_of_time:
+            return TIME_LIMIT, moments[:size], records[:size]
         try:
             reason, later, last = _located(records[suspect.row], end, motion, work, allow_pulling)
         except EngineError as error:

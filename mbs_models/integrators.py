@@ -9,16 +9,16 @@ from typing import cast
 
 import numpy as np
 
-from analysis.problem.checks import choice, positive, switch, within
+from analysis.problem.checks import choice, instance, positive, switch, within
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import (
     ACCELERATED,
     INTEGRATORS,
-    EngineFormulation,
     IntegratorName,
     Method,
 )
 from analysis.problem.names import ArgumentError
+from analysis.problem.scenario import Scenario
 from mbs_models.scene import CLASSES, Scene
 
 EXPLICIT: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
@@ -131,6 +131,8 @@ class Integrator:
             elif value is not None and not applies:
                 fault = f"is no option of integrator {self.name!r}, got {value!r}"
                 raise ArgumentError(option, fault)
+        if self.newton is not None:
+            instance("newton", self.newton, Newton)
         if self.spectral_radius is not None:
             within("spectral_radius", self.spectral_radius, 0.0, 1.0)
         if self.local_tolerance is not None:
@@ -172,36 +174,31 @@ class Integrator:
         return found | {name: value for name, value in options.items() if value is not None}
 
 
-def integrators(
-    formulation: EngineFormulation, *, constrained: bool | None = None
-) -> tuple[IntegratorName, ...]:
-    """The engine's own integrators that can take a formulation; those in `ACCELERATED` take any.
+def integrators(scene: Scene | Scenario) -> tuple[IntegratorName, ...]:
+    """The engine's own integrators that can take a scene; those in `ACCELERATED` take any.
 
     The first is the default where a step is given.
 
     Parameters
     ----------
-    formulation : str
-    constrained : bool, optional
-        Whether algebraic equations are left (`Scene.has_constraints`); by default whether the
-        formulation has any on the ideal contact.
+    scene : Scene or Scenario
 
     Raises
     ------
     ValueError
-        If there is no such formulation, or an argument is of the wrong kind.
+        If it is neither.
 
     Examples
     --------
-    >>> from mbs_models import integrators
-    >>> integrators("contact-tree")[0]
+    >>> from mbs_models import Scene, integrators
+    >>> integrators(Scene())[0]
     'RK67'
     """
-    is_held = True if constrained is None else switch("constrained", constrained)
-    if CLASSES[choice("formulation", formulation, CLASSES)].closes_contact:
+    scene = Scene.of(scene)
+    if CLASSES[scene.built_as].closes_contact:
         return EXPLICIT + IMPLICIT
     # What has no constraints otherwise has a stiff contact.
-    return IMPLICIT if is_held else IMPLICIT + EXPLICIT
+    return IMPLICIT if scene.has_constraints else IMPLICIT + EXPLICIT
 
 
 def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) -> Integrator:
@@ -212,7 +209,7 @@ def find_integrator(scene: Scene, wanted: Integrator | IntegratorName | None) ->
     ValueError
         If it is unknown, or cannot take the constraints of the scene.
     """
-    available = integrators(scene.built_as, constrained=scene.has_constraints)
+    available = integrators(scene)
     if wanted is None:
         wanted = available[0]
     chosen = wanted if isinstance(wanted, Integrator) else Integrator(name=wanted)

@@ -5,6 +5,7 @@ does not need; its system is to be assembled anew then. None of them changes the
 """
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,13 +66,13 @@ def inventory(scene: Scene) -> list[Item]:
     LookupError
         If an item has no recorded reason to be there.
     """
-    model = build(scene)
-    data = model.system.systemData
-    return [
-        _item(model, kind, number)
-        for kind in KINDS
-        for number in range(getattr(data, f"NumberOf{kind.capitalize()}s")())
-    ]
+    with closing(build(scene)) as model:
+        data = model.system.systemData
+        return [
+            _item(model, kind, number)
+            for kind in KINDS
+            for number in range(getattr(data, f"NumberOf{kind.capitalize()}s")())
+        ]
 
 
 def _item(model: Model, kind: Kind, number: int) -> Item:

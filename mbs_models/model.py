@@ -96,6 +96,13 @@ class Model(ABC):
         self.system.Assemble()
         self._readings = [*self.pose_readings(), self.system.systemData.GetAECoordinates]
 
+    def close(self) -> None:
+        """Free what the system holds; nothing can be done with it any more.
+
+        Its user functions hold it, where Python looks for no cycle: without this, it stays.
+        """
+        self.system.Reset()
+
     @abstractmethod
     def _build(self) -> None:
         """Add nodes, bodies, markers and joints."""

@@ -5,6 +5,7 @@ G, angular velocity in the disk's axes, and the energy taken by each of `CAUSES`
 """
 
 from collections import Counter
+from contextlib import closing
 from functools import partial
 from math import ceil, hypot, sqrt
 from operator import mul
@@ -140,17 +141,18 @@ def simulate_to_rest(
             f"run can take, got {scene.built_as!r}"
         )
     rest_effort(scene, end, step).check()
-    if step is None:
-        coarsest = min(COARSEST, scenario.finest_slip)
-        return until_agreement(way.by_accelerations, tolerance, coarsest)
-    if step > (largest := largest_step(scenario)):
+    if step is not None and step > (largest := largest_step(scenario)):
         contact, gradient = scenario.penalty_contact, scenario.friction_gradient
         raise ValueError(
             f"step must not exceed {largest:.3g} s, the predicted stability limit at stiffness "
             f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
             f"{gradient:g}, got {step:g}"
         )
-    motion = way.by_steps(step)
+    with closing(way.model):
+        if step is None:
+            coarsest = min(COARSEST, scenario.finest_slip)
+            return until_agreement(way.by_accelerations, tolerance, coarsest)
+        motion = way.by_steps(step)
     if np.max(np.abs(motion.energy_residual)) > motion.starting_energy:
         raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")
     return motion
@@ -323,7 +325,7 @@ class EngineWay(WayToRest):
         told = {why: [each(state) for state in states] for why, each in self.conditions.items()}
         found = suspects(times, told, recording.stopped)
         ended, times, states = until_ending(
-            times, states, found, self, margin=spacing, work=counts
+            times, states, found, self, margin=spacing, work=counts, watch=self.watch
         )
         last = self.times[-1]
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:

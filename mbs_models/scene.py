@@ -132,7 +132,8 @@ def build(scene: Scene | Scenario) -> Model:
     Returns
     -------
     Model
-        Its `system` is an `exudyn.MainSystem` at the start of the scenario.
+        Its `system` is an `exudyn.MainSystem` at the start of the scenario. Contact forces are
+        known to it once a solver has run. It stays in memory until `Model.close` frees it.
 
     Raises
     ------

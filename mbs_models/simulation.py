@@ -1,6 +1,7 @@
 """Simulation of a scene in the engine, to a step size or to a tolerance."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import replace
 from math import isnan, sin, sqrt
 
@@ -54,10 +55,11 @@ def simulate(
 ) -> Trajectory:
     """Simulate a scene in the engine.
 
-    Accuracy is asked for in one of two ways. With `step`, there is a single run. With
-    `tolerance`, there are several: those of the engine's own integrators halve their steps again
-    and again and are extrapolated until the estimated error of beta and gamma is below it; those
-    that step the engine's accelerations tighten the tolerance of a step until two agree.
+    Accuracy is asked for in one of two ways. With `step`, there is a single run of one of the
+    engine's own integrators. With `tolerance`, there are several: those of the engine's own
+    integrators halve their steps again and again and are extrapolated until the estimated error of
+    beta and gamma is below it; those that step the engine's accelerations tighten the tolerance of
+    a step until two agree, and `step` only limits their steps.
 
     A run ends where a bilateral contact would have to pull, where the disk lies flat, where it is
     told to, or at its time limit: the trajectory then holds fewer samples than asked for, the
@@ -75,7 +77,7 @@ def simulate(
         Largest error in beta and gamma in rad, and in s that of the time at which the motion ends
         by itself; 1e-8 if neither is given.
     integrator : Integrator or str, optional
-        With its options, or the name of one of `integrators(scene.built_as)` or `ACCELERATED`.
+        With its options, or the name of one of `integrators(scene)` or `ACCELERATED`.
         By default, the first of the former with a step, and with a tolerance on the ideal contact
         where no constraint is left; else DOP853, Radau where friction is stiff, or LSODA where a
         penalty contact is, on the engine's accelerations. Where that leads to nothing, the other
@@ -136,18 +138,20 @@ def simulate(
         most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
     check_slipping(scene.scenario.friction)
     start = scene.scenario.initial_state
+    watch = Watch(time_limit, progress, most)
     motion = AccelerationProblem(scene, named_conditions(stop_when, start))
-    with solving(motion.system):
-        pulls_at_start(motion.starting_at(start.vector), allow_pulling=allow_pulling)
     call = Call(
         motion=motion,
         times=times,
         longest=np.inf if step is None else step,
         tolerance=tolerance,
         allow_pulling=allow_pulling,
-        watch=Watch(time_limit, progress, most),
+        watch=watch,
     )
-    return _first_that_leads_there(call, tried)
+    with closing(motion.model):
+        with solving(motion.system):
+            pulls_at_start(motion.starting_at(start.vector), allow_pulling=allow_pulling)
+        return _first_that_leads_there(call, tried)
 
 
 def _accuracy(
@@ -158,7 +162,7 @@ def _accuracy(
     tolerance: float | None,
 ) -> tuple[float | None, float | None]:
     """Step and tolerance that are asked for, checked; a tolerance by default."""
-    if step is not None and tolerance is not None:
+    if step is not None and tolerance is not None and not chosen.steps_accelerations:
         raise ValueError("give either step or tolerance, not both")
     step = None if step is None else positive("step", step)
     if chosen.local_tolerance is not None:
@@ -202,9 +206,10 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
         except HopelessError:
             pass
         except (EngineError, ToleranceError, TimeLimitError) as error:
-            may_go_on = integrator.steps_accelerations and not is_last
-            if not may_go_on or isinstance(error, TimeLimitError):
-                hint = advice(call.motion.scene, integrators[0], call.watch.flattest[1])
+            may_go_on, is_late = integrator.steps_accelerations, isinstance(error, TimeLimitError)
+            if is_last or is_late or not may_go_on:
+                leaning, scene = call.watch.flattest[1], call.motion.scene
+                hint = advice(scene, integrators[0], leaning, is_late=is_late)
                 raise type(error)(f"{error}; {hint}") from error
     raise AssertionError("the last way has come to nothing without saying so")
 
@@ -295,7 +300,9 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     )
 
 
-def advice(scene: Scene, integrator: Integrator, leaning: float) -> str:
+def advice(
+    scene: Scene, integrator: Integrator, leaning: float, *, is_late: bool = False
+) -> str:
     """Other ways to simulate the same motion, the most promising one first.
 
     Parameters
@@ -305,6 +312,8 @@ def advice(scene: Scene, integrator: Integrator, leaning: float) -> str:
         What has been tried.
     leaning : float
         Angle in rad between disk and table where it came nearest to flat.
+    is_late : bool
+        Whether it has taken too long.
     """
     found = []
     if leaning < NEARLY_FLAT and CLASSES[scene.built_as].has_euler_angles:
@@ -317,5 +326,8 @@ def advice(scene: Scene, integrator: Integrator, leaning: float) -> str:
             elif not integrator.controls_step:
                 found.append("integrator 'DOPRI5', which controls its step")
         found.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
-    found.append("another local tolerance" if integrator.controls_step else "a smaller step")
+    if is_late:
+        found.append("a larger tolerance or step")
+    else:
+        found.append("another local tolerance" if integrator.controls_step else "a smaller step")
     return f"try {', or '.join(found)}"

@@ -99,7 +99,12 @@ def run_over(
     call.counts.update(recording.counts)
     watch.steps += recording.counts["steps"] + recording.counts.get("rejected_steps", 0)
     coordinates, rates = model.decode(recording.records)
-    forces = model.multipliers(recording.records, coordinates, rates)
+    # A failed run may end flat, where some bodies touch the table in no one point.
+    upright = int(np.argmin(np.append(leaning(coordinates) >= LEAST_TILT, False)))
+    told = (each[:upright] for each in (recording.records, coordinates, rates))
+    forces = np.pad(
+        model.multipliers(*told), ((0, len(rates) - upright), (0, 0)), constant_values=np.nan
+    )
     values = np.column_stack((coordinates, rates, forces))
     if not model.has_euler_angles:
         _unwrap(values, moments[: len(values)], start, call.motion.scenario.fall)
@@ -150,6 +155,7 @@ def _upto_ending(
         call.motion,
         margin=period,
         work=call.counts,
+        watch=call.watch,
         allow_pulling=not call.must_not_pull,
     )
     if ended is None and recording.failure is not None:
@@ -251,7 +257,7 @@ def _whole_turns(angles: Array) -> Array:
 def _failed(failure: EngineError, moments: Array, values: Array) -> EngineError | FlatError:
     """What to say of a run that broke off."""
     tilt = float(values[-1, BETA])
-    if sin(tilt) >= NEARLY_FLAT:
+    if sin(tilt) >= NEARLY_FLAT or not 0.0 < tilt < pi:
         return failure
     text = f"{failure}; the disk lies nearly flat, at beta = {tilt:.3g} rad"
     return FlatError(text, float(moments[-1]))

@@ -89,6 +89,11 @@ class Watch:
         """Tell how far a run is; returns whether it has to stop."""
         if self._progress is not None:
             self._progress(reached, end)
+        return self.is_out_of_time
+
+    @property
+    def is_out_of_time(self) -> bool:
+        """Whether the call has met its time limit."""
         return self._limit < inf and self.seconds > self._limit
 
 

@@ -14,6 +14,7 @@ from analysis import STEEL_DISK, PenaltyContact, Scenario, Start, State
 from analysis.motion.endings import StopWhen
 from analysis.problem.choices import SOURCES, Source
 from analysis.solve.stepping import SolverError
+from analysis.solve.watch import Watch
 from mbs_models import FORMULATIONS, EngineError, Formulation, Scene
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Suspect, suspects, until_ending
@@ -52,8 +53,10 @@ def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
     record = np.hstack((run.coordinates[1], run.rates[1], run.multipliers[1]))
     motion, suspect = AccelerationProblem(Scene(fast), {}), Suspect(0, 0.1, "contact would pull")
     how: dict[str, Any] = {"margin": 0.0, "work": Counter(), "allow_pulling": False}
-    found = until_ending(LONG, record[None], [suspect], motion, **how)
-    assert (found[0], *found[1]) == ("contact would pull", 0.0)
+    for limit, reason in ((None, "contact would pull"), (1e-9, "time limit")):
+        watch = Watch(limit)
+        found = until_ending(LONG, record[None], [suspect], motion, watch=watch, **how)
+        assert (found[0], *found[1]) == (reason, 0.0)
 
 
 def faster(state: State) -> float:

@@ -107,6 +107,16 @@ def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> No
     assert deviation(fine, expected) < min(1e-5, deviation(coarse, expected))
 
 
+@pytest.mark.parametrize("name", ACCELERATED)
+def test_a_step_limits_those_of_a_run_to_a_tolerance(name: Any) -> None:
+    free, held = (
+        mbs_models.simulate(Scene(), SHORT, integrator=name, tolerance=1e-4, step=step)
+        for step in (None, 1e-3)
+    )
+    assert held.counts["steps"] >= 2 * 0.2 / 1e-3 > free.counts["steps"]
+    assert held.method["step"] == 1e-3
+
+
 @pytest.mark.parametrize("name", ["RK67", "DOPRI5", "TrapezoidalIndex2"])
 @pytest.mark.parametrize("spacings", [[1e-10] * 4, [1e-13] * 4, [1e-6, 2e-11]], ids=str)
 def test_runs_reach_an_end_however_near_the_last_record_before_it(

@@ -276,7 +276,7 @@ def compare_motions(scene: Scene, end: float) -> Comparison:
 
 def _motion(scene: Scene, end: float) -> Found:
     # Stepped by the engine as well, so that the sides share no solver.
-    integrator, *_ = mbs_models.integrators(scene.built_as, constrained=scene.has_constraints)
+    integrator, *_ = mbs_models.integrators(scene)
     stepped: dict[str, Any] = {"formulation": scene.built_as, "integrator": integrator}
     stepped["tolerance"] = ANGLE_LIMIT
     times, inhouse = _comparable(scene.scenario, end, stepped)

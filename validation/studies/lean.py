@@ -1,6 +1,7 @@
 """The price of carrying what a scene does not need."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from statistics import median
@@ -56,17 +57,14 @@ def scene_name(scene: Scene) -> str:
 
 def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
     """Processor time in s of a run with some parts added, and the state at its end."""
-    model = build(scene)
-    for add in parts:
-        add(model)
-        model.system.Assemble()
-    recording = run(
-        model,
-        find_integrator(scene, None),
-        np.linspace(0.0, DURATION, round(DURATION / SPACING) + 1),
-        np.full(round(DURATION / SPACING), round(SPACING / STEP)),
-    )
-    return recording.seconds, np.hstack(model.decode(recording.records[-1:]))
+    count = round(DURATION / SPACING)
+    times, steps = np.linspace(0.0, DURATION, count + 1), np.full(count, round(SPACING / STEP))
+    with closing(build(scene)) as model:
+        for add in parts:
+            add(model)
+            model.system.Assemble()
+        recording = run(model, find_integrator(scene, None), times, steps)
+        return recording.seconds, np.hstack(model.decode(recording.records[-1:]))
 
 
 def price(case: tuple[str, Scene]) -> Iterator[Row]:

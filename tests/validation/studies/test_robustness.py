@@ -43,8 +43,9 @@ def test_grid_covers_all_formulations_and_integrators_of_each_model_and_all_sets
     assert tried >= {
         (constraints, f"{formulation}, {integrator}")
         for constraints in MODELS.values()
-        for formulation in mbs_models.formulations(Scenario(constraints=constraints))
-        for integrator in mbs_models.integrators(formulation)
+        for scenario in [Scenario(constraints=constraints)]
+        for formulation in mbs_models.formulations(scenario)
+        for integrator in mbs_models.integrators(mbs_models.Scene(scenario, formulation))
     }
     sides = {(constraints, way.source) for constraints, way in grid}
     assert sides == {(each, side) for each in POSSIBLE_SETS for side in ("engine", "in-house")}

@@ -72,8 +72,7 @@ def ways(problem: Problem) -> list[Way]:
     most = None if problem.cover == "all" else 1
     formulations = mbs_models.formulations(scenario)
     for formulation in formulations[: 1 if problem.cover == "fastest" else None]:
-        constrained = Scene(scenario, formulation).has_constraints
-        integrators = mbs_models.integrators(formulation, constrained=constrained)
+        integrators = mbs_models.integrators(Scene(scenario, formulation))
         found += [Way("engine", formulation, each) for each in integrators[:most]]
     methods = IN_HOUSE[-1:] if scenario.friction.finest_speed < STIFF else IN_HOUSE[:most]
     return found + [
