@@ -78,9 +78,8 @@ def derivative(
 ) -> tuple[list[Any], list[Any]]:
     """Time derivative of a state of a body on the ideal contact, and the multipliers.
 
-    They solve the systems of index 1, with all constraints on acceleration level: Eq. (80),
-    Eq. (79) if friction takes the contact force as its load, Eq. (92) for the further
-    constraints.
+    They solve the systems of index 1 (64), with all constraints on acceleration level: of Model 1
+    Eq. (80), or Eq. (79) if friction takes the contact force as its load, of Model 4 Eq. (92).
 
     Parameters
     ----------

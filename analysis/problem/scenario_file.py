@@ -153,7 +153,8 @@ _LINE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 def load_scenario(path: str | os.PathLike[str]) -> Scenario:
     """Read a scenario from a TOML file, as `scenario_text` writes it.
 
-    Nothing is executed but the module of a friction law `module:Class` that the file names.
+    Nothing is executed but the modules of a friction law and a body that the file names, as
+    `module:Class`.
 
     Parameters
     ----------

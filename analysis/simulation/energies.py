@@ -183,7 +183,7 @@ def energy_residual(trajectory: Trajectory) -> Array:
     >>> import numpy as np
     >>> from analysis import Scenario, energy_residual, simulate
     >>> run = simulate(Scenario(), np.linspace(0.0, 0.1, 101))
-    >>> bool(np.abs(energy_residual(run)).max() < 1e-6)  # of some 0.6 J
+    >>> bool(np.abs(energy_residual(run)).max() < 1e-6)  # of some 0.4 J
     True
     """
     if instance("trajectory", trajectory, Trajectory).scenario.contact is not None:

@@ -36,7 +36,7 @@ def simulate(
     """Simulate a scenario with the in-house equations.
 
     Accuracy is asked for in one of two ways. With `tolerance`, the run is repeated with tighter
-    local tolerances until two runs agree; the difference is returned as `error_estimate`. With
+    local tolerances until two runs agree; twice their difference is the `error_estimate`. With
     `local_tolerance`, there is a single run without an estimate.
 
     A run ends where the ideal contact would have to pull, where the disk lies flat, where it is
@@ -49,8 +49,9 @@ def simulate(
     times : array_like, shape (n,)
         Strictly increasing times in s at which the motion is wanted; it starts at the first.
     formulation : {"index-1", "reduced", "free-body"}, optional
-        Index-1 system (80), (79) or (92); the minimal coordinates (102) of Model 4; or the
-        Newton-Euler equations of a free body on a penalty contact. By default that of the contact.
+        Index-1 system (64), such as (79), (80) and (92); the minimal coordinates (102) of Model 4;
+        or the Newton-Euler equations of a free body on a penalty contact. By default that of the
+        contact.
     method : {"DOP853", "RK45", "RK23", "Radau", "BDF", "LSODA", "taylor"}, optional
         Of SciPy; Radau, BDF and LSODA are for stiff problems, and the first two are given exact
         Jacobians, which the steepest friction needs. Or Taylor's method, compiled, tens of times

@@ -81,8 +81,8 @@ def rest(
 
     Simulate the disk on a stiff unilateral contact until it lies still, and print what a sweep
     keeps of a case: when each phase began, where the energy went, and so on. By default the rim is
-    rounded, friction knows the contact force, and nothing but sliding friction and the contact's
-    damper takes energy; then the disk does not lie flat.
+    rounded, friction takes the contact force as its load, and nothing but sliding friction and the
+    contact's damper takes energy; then the disk does not lie flat.
 
     The disk is inverted from the first time at which its centre of gravity has risen to 90% of its
     largest height above the geometric centre and from which it stays above that centre for 1 s; if

@@ -235,17 +235,19 @@ def draw_story(motion: SpatialMotion) -> "Figure":
     """Draw tilt, COG height, spin, energies and contact force, one below the other."""
     figure, axes = new_figure(5, height=11.0)
     times = motion.times
-    lines = (np.degrees(motion.tilt), 1e3 * motion.cog_height, motion.spin, motion.normal_force)
+    lines = (motion.tilt, 1e3 * motion.cog_height, motion.spin, motion.normal_force)
     for row, values, width in zip((0, 1, 2, 4), lines, (1.5, 1.5, 1.5, 0.5), strict=True):
         axes[row].plot(times, values, color=COLOURS[0], linewidth=width)
     # Room above for the names of the phases.
-    axes[0].set(ylabel="tilt β in °", ylim=(0, 250), yticks=range(0, 181, 45))
+    axes[0].set(ylabel="tilt β in rad", ylim=(0.0, 1.4 * np.pi))
+    quarters = np.linspace(0.0, np.pi, 5).tolist()
+    axes[0].set_yticks(quarters, labels=[pi_label(each) for each in quarters])
     axes[1].set(ylabel="COG height in mm", ylim=(0, None))
-    axes[2].set(ylabel="vertical spin in rad/s")
+    axes[2].set(ylabel="vertical angular\nvelocity in rad/s")
     axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
     potential = motion.energies[:, 1:].sum(axis=1)
     parts = np.column_stack((motion.energies[:, 0], potential, motion.dissipated))
-    used = [i for i in range(parts.shape[1]) if i < 2 or parts[-1, i] > 1e-6 * parts[0].sum()]
+    used = [i for i in range(parts.shape[1]) if i < 2 or parts[-1, i] > 1e-3 * parts[0].sum()]
     labels = ["kinetic", "potential", *(cause.replace("_", " ") for cause in CAUSES)]
     shades = [_SHADES[i] for i in used]
     axes[3].stackplot(times, parts[:, used].T, labels=[labels[i] for i in used], colors=shades)

@@ -47,9 +47,10 @@ OUTCOMES = {
 _MARK: Any = {"linestyle": "none", "marker": "o", "markersize": 5, "markeredgewidth": 0.6}
 _HOLLOW: Any = _MARK | {"markerfacecolor": "none", "markeredgecolor": "black"}
 MARKS: Any = {
-    "the other side agrees": _HOLLOW,
+    "run by the other code, too: agrees": _HOLLOW,
     "it does not": _MARK | {"marker": "x", "markersize": 7, "markeredgecolor": "#d55e00"},
-    "critical speeds of inverted spinning": _MARK | {"markersize": 2.5, "color": "black"},
+    "inverted spinning: Hopf point": _MARK | {"markersize": 2.5, "color": "black"},
+    "a real eigenvalue zero": _MARK | {"marker": "+", "markeredgecolor": "black"},
 }
 """Looks of what is marked; a white rim keeps it apart from every colour."""
 
@@ -153,7 +154,7 @@ def _mark(panel: Panel, axes: Axes) -> None:
     up, right = panel.values
     rows, columns = panel.places(panel.seen).T
     seen, alike = np.column_stack((right[columns], up[rows])), panel.seen["alike"].to_numpy(bool)
-    points = (seen[alike], seen[~alike], critical_points(panel.sweep))
+    points = (seen[alike], seen[~alike], *critical_points(panel.sweep).values())
     rim = [withStroke(linewidth=2.5, foreground="white")]
     for (name, look), places in zip(MARKS.items(), points, strict=True):
         if len(places):

@@ -157,22 +157,23 @@ def quickest_plan(
     return Plan(formulation=formulation, local_tolerance=1e-6, **how)
 
 
-def critical_points(sweep: Sweep) -> Array:
-    """Critical spins of inverted spinning along the vertical axis, shape (n, 2).
+def critical_points(sweep: Sweep) -> dict[str, Array]:
+    """Critical spins of inverted spinning along the vertical axis by their kind, shape (n, 2) each.
 
     Empty for a map that has no spin along its horizontal axis, or a start along the other, and
     where no stationary spinning is linearised, as of other bodies or on a leaning table.
     """
     (up, heights), (right, spins) = ((axis.field, axis.grid) for axis in sweep.design.axes)
-    points = []
+    points: dict[str, list[tuple[float, float]]] = {"hopf": [], "static": []}
     if right == "start.spin" and not up.startswith("start."):
         for value in np.linspace(heights[0], heights[-1], THEORY_SAMPLES).tolist():
             with suppress(ValueError):
                 found = critical_speeds(
                     changed(sweep.scenario, {up: value}), (spins[0], spins[-1])
                 )
-                points += [(crossing.spin, value) for crossing in found.crossings]
-    return np.array(points).reshape(-1, 2)
+                for crossing in found.crossings:
+                    points[crossing.kind].append((crossing.spin, value))
+    return {kind: np.array(each).reshape(-1, 2) for kind, each in points.items()}
 
 
 # --- The uncertainty exponent of its boundaries --------------------------------------------------

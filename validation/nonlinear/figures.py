@@ -155,15 +155,19 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
             axes[0].plot(passage["lost"], passage["spins"][-1], "s", **look)
         if passage["predicted"] is not None:
             axes[1].plot(passage["predicted"], LOST, "D", markerfacecolor="white", **look)
+            if passage["predicted"] > times[-1]:
+                onward = (times[-1], passage["predicted"]), (passage["linear"][-1], LOST)
+                axes[1].plot(*onward, ":", linewidth=0.8, **look)
     hopf = named[0][1]["hopf"]
     axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
-    axes[1].axhline(LOST, color=GREY, linewidth=0.8, label="inversion lost")
+    axes[1].axhline(LOST, color=GREY, linewidth=0.8, label="γ off by π/2")
     axes[0].set(ylabel="mean spin in rad/s")
     axes[1].set(xlabel="time in s", yscale="log")
     axes[1].set_ylabel("slow deviation of γ in rad, logarithmic")
     axes[1].plot([], [], color="black", linewidth=0.8, label="by the eigenvalues alone")
     axes[1].plot([], [], "D", color="black", markerfacecolor="white", label="loss predicted")
-    axes[0].plot([], [], "s", color="black", label="inversion lost")
+    for marker, label in (("o", "Hopf point passed"), ("s", "inversion lost")):
+        axes[0].plot([], [], marker, color="black", linestyle="none", label=label)
     for each in axes:
         figures.legend_above(each, columns=2)
     return axes[0].figure

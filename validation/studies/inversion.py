@@ -13,7 +13,14 @@ from analysis.motion.inversion import DEFINITION  # noqa: F401 # the text states
 from analysis.motion.quantities import filled
 from analysis.problem.choices import SOURCES, Source
 from validation.comparison.differences import deviation
-from validation.display.figures import MARKERS, comparison, draw_still, legend_above, new_figure
+from validation.display.figures import (
+    COLOURS,
+    MARKERS,
+    comparison,
+    draw_still,
+    legend_above,
+    new_figure,
+)
 from validation.run import run
 from validation.study import Content, Row, Rows, Study, at_most, grade
 
@@ -56,12 +63,15 @@ def measure(case: tuple[Scenario, float]) -> Iterator[Row]:
     """The runs of both sides."""
     scenario, end = case
     times = np.linspace(0.0, end, round(end / SPACING) + 1)
-    for source in SOURCES:
-        found = run(scenario, times, source=source, tolerance=TOLERANCE)
+    runs = [run(scenario, times, source=source, tolerance=TOLERANCE) for source in SOURCES]
+    # Of all digits, before most are left out.
+    apart = agreement(*runs)
+    for found in runs:
         yield {
-            "source": source,
+            "source": found.source,
             "formulation": found.method["formulation"],
             "error_estimate": found.error_estimate,
+            **apart,
             **{name: getattr(found, name) for name in CURVES},
         }
 
@@ -102,7 +112,9 @@ LIMITS = {
 def present(rows: Rows) -> Content:
     """Figures 7 to 9, the disk at some instants, and how far both sides agree."""
     runs = motions(rows[STUDY.name])
-    apart, contact = agreement(runs), runs[CONTACT, "engine"]
+    engine, contact = rows[STUDY.name].query("source == 'engine'"), runs[CONTACT, "engine"]
+    apart = engine[["case", "formulation", "inverted after s", *LIMITS]]
+    apart = apart.rename(columns={"case": "model"})
     times = [time for name in NAMES if (time := runs[name, "engine"].inversion_time)]
     listed = ", ".join(f"{time:.2f}" for time in times) or "–"
     caption = "Table 3's start. Drag to turn the view."
@@ -127,22 +139,17 @@ def present(rows: Rows) -> Content:
     )
 
 
-def agreement(runs: Runs) -> pd.DataFrame:
-    """How far engine and in-house equations are apart in each case."""
-    found = []
-    for case in cases():
-        one, other = (runs[case, source] for source in SOURCES)
-        times = one.inversion_time, other.inversion_time
-        row = (
-            *(case, one.method["formulation"], times[0]),
-            deviation(one, other),
-            np.max(np.abs(one.spin - other.spin)),
-            np.max(np.abs(one.normal_force - other.normal_force)),
-            abs((times[0] or nan) - (times[1] or nan)),
-            *(one.error_estimate, other.error_estimate),
-        )
-        found.append(row)
-    return pd.DataFrame(found, columns=["model", "formulation", "inverted after s", *LIMITS])
+def agreement(one: Trajectory, other: Trajectory) -> Row:
+    """How far a run of the engine and one of the in-house equations are apart."""
+    times = one.inversion_time or nan, other.inversion_time or nan
+    found = (
+        deviation(one, other),
+        np.max(np.abs(one.spin - other.spin)),
+        np.max(np.abs(one.normal_force - other.normal_force)),
+        abs(times[0] - times[1]),
+        *(one.error_estimate, other.error_estimate),
+    )
+    return {"inverted after s": times[0], **dict(zip(LIMITS, found, strict=True))}
 
 
 # --- Figures ------------------------------------------------------------------------------------
@@ -158,12 +165,12 @@ def draw_instants(trajectory: Trajectory, instants: Sequence[float]) -> Figure:
     return figure
 
 
-def draw(runs: Runs, names: Sequence[str]) -> tuple[Figure, Any]:
+def draw(runs: Runs, names: Sequence[str], panels: int = 4) -> tuple[Figure, Any]:
     """Runs of the engine as lines, and those of the other side as sparse markers."""
-    figure, axes = new_figure(4, height=9.5)
-    comparison([(name, runs[name, "engine"]) for name in names], axes)
-    comparison([("", runs[name, "in-house"]) for name in names], axes)
-    for each in axes:
+    figure, axes = new_figure(panels, height=1.5 + 2.0 * panels)
+    comparison([(name, runs[name, "engine"]) for name in names], axes[:4])
+    comparison([("", runs[name, "in-house"]) for name in names], axes[:4])
+    for each in axes[:4]:
         for index, line in enumerate(each.lines[len(names) :]):
             look: Any = {"marker": MARKERS[index], "markerfacecolor": "white", "markersize": 5}
             # Shifted, not to hide each other.
@@ -173,12 +180,19 @@ def draw(runs: Runs, names: Sequence[str]) -> tuple[Figure, Any]:
 
 
 def draw_load(runs: Runs) -> Figure:
-    """Figure 7: Model 1 under either load of the friction law."""
-    figure, axes = draw(runs, (CONTACT, NAMES[0]))
+    """Figure 7: Model 1 under either load of the friction law, and what that changes."""
+    figure, axes = draw(runs, (NAMES[0], CONTACT), panels=5)
     label = f"paper: γ at π/2 by {PRINTED_TIME} s"
     printed = axes[1].axvline(PRINTED_TIME, color="#888888", linestyle=":", label=label)
     axes[1].legend(handles=[printed], frameon=False, loc="lower right")
-    axes[3].set(xlim=(0.0, runs[CONTACT, "engine"].times[-1]))
+    weight, contact = (runs[name, "engine"] for name in (NAMES[0], CONTACT))
+    apart = weight.coordinates[: contact.times.size] - contact.coordinates
+    for column, name, style in ((4, "β", "-"), (5, "γ", "--")):
+        axes[4].plot(contact.times, apart[:, column], style, color=COLOURS[2], label=name)
+    axes[4].legend(frameon=False, loc="lower right", ncols=2)
+    axes[3].set(xlabel="")
+    axes[4].set(xlim=(0.0, contact.times[-1]), xlabel="time in s")
+    axes[4].set_ylabel("change by the load in rad,\nm g less λ_N")
     return figure
 
 

@@ -238,7 +238,7 @@ def above_critical(panel: Panel, least: float) -> Array:
     ndarray, shape (n,)
         By the values along the vertical axis.
     """
-    points = pd.DataFrame(critical_points(panel.sweep), columns=["spin", "height"])
+    points = pd.DataFrame(critical_points(panel.sweep)["hopf"], columns=["spin", "height"])
     known = points[points["height"] >= least].groupby("height")["spin"]
     second = known.agg(lambda spins: spins.nsmallest(2).iloc[1])
     values, spins = panel.values
@@ -256,7 +256,8 @@ def _claims(found: Mapping[str, Panel], fine: problems.Uncertainty | None) -> It
         where = f"from {least:g} on ({found[name].sweep.design.axes[0].label})"
         yield {
             "map": name,
-            "statement": "the least spin at the start that inverts is the second critical speed",
+            "statement": "the least spin at the start that inverts lies little above that from "
+            "which the slow pair of inverted spinning is stable",
             "criterion": f"0 to {ABOVE:g} rad/s above it, {where}; partly: nowhere below",
             "found": f"{low:.1f} to {high:.1f} rad/s more",
             "verdict": grade(yes=low >= 0.0 and high <= ABOVE, partly=low >= 0.0),
@@ -264,7 +265,7 @@ def _claims(found: Mapping[str, Panel], fine: problems.Uncertainty | None) -> It
     is_fractal = fine is not None and fine.exponent + 2.0 * fine.error < 1.0
     yield {
         "map": "rest",
-        "statement": "the face that is up at rest hangs on the start by a fractal boundary",
+        "statement": "the starts that come to rest on either face have a fractal boundary",
         "criterion": "the exponent is below 1 by more than 2 standard deviations; otherwise it is "
         "not shown",
         "found": f"{fine.exponent:.2f} ± {fine.error:.2f}" if fine else "no exponent",

@@ -39,7 +39,7 @@ WHY = {
     measured.RUBBING[3]: "cut after its second digit",
     **dict.fromkeys(HOPF, "not found; see the variants in the section on stability"),
     **dict.fromkeys(
-        measured.RUBBING[:2], "printed for no smoothing; that of Section 2.2 gives another"
+        measured.RUBBING[:2], "printed without ε; with that of Section 2.2 it is another"
     ),
 }
 """Numbers that do not come out to the printed digits, and why."""
@@ -58,6 +58,13 @@ def _linear_friction() -> LeftOver:
     engine = mbs_models.state_matrix(spinning(scenario, *spin))
     systems = (paper.first_order(each, spin, force)[0] for each in (printed, right))
     return ((each - engine) / np.max(np.abs(engine)) for each in systems)
+
+
+def _remainder() -> LeftOver:
+    law, slips = Scenario().friction, np.array([1e-8, 1e-9])
+    left = slips * (law.gradient - np.array([law.per_speed(slip) for slip in slips]))
+    power = np.log(left[0] / left[1]) / np.log(slips[0] / slips[1])
+    return (power - each for each in (3.0, 2.0))
 
 
 def _contact_rate() -> LeftOver:
@@ -94,6 +101,7 @@ def _start() -> LeftOver:
 
 
 PLACES = {
+    "(41), (42)": _remainder,
     "(53), (54)": _linear_friction,
     "(74)": _contact_rate,
     "(86)": _frame,

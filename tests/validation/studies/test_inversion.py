@@ -1,7 +1,6 @@
 """The study of the inversion: what it shows of its runs, and what fails it."""
 
-from collections.abc import Callable
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -30,23 +29,44 @@ def test_numbers_are_those_of_the_runs_and_all_checks_hold(inversions: pd.DataFr
 
 
 @pytest.mark.parametrize(
-    ("name", "change", "check"),
+    ("name", "column", "change", "told"),
     [
-        ("error_estimate", lambda _: 1e-3, "engine's error estimate in rad"),
-        ("coordinates", lambda x: [[*row[:5], row[5] + 1e-6] for row in x], "β and γ apart"),
-        ("coordinates", lambda x: [[*row[:5], -1.5] for row in x], "inversions apart"),
-        ("rates", lambda x: [[*row[:3], row[3] + 1e-3, *row[4:]] for row in x], "spin apart"),
-        ("multipliers", lambda x: [[row[0] + 1e-3, *row[1:]] for row in x], "normal force apart"),
+        ("coordinates", 5, 1e-6, inversion.ANGLES),
+        ("rates", 3, 1e-3, "spin apart in rad/s"),
+        ("multipliers", 0, 1e-3, "normal force apart in N"),
     ],
-)  # fmt: skip
-def test_a_run_that_departs_or_promises_too_little_fails(
-    inversions: pd.DataFrame, name: str, change: Callable[[Any], Any], check: str
+)
+def test_a_run_that_departs_is_told(
+    inversions: pd.DataFrame, name: str, column: int, change: float, told: str
+) -> None:
+    one, other = (inversion.motions(inversions)["Model 1", source] for source in SOURCES)
+    moved = getattr(one, name).copy()
+    moved[:, column] += change
+    apart = inversion.agreement(replace(one, **{name: moved}), other)
+    assert apart[told] == pytest.approx(change, rel=1e-2)
+    assert change > inversion.LIMITS[told]
+
+
+def test_a_run_that_is_not_inverted_is_as_far_off_as_nothing_else(
+    inversions: pd.DataFrame,
+) -> None:
+    one, other = (inversion.motions(inversions)["Model 1", source] for source in SOURCES)
+    low = one.coordinates * [1, 1, 1, 1, 1, 0]
+    apart = inversion.agreement(replace(one, coordinates=low), other)
+    assert np.isnan(apart["inversions apart in s"])
+    last = inversions.index[inversions["source"] == "engine"][-1]
+    turned = planted(inversions, last, "coordinates", lambda x: [[*row[:5], -1.5] for row in x])
+    assert shown(turned).numbers["answer"] == "partly"
+
+
+@pytest.mark.parametrize(("name", "limit"), inversion.LIMITS.items())
+def test_a_difference_or_an_estimate_beyond_its_limit_fails(
+    inversions: pd.DataFrame, name: str, limit: float
 ) -> None:
     last = inversions.index[inversions["source"] == "engine"][-1]
-    content = shown(planted(inversions, last, name, change))
-    assert any(check in each for each in failing(content.checks))
-    turned = check != "inversions apart"
-    assert content.numbers["answer"] == ("yes" if turned else "partly")
+    for wrong in (1.1 * limit, np.nan):
+        (found,) = failing(shown(planted(inversions, last, name, wrong)).checks)
+        assert name in found
 
 
 def test_a_case_is_run_by_both_sides() -> None:

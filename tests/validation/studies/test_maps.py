@@ -53,7 +53,7 @@ def test_least_spin_is_measured_from_the_second_critical_speed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     points = [[-2.0, 0.8], [-1.0, 0.8], [1.5, 0.8], [-2.0, 3.0], [-1.0, 3.0], [1.5, 3.0]]
-    monkeypatch.setattr(maps, "critical_points", lambda *_: np.array(points))
+    monkeypatch.setattr(maps, "critical_points", lambda *_: {"hopf": np.array(points)})
     panel = toy(_0="flat", _3="flat", _6="flat", _7="flat", _8="lost")
     # In place of spins, gamma is -pi/2, 0 and pi/2; the last row does not invert anywhere.
     np.testing.assert_allclose(maps.above_critical(panel, 0.8), [1.0, 1.0])

@@ -31,6 +31,11 @@ def present(rows: Rows) -> Content:
         "orders": equations.judge_orders(equations.exponents()),
         "supercritical": starts.judge_least_spins(least),
     }
+    most = (
+        shares.assign(**{"at most": shares[starts.INVERTED] + shares[starts.UNKNOWN]})
+        .groupby(["starts", "model"])
+        .max(numeric_only=True)
+    )
     counted = Counter(each["verdict"] for each in judgements.values())
     return Content(
         numbers={
@@ -42,7 +47,8 @@ def present(rows: Rows) -> Content:
             "long": longs.iloc[0],
             "counted": counted,
             "answer": grade(yes=counted["yes"] == counted.total(), partly=True),
-            "shares": shares.groupby(["starts", "model"])["inverted in %"].max(),
+            "shares": most[starts.INVERTED],
+            "bounds": most["at most"],
         },
         tables={
             "least_spins": least.drop(columns=list(starts.ENDS.values())),

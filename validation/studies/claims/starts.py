@@ -69,6 +69,10 @@ NUMBER, BLOCK = 100, 10
 NEARLY_ALL, CONFIDENCE = 0.95, 0.95
 """Part of the starts, and the probability of its interval."""
 
+INVERTED, STILL, UNKNOWN = "inverted in %", "still inverted in %", "not decided in %"
+"""Shares of the starts: that invert, that have not been lost by `END`, and of which neither is
+known, as the motion ends before."""
+
 NEAR, FLATTEST = 0.2, 0.1
 """Largest tilt from upright of starts near it, and least from flat of all others, in rad."""
 
@@ -155,8 +159,11 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
         count = Counter(group["outcomes"].sum())
         ups = sum(number for result, number in count.items() if inverts(result))
         low, high = binomtest(ups, count.total()).proportion_ci(CONFIDENCE)
+        ended = count["not decided"] + count[CONTACT_WOULD_PULL]
+        percent = 100.0 / count.total()
         found = {"model": f"Model {level}", "starts": tilt, "spin": spin, "number": count.total()}
-        found |= {"inverted in %": 100 * ups / count.total(), "from": 100 * low, "to": 100 * high}
+        found |= {INVERTED: percent * ups, "from": 100.0 * low, "to": 100.0 * high}
+        found |= {STILL: percent * count["inverted"], UNKNOWN: percent * ended}
         rows.append(found | {each: count[each] for each in OUTCOMES})
     return pd.DataFrame(rows)
 
@@ -167,8 +174,8 @@ def judge_attraction(found: pd.DataFrame) -> Row:
     upright, tilted = (fast[(fast["starts"] == t) & (fast["model"] == "Model 1")] for t in TILTS)
     enough = 100 * NEARLY_ALL
     verdict = grade(
-        yes=bool((tilted["inverted in %"] >= enough).all()),
-        partly=bool((upright["inverted in %"] >= enough).any()),
+        yes=bool((tilted[INVERTED] >= enough).all()),
+        partly=bool((upright[INVERTED] >= enough).any()),
     )
     return {"fast": fast, "upright": upright, "tilted": tilted, "verdict": verdict}
 
@@ -178,9 +185,11 @@ def draw(found: pd.DataFrame) -> Figure:
     figure, axes = figures.new_figure(height=4.0)
     groups = found.groupby(["model", "starts"], sort=False)
     for ((model, tilt), group), look in zip(groups, figures.MARKED, strict=False):
-        share, label = group["inverted in %"], f"{model}, {tilt}"
+        share, label, thin = group[INVERTED], f"{model}, {tilt}", {"linewidth": 0.8}
         bars = (share - group["from"], group["to"] - share)
         axes.errorbar(group["spin"], share, bars, markersize=4, capsize=2.5, label=label, **look)
+        if (group[STILL] < share).any():
+            axes.plot(group["spin"], group[STILL], **look | thin | {"markerfacecolor": "white"})
     axes.axvline(critical_speed(), color="#999999", linewidth=0.8, label="$Ω_{crit}$ (126)")
     axes.axhline(100 * NEARLY_ALL, color="#999999", linewidth=0.8, linestyle=":")
     axes.set(xlabel="spin at the start in rad/s", ylabel="inverted in %", ylim=(-3.0, 103.0))

@@ -1,13 +1,15 @@
 """The creep that sliding friction alone leaves, and its law.
 
 A disk without loss would roll as Euler's disk does: its centre of gravity at rest, the contact
-point running round it with the precession rate, Omega² = m g r / (A sin(beta)). With its centre
+point running round it with the precession rate, Omega² = m g r / (I sin(beta)). With its centre
 of gravity off its centre by e, it cannot do that without slip. Friction so weak that the centre of
 gravity stays at rest leaves a slip of amplitude e Omega sin²(beta). Far below epsilon the law is
 viscous and takes 1/2 (mu m g / epsilon) times its square, in proportion to beta³ at small beta.
 With an energy of 3/2 m g r sin(beta),
 
-    1 / beta² = 1 / beta_0² + k t,  where k = 2 mu m g e² / (3 epsilon A) for weak friction.
+    1 / beta² = 1 / beta_0² + k t,  where k = 2 mu m g e² / (3 epsilon I) for weak friction
+
+with I the mean moment of inertia across the axis about the centre of gravity.
 
 Friction that drags the centre of gravity along makes k smaller, but keeps the law.
 """

@@ -128,7 +128,7 @@ def story(motion: SpatialMotion, tilt: Sequence[float]) -> Figure:
     look: Any = {"color": COLOURS[2], "linestyle": "", "marker": ".", "markersize": 4}
     panel = figure.axes[0]
     panel.lines[0].set_label("in-house")
-    panel.plot(runs.EVERY * runs.SPACING * dots, np.degrees(tilt)[dots], label="engine", **look)
+    panel.plot(runs.EVERY * runs.SPACING * dots, np.array(tilt)[dots], label="engine", **look)
     legend_above(panel, size=8)
     return figure
 

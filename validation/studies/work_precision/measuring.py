@@ -35,10 +35,7 @@ SAFETY = 100.0
 
 _PROBLEMS: dict[str, tuple[str, dict[str, Any]]] = {
     **{f"model-{n}": (f"Model {n}", {"constraints": held}) for n, held in MODELS.items()},
-    "contact-load": (
-        "Model 1, friction knows the contact force",
-        {"friction": SmoothCoulomb(load="contact")},
-    ),
+    "contact-load": ("Model 1, load λ_N", {"friction": SmoothCoulomb(load="contact")}),
     "stiff": ("Model 1, stiff: ε = 1e-3 m/s", {"friction": SmoothCoulomb(smoothing=1e-3)}),
     "undamped": ("Model 1, undamped: μ = 0", {"friction": SmoothCoulomb(coefficient=0.0)}),
     "fast": ("Model 1, fast: spin 100 rad/s", {"start": Start(spin=100.0)}),

@@ -226,7 +226,7 @@ def fronts(runs: pd.DataFrame, floors: dict[str, float]) -> Figure:
             panel.plot(best["milliseconds"], best["error"], **look)
         panel.set_title(title, fontsize=10, loc="left")
         panel.set(xscale="log", yscale="log", ylim=(_LOWEST, _HIGHEST))
-        panel.set(xlabel="processor time in ms", ylabel="largest error in rad, radii")
+        panel.set(xlabel="processor time in ms", ylabel="error: rad, or radii of the COG")
         panel.margins(x=0.12)
         panel.set_yticks([10.0**-digits for digits in range(0, 12, 3)])
         panel.axhspan(_LOWEST, floors[problem], color="#e6e6e6", zorder=0)
