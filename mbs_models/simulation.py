@@ -87,8 +87,8 @@ def simulate(
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
     allow_pulling : bool
-        Go on where the contact pulls. Friction with the load "contact" rubs with none there;
-        with the load "weight" it rubs under the weight as before.
+        Go on where the contact pulls. There is no friction there if its load is "contact"; if it
+        is "weight", there is as before.
     time_limit : float, optional
         Processor time in s after which the run ends with what it has reached.
     progress : callable, optional
@@ -300,9 +300,7 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     )
 
 
-def advice(
-    scene: Scene, integrator: Integrator, leaning: float, *, is_late: bool = False
-) -> str:
+def advice(scene: Scene, integrator: Integrator, leaning: float, *, is_late: bool = False) -> str:
     """Other ways to simulate the same motion, the most promising one first.
 
     Parameters

@@ -97,7 +97,8 @@ def as_text(report: Report) -> str:
         for each in section.verdicts
     ]
     sections = [f"## {section.title}\n\n{section.text.strip()}" for section in report.sections]
-    text = "\n\n".join(["# All results", "\n".join(verdicts), *sections])
+    made = f"Made by `tippedisk report --text FILE`: {in_a_line(provenance())}."
+    text = "\n\n".join(["# All results", made, "\n".join(verdicts), *sections])
     return re.sub(r"\n{3,}", "\n\n", text) + "\n"
 
 

@@ -13,8 +13,8 @@ among them.
 
 from typing import Any, NamedTuple
 
-from analysis.mechanics.linear_algebra import Numbers, Vector, add, dot, scaled
-from analysis.problem.elementary import cos, sin
+from analysis.mechanics.linear_algebra import Vector, add, dot, scaled
+from analysis.problem.elementary import Numbers, cos, sin
 
 
 class Frame(NamedTuple):

@@ -8,9 +8,9 @@ force in N, or a moment in N m for a rate of an angle, Eqs. (31), (84), (87) and
 from typing import Any, NamedTuple
 
 from analysis.mechanics.attitude import EulerAngles, Frame, state_of
-from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, cross, dot
+from analysis.mechanics.linear_algebra import NONE, Vector, cross, dot
 from analysis.problem.constraints import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
-from analysis.problem.elementary import cos, sin
+from analysis.problem.elementary import Numbers, cos, sin
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
 

@@ -3,12 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from analysis.problem.checks import Array
-
 Vector = tuple[Any, Any, Any]
-
-Numbers = Sequence[Any] | Array
-"""Some numbers of any kind, one after the other."""
 
 NONE: Vector = (0.0, 0.0, 0.0)
 

@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 from analysis.mechanics.attitude import EulerAngles, Moving
 from analysis.mechanics.constraints import SLIPS, Direction, contact_directions, directions
 from analysis.mechanics.dual import rate
-from analysis.mechanics.linear_algebra import NONE, Numbers, Vector, add, dot, scaled, solve
+from analysis.mechanics.linear_algebra import NONE, Vector, add, dot, scaled, solve
 from analysis.problem.body import Body
 from analysis.problem.constraints import ConstraintSet
+from analysis.problem.elementary import Numbers
 from analysis.problem.friction import FrictionLaw, SmoothCoulomb
 from analysis.problem.quantities import Load
 from analysis.problem.scenario import Scenario

@@ -11,7 +11,7 @@ import numpy as np
 from analysis.mechanics.attitude import Chart, EulerAngles, Frame, Moving, Quaternion
 from analysis.mechanics.constraints import Direction, at_point
 from analysis.mechanics.dual import Functions, rate
-from analysis.mechanics.linear_algebra import Numbers, Vector, add, cross, dot, scaled
+from analysis.mechanics.linear_algebra import Vector, add, cross, dot, scaled
 from analysis.mechanics.newton_euler import (
     Friction,
     free_acceleration,
@@ -22,7 +22,7 @@ from analysis.mechanics.newton_euler import (
 from analysis.mechanics.recorder import Recorder, Symbol, call, pair
 from analysis.problem.checks import Array
 from analysis.problem.contact import FULL_GRIP
-from analysis.problem.elementary import hypot, sqrt
+from analysis.problem.elementary import Numbers, hypot, sqrt
 from analysis.problem.scenario import Scenario
 
 

@@ -19,12 +19,12 @@ from analysis.mechanics.dual import (
     rate,
     value_of,
 )
-from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.newton_euler import Structure, derivative
 from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
+from analysis.problem.elementary import Numbers
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES

@@ -8,12 +8,9 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from analysis.problem.checks import Array
-from analysis.problem.elementary import atan2, cos, hypot, sin
+from analysis.problem.elementary import Numbers, atan2, cos, hypot, sin
 
 Flags = npt.NDArray[np.bool_]
-
-Triple = Sequence[Any] | Array
-"""Three numbers of any kind."""
 
 _DOUBT = 0.5 * np.pi
 """How far off what is expected an angle may be in rad, if turns of it are to be told."""
@@ -109,7 +106,7 @@ def from_cog(values: Array, slopes: Array, eccentricity: float) -> tuple[Array, 
 
 
 def from_pose(
-    position: Triple, rotation: Sequence[Triple] | Array, velocity: Triple, angular: Triple
+    position: Numbers, rotation: Sequence[Numbers] | Array, velocity: Numbers, angular: Numbers
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """The same of one pose, 6 numbers each, or of arrays, from 3 numbers each and rows of 3."""
     (_, _, ahead), (_, _, across), (sideways, along, up) = rotation

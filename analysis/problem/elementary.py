@@ -12,13 +12,16 @@ group goes its own.
 
 import cmath
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 T = TypeVar("T")
+
+Numbers = Sequence[Any] | npt.NDArray[np.float64]
+"""Some numbers of any kind, one after the other."""
 
 Rows = npt.NDArray[np.intp]
 """Numbers of members."""

@@ -66,8 +66,8 @@ def simulate(
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there.
     allow_pulling : bool
-        Go on where the contact pulls. Friction with the load "contact" rubs with none there;
-        with the load "weight" it rubs under the weight as before.
+        Go on where the contact pulls. There is no friction there if its load is "contact"; if it
+        is "weight", there is as before.
     time_limit : float, optional
         Processor time in s after which the run ends with what it has reached.
     progress : callable, optional

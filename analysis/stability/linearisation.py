@@ -34,11 +34,11 @@ from analysis.mechanics import recorded
 from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives, of_duals
-from analysis.mechanics.linear_algebra import Numbers
 from analysis.mechanics.penalty import Solver
 from analysis.problem.checks import Array, checked, choice, finite_row, instance, turn_rate
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.contact import Dissipation
+from analysis.problem.elementary import Numbers
 from analysis.problem.friction import ViscousFriction
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import QUANTITIES, STEEPEST_FRICTION, Level

@@ -158,7 +158,7 @@ def quickest_plan(
 
 
 def critical_points(sweep: Sweep) -> dict[str, Array]:
-    """Critical spins of inverted spinning along the vertical axis by their kind, shape (n, 2) each.
+    """Critical spins of inverted spinning along the vertical axis by kind, shape (n, 2) each.
 
     Empty for a map that has no spin along its horizontal axis, or a start along the other, and
     where no stationary spinning is linearised, as of other bodies or on a leaning table.

@@ -50,8 +50,8 @@ class RunOptions:
         End there, at the exact time: inverted, lost, or where module:function, a function of the
         State, turns negative.
     allow_pulling : bool
-        Go on where the ideal contact would have to pull, instead of ending there; friction with
-        the load weight still rubs under it, and with the load contact not at all.
+        Go on where the ideal contact would have to pull, instead of ending there; friction of
+        the load weight acts there as before, and of the load contact not at all.
     time_limit : float, optional
         Processor time in s after which the run ends as it is, or fails if nothing agrees to the
         tolerance by then (none).

@@ -181,7 +181,7 @@ def simulate_compiled(
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))
         group = _group(code, rows, array, float(request.times[0]))
-        if not code.structure.allow_pulling:
+        if group.pulled.any() and not code.structure.allow_pulling:
             failures |= _refused(group, scenarios, first)
             group = group.subset(~np.isin(group.rows, list(failures)))
         if len(group):
