@@ -1,11 +1,11 @@
 """The end of the cycles: a connection between noninverted spinning and itself, a turn further.
 
 It is heteroclinic in the unwrapped gamma, and homoclinic on the cylinder. Noninverted spinning is
-a saddle with one growing direction. The motion that leaves it there with growing gamma either turns
-back before gamma has made a whole turn, or goes on over it; in between there is a spin at which it
-ends in the saddle again. Neither cycles nor boundary values are needed to find it. Which it does
-shows only where it passes inverted spinning again: by the saddle it may swing through the saddle's
-gamma and upright, or wind about them (a saddle-focus, where friction is weak or smooth).
+a saddle with one growing direction. The motion that leaves it there with growing gamma either
+turns back before gamma has made a whole turn, or goes on over it; in between there is a spin at
+which it ends in the saddle again. Neither cycles nor boundary values are needed to find it. Which
+it does shows only where it passes inverted spinning again: by the saddle it may swing through the
+saddle's gamma and upright, or wind about them (a saddle-focus, where friction is weak or smooth).
 """
 
 from collections.abc import Sequence
