@@ -100,7 +100,11 @@ class AccelerationProblem:
         self.scene, self.model = scene, CLASSES[scene.built_as](scenario, slip_part)
         self.system = self.model.system
         self.probe = Probe(self.model)
-        self.probe.check_start()
+        try:
+            self.probe.check_start()
+        except ValueError:
+            self.model.close()
+            raise
         names: tuple[str, ...] = _NAMES
         if scenario.contact is None:
             free = ("alpha", *independent_coordinates(scenario.constraints), "alpha_rate")

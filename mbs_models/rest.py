@@ -135,23 +135,23 @@ def simulate_to_rest(
         time_limit=time_limit,
         progress=progress,
     )
-    if scene.has_constraints:
-        raise ValueError(
-            "scene must be of formulation 'floating-lie', which the explicit integrator of this "
-            f"run can take, got {scene.built_as!r}"
-        )
-    rest_effort(scene, end, step).check()
-    if step is not None and step > (largest := largest_step(scenario)):
-        contact, gradient = scenario.penalty_contact, scenario.friction_gradient
-        raise ValueError(
-            f"step must not exceed {largest:.3g} s, the predicted stability limit at stiffness "
-            f"{contact.stiffness:g}, damping {contact.damping:g} and friction gradient "
-            f"{gradient:g}, got {step:g}"
-        )
     with closing(way.model):
+        if scene.has_constraints:
+            raise ValueError(
+                "scene must be of formulation 'floating-lie', which the explicit integrator of "
+                f"this run can take, got {scene.built_as!r}"
+            )
+        rest_effort(scene, end, step).check()
         if step is None:
             coarsest = min(COARSEST, scenario.finest_slip)
             return until_agreement(way.by_accelerations, tolerance, coarsest)
+        if step > (largest := largest_step(scenario)):
+            contact, gradient = scenario.penalty_contact, scenario.friction_gradient
+            raise ValueError(
+                f"step must not exceed {largest:.3g} s, the predicted stability limit at "
+                f"stiffness {contact.stiffness:g}, damping {contact.damping:g} and friction "
+                f"gradient {gradient:g}, got {step:g}"
+            )
         motion = way.by_steps(step)
     if np.max(np.abs(motion.energy_residual)) > motion.starting_energy:
         raise EngineError(f"steps of {step:g} s are too long: the energy has exploded")

@@ -111,7 +111,7 @@ def run_over(
     ended, reached, values = _upto_ending(call, values, moments, recording)
     check_upright(reached, values[:, PLACE])
     kept = sampled[sampled < len(values)]
-    if ended is not None:
+    if ended not in (None, TIME_LIMIT):
         kept = np.union1d(kept, [len(values) - 1])
     elif kept.size < sampled.size:
         ended = TIME_LIMIT

@@ -151,3 +151,22 @@ def test_energy_falls_by_what_is_taken(body: Body, half: float, cause: str) -> N
         return table.readings((state + time * change)[None])["energies"].sum(axis=1)
 
     assert derivative(energy, 1e-4) == pytest.approx(-powers.sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize(("body", "half"), SURFACES)
+def test_rolling_resistance_is_its_coefficient_times_the_force_and_the_speed_on_the_contour(
+    body: Body, half: float
+) -> None:
+    contact = PenaltyContact(stiffness=1e5, half_thickness=half, bilateral=True)
+    losses = Dissipation(rolling_dry=0.01, rolling_viscous=0.02)
+    start = Start(beta=1.1, gamma=0.3, spin=9.0, x_rate=0.2, y_rate=0.4, beta_rate=2.0)
+    scenario = Scenario(disk=body, contact=contact, dissipation=losses, start=start)
+    state = start_vector(body, scenario.initial_state)
+    solve = free_solver(scenario, Quaternion, of_floats(scenario.friction))
+    powers = dict(zip(CAUSES, solve(*state[:13].tolist())[13:], strict=True))
+    found = YieldingTable.of(scenario).readings(state[None])
+    force, speed = (float(found[name][0]) for name in ("normal_force", "contour_speeds"))
+    assert force != pytest.approx(1.0, rel=0.1)
+    dry = 0.01 * force * speed**2 / (speed + losses.rolling_smoothing)
+    assert powers["rolling_dry"] == pytest.approx(dry, rel=1e-9)
+    assert powers["rolling_viscous"] == pytest.approx(0.02 * force * speed**2, rel=1e-9)

@@ -79,6 +79,12 @@ def test_laws_are_the_papers_where_they_have_to_be_and_have_their_full_force() -
     assert LubricatedCoulomb().force(2.0, 0.0, 0.0) == pytest.approx((-0.2, 0.0))
 
 
+@pytest.mark.parametrize("coefficient", [0.0, 1e-6, 0.3])
+def test_friction_is_there_however_weak_it_is(coefficient: float) -> None:
+    law = SmoothCoulomb(coefficient=coefficient)
+    assert Scenario(friction=law).rubs == law.is_on == (coefficient > 0.0)
+
+
 def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
     law = AnisotropicCoulomb(along=0.5, across=0.2, smoothing=1e-9)
     turns = np.linspace(0.0, 2.0 * np.pi, 721)
