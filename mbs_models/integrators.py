@@ -46,9 +46,9 @@ STABILITY: dict[IntegratorName, list[float]] = {
 """Stability functions of explicit integrators with fixed steps, by coefficients from degree 0 on:
 one step of length 1 multiplies a state by this polynomial of the system's matrix."""
 
-FINEST_LOCAL = 1e-13
-"""Error in a step below which the noise of accelerations that differences go into stalls step
-control."""
+FINEST_LOCAL, FINEST_ABSOLUTE = 1e-13, 3e-14
+"""Errors in a step below which step control stalls: by the noise of accelerations that differences
+go into, and by the rounding of angles of some rad, in the engine's own."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,9 +101,9 @@ class Integrator:
     spectral_radius : float, optional
         Numerical damping of GeneralizedAlpha from 0 (strongest) to 1 (none); 0.9 by default.
     local_tolerance : float, optional
-        Absolute error that DOPRI5 allows in a step, in m, rad, m/s and rad/s; 1e-8 by default.
-        Relative and absolute error of SciPy's, `FINEST_LOCAL` or more; None leaves it to the
-        tolerance of a run.
+        Absolute error that DOPRI5 allows in a step, in m, rad, m/s and rad/s, `FINEST_ABSOLUTE`
+        or more; 1e-8 by default. Relative and absolute error of SciPy's, `FINEST_LOCAL` or more;
+        None leaves it to the tolerance of a run.
 
     Raises
     ------
@@ -136,7 +136,7 @@ class Integrator:
         if self.spectral_radius is not None:
             within("spectral_radius", self.spectral_radius, 0.0, 1.0)
         if self.local_tolerance is not None:
-            least = FINEST_LOCAL if self.steps_accelerations else 0.0
+            least = FINEST_LOCAL if self.steps_accelerations else FINEST_ABSOLUTE
             one_step("local_tolerance", self.local_tolerance, least)
 
     @property

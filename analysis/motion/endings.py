@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isnan
 from typing import Any
 
-from analysis.problem.checks import choice, number
+from analysis.problem.checks import choice, number, several
 from analysis.problem.elementary import sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.start import State
@@ -140,7 +140,7 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
         something is neither a name nor callable, or says no number of the state.
     """
     is_one = isinstance(stop_when, str) or not isinstance(stop_when, Iterable)
-    given: Any = (stop_when,) if is_one else stop_when
+    given: Any = (stop_when,) if is_one else several("stop_when", stop_when, "conditions")
     found: dict[str, Turning] = {}
     for each in given:
         name, condition = _named(each)

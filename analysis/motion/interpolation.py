@@ -59,7 +59,8 @@ def interpolate(
     Returns
     -------
     values, rates, error : ndarray, shape (m, k)
-        The error is that of the values, the largest over the interval between two samples.
+        The error is that of the values, the largest over the interval between two samples, and
+        none at a sample.
     """
     # Two samples nearly at one time, such as those at an ending, would amplify rounding.
     spacing = np.diff(times)
@@ -78,6 +79,7 @@ def interpolate(
     most, fewer = through(high), through(low)
     found, slopes = most(wanted)
     (apart,) = _differences((most, fewer), times[interval], times[interval + 1])
+    apart[(wanted == times[interval]) | (wanted == times[interval + 1])] = 0.0
     return found, slopes, CAUTION * apart
 
 

@@ -212,8 +212,9 @@ class PeriodicMotion:
             "largest_tilt": float(np.max(self.states[:, 0])) - np.pi / 2,
         }
         followed, other = self.ends.columns
-        names = ("spin", "period", "multiplier", "imaginary", "log_strong", "stable")
+        names = ("spin", "period", "multiplier", "imaginary", "stable")
         common = {name: getattr(self, name) for name in names}
+        common["log10_strong"] = self.log_strong / np.log(10.0)
         return {followed: self.value, other: second[other], **common}
 
 

@@ -215,7 +215,8 @@ def path_like(name: str, value: Any) -> str | os.PathLike[str]:
 
 def several(name: str, values: Any, of: str) -> list[Any]:
     """Return what an iterable holds; `ValueError` for what is none, or is text or a mapping."""
-    if isinstance(values, str | bytes | Mapping | type) or not isinstance(values, Iterable):
+    is_one = isinstance(values, str | bytes | Mapping | type) or getattr(values, "ndim", 1) == 0
+    if is_one or not isinstance(values, Iterable):
         raise ArgumentError(name, f"must be a list of {of}, got {values!r}")
     return list(values)
 

@@ -248,12 +248,17 @@ def until_agreement(
     """
     tolerance = positive("tolerance", 1e-3 if tolerance is None else tolerance)
     rungs = tighter_and_tighter(min(LOCAL_PART * tolerance, coarsest), TIGHTEST)[:RUNS]
-    coarse = run(rungs[0])
+
+    def asked(local: float) -> SpatialMotion:
+        motion = run(local)
+        return replace(motion, method={**motion.method, "tolerance": tolerance})
+
+    coarse = asked(rungs[0])
     if _event(coarse) == TIME_LIMIT:
         return coarse
     differences = [inf]
     for local in rungs[1:]:
-        fine = run(local)
+        fine = asked(local)
         if _event(fine) == TIME_LIMIT:
             return replace(fine, error_estimate=fine.deviation(coarse))
         difference = _apart(fine, coarse)

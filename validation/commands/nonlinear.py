@@ -32,7 +32,7 @@ _DRAWN = {
     "asymmetric": ("amplitude", "lowest"),
     "rotating": ("largest_tilt", "tilt"),
 }
-_ALWAYS = ("period", "multiplier", "log_strong")
+_ALWAYS = ("period", "multiplier", "log10_strong")
 """What is drawn of a family, by its kind and of any."""
 
 _SIDE = 0.05

@@ -92,8 +92,7 @@ def diagram(
     panels = np.atleast_1d(axes)
     for each, name in zip(panels, names, strict=True):
         values = _values(motions, name)
-        shown = values / np.log(10.0) if name == "log_strong" else values
-        lines(each, motions, shown, parameter[0])
+        lines(each, motions, values, parameter[0])
         for label, place in (marks or {}).items():
             each.axvline(place, color=GREY, linestyle="-.", label=label, zorder=0)
         each.set(ylabel=HEADS[name])

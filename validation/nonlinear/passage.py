@@ -126,23 +126,28 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
           the growth rate alone, fitted soon after the inversion;
         - `crossing`, when the mean spin comes below that of the Hopf point, `lost`, when the
           centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
-          come to pi/2: in s, None where it does not happen;
+          come to pi/2, beyond the loss at its last rate: in s, None where it does not happen;
         - `lowest_spin`, the lowest mean spin in rad/s, since in falling the disk spins up again,
           and `rate`, at which the spin falls from the crossing to it, in rad/s², or None.
 
     Raises
     ------
     ValueError
-        If the disk is never inverted for a second.
+        If the disk is never inverted for a second, or the motion ends soon after.
     """
     inversion = motion.inversion
     if inversion.time is None:
         raise ValueError(
             f"motion must be one that inverts the disk, and it is {inversion.outcome}"
         )
-    end = motion.times[-1] if inversion.lost is None else inversion.lost
-    # A little more, for the means about the last samples.
-    beyond = end + 2.0 * SETTLING
+    # A little more than is told, for the means about the last samples.
+    beyond = motion.times[-1] if inversion.lost is None else inversion.lost + 2.0 * SETTLING
+    end = beyond - 2.0 * SETTLING
+    if inversion.lost is None and end < inversion.time + 2.0 * SETTLING:
+        raise ValueError(
+            f"motion must go on for {4.0 * SETTLING:g} s after the inversion at t = "
+            f"{inversion.time:.3g} s, or until that is lost"
+        )
     path = motion if isinstance(motion, Trajectory) else motion.to_trajectory(beyond)
     near = path.times <= beyond
     times, gamma, rates = (
@@ -162,6 +167,8 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
     linear, predicted = _predicted(times, growth[kept], amplitude)
+    if inversion.lost is None and predicted is not None and predicted > times[-1]:
+        predicted = None
     # One that begins below the Hopf point, but for rounding, does not come through it.
     begins_above = np.abs(rates[kept][0]) > pair.spin - 1e-9
     crossing = float(times[below[0]]) if below.size and begins_above else None
@@ -306,5 +313,6 @@ def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
         columns=("motion", *heads),
         rows=[(name, *(each[head] for head in heads.values())) for name, each in named],
         note="Predicted is from the deviation half a second to a second after the inversion and "
-        "the eigenvalues alone, which know nothing of what happens at large deviations.",
+        "the eigenvalues alone, which know nothing of what happens at large deviations; beyond "
+        "the loss by their last growth rate.",
     )

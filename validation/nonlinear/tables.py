@@ -5,7 +5,6 @@ A motion is told by a row: what `PeriodicMotion.as_row` says, or what a study ha
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from math import log
 from typing import Any
 
 from analysis import Scenario
@@ -32,7 +31,7 @@ HEADS = {
     "multiplier": "multiplier",
     "imaginary": "its imaginary part",
     "complex_multiplier": "size of the complex pair",
-    "log_strong": "log10 of the other multiplier",
+    "log10_strong": "log10 of the other multiplier",
     "stable": "stable",
 }
 """Headings of what is told of a periodic motion."""
@@ -76,7 +75,7 @@ def motion_table(
         Name and heading of what else is told of each, in front.
     """
     pair = ("imaginary",) if any(row.get("imaginary") for row in rows) else ()
-    names = (*KINDS[kind].columns, "spin", "period", "multiplier", *pair, "log_strong", "stable")
+    names = (*KINDS[kind].columns, "spin", "period", "multiplier", *pair, "log10_strong", "stable")
     heads = dict([first] if first else [])
     return Table(
         title=_TITLES[kind],
@@ -88,8 +87,6 @@ def motion_table(
 
 def _cell(row: Motion, name: str) -> Cell:
     value: Any = row[name]
-    if name == "log_strong":
-        return float(value / log(10.0))
     return WORDS[value] if name == "stable" else value
 
 

@@ -206,6 +206,9 @@ def test_attitude_between_samples_is_that_of_a_run_sampled_there(falling: Spatia
 
 def test_samples_too_far_apart_for_the_runs_own_tolerance_are_refused(fine: Trajectory) -> None:
     coarse = every(fine, 500)
+    again = coarse.resampled(coarse.times)
+    assert again.error_estimate == coarse.error_estimate
+    np.testing.assert_allclose(again.coordinates, coarse.coordinates, rtol=1e-14, atol=1e-14)
     with pytest.raises(ToleranceError, match=r"only to .* rad, and tolerance is 1.0e-10: sample"):
         coarse.at(0.02)
     assert isinstance(replace(coarse, method={"tolerance": 1.0}).at(0.02), State)

@@ -20,7 +20,7 @@ from validation.study import Row
 
 
 def _families() -> list[Row]:
-    common = {"period": 1.0, "multiplier": 0.9, "half_multiplier": 0.9, "log_strong": -100.0}
+    common = {"period": 1.0, "multiplier": 0.9, "half_multiplier": 0.9, "log10_strong": -100.0}
     cycle = {**common, "kind": "motion", "stable": True}
     rows: list[Row] = [
         {"case": SWINGING, **cycle, "amplitude": amplitude, "spin": 31.0 - 0.25 * amplitude}

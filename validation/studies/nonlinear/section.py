@@ -79,7 +79,7 @@ def present(rows: Rows) -> Content:
         },
         figures={
             "bifurcations": _bifurcations(cycles, hopf, connection, families, engine),
-            "periods": _family(cycles, hopf, connection, "period", "multiplier", "log_strong"),
+            "periods": _family(cycles, hopf, connection, "period", "multiplier", "log10_strong"),
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
         checks=[
@@ -108,7 +108,7 @@ def _family(
 ) -> Any:
     """What is told of cycles over their spins, from the Hopf point to the connection."""
     born = {"spin": hopf.spin, "amplitude": 0.0, "period": 2.0 * np.pi / hopf.frequency}
-    born |= {"multiplier": 1.0, "log_strong": np.nan, "stable": cycles[0]["stable"]}
+    born |= {"multiplier": 1.0, "log10_strong": np.nan, "stable": cycles[0]["stable"]}
     return figures.diagram([born, *cycles], names, marks={"heteroclinic": connection["spin"]})
 
 
