@@ -48,7 +48,7 @@ def show(
             "fields": apart.records(),
             "differences": differences.records(),
         },
-        csv=(runs[0][1] if alone else differences).to_csv,
+        csv=runs[0][1].to_csv if alone else differences,
         draw=lambda: comparison(runs),
         notes=notes,
     )

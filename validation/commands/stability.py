@@ -115,7 +115,7 @@ def critical(
             "reason": found.reason,
             "closed_form": asdict(closed) if closed else None,
         },
-        csv=crossings.to_csv,
+        csv=crossings,
         draw=picture,
     )
 

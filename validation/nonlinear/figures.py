@@ -142,21 +142,25 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
     named : sequence of (name, Passage)
     """
     axes = figures.new_figure(2, height=6.5)[1]
+    marks: dict[str, tuple[Any, dict[str, Any]]] = {}
     for index, (name, passage) in enumerate(named):
         look = {"color": figures.COLOURS[index % 4]}
         style, times = figures.STYLES[index % 4], passage["times"]
         axes[0].plot(times, passage["spins"], style, label=name, **look)
         axes[1].plot(times, passage["deviations"], style, **look)
         axes[1].plot(times, passage["linear"], linewidth=0.8, **look)
-        if passage["crossing"] is not None:
-            axes[0].plot(passage["crossing"], passage["hopf"], "o", **look)
-        if passage["lost"] is not None:
-            axes[0].plot(passage["lost"], passage["spins"][-1], "s", **look)
-        if passage["predicted"] is not None:
-            axes[1].plot(passage["predicted"], LOST, "D", markerfacecolor="white", **look)
-            if passage["predicted"] > times[-1]:
-                onward = (times[-1], passage["predicted"]), (passage["linear"][-1], LOST)
-                axes[1].plot(*onward, ":", linewidth=0.8, **look)
+        predicted, hopf, last = passage["predicted"], passage["hopf"], passage["spins"][-1]
+        for label, panel, place, marker in (
+            ("Hopf point passed", axes[0], (passage["crossing"], hopf), {"marker": "o"}),
+            ("inversion lost", axes[0], (passage["lost"], last), {"marker": "s"}),
+            ("loss predicted", axes[1], (predicted, LOST), {"marker": "D", "mfc": "white"}),
+        ):
+            if place[0] is not None:
+                panel.plot(*place, linestyle="none", **marker, **look)
+                marks[label] = (panel, marker)
+        if predicted is not None and predicted > times[-1]:
+            onward = (times[-1], predicted), (passage["linear"][-1], LOST)
+            axes[1].plot(*onward, ":", linewidth=0.8, **look)
     hopf = named[0][1]["hopf"]
     axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
     axes[1].axhline(LOST, color=GREY, linewidth=0.8, label="γ off by π/2")
@@ -164,9 +168,8 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
     axes[1].set(xlabel="time in s", yscale="log")
     axes[1].set_ylabel("slow deviation of γ in rad, logarithmic")
     axes[1].plot([], [], color="black", linewidth=0.8, label="by the eigenvalues alone")
-    axes[1].plot([], [], "D", color="black", markerfacecolor="white", label="loss predicted")
-    for marker, label in (("o", "Hopf point passed"), ("s", "inversion lost")):
-        axes[0].plot([], [], marker, color="black", linestyle="none", label=label)
+    for label, (panel, marker) in marks.items():
+        panel.plot([], [], color="black", linestyle="none", label=label, **marker)
     for each in axes:
         figures.legend_above(each, columns=2)
     return axes[0].figure

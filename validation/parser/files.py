@@ -132,8 +132,9 @@ class Result:
         Printed, unless the numbers go elsewhere.
     values
         What JSON knows, or a function that makes it; by default the rows of the first table.
-    csv : callable, optional
-        Writes the table of the file to a path; by default that is the first table.
+    csv : Table or callable, optional
+        Table of the file, in place of which the others are printed; by default the first. Or what
+        writes it to a path, in place of all.
     draw : callable, optional
         Makes the figure.
     files : sequence of (path, callable)
@@ -146,7 +147,7 @@ class Result:
 
     tables: Sequence[Table] = ()
     values: Any = None
-    csv: Callable[[Path], object] | None = None
+    csv: Table | Callable[[Path], object] | None = None
     draw: Callable[[], Any] | None = None
     files: Sequence[tuple[Path | None, Callable[[Path], object]]] = ()
     notes: Sequence[str] = ()
@@ -166,7 +167,9 @@ class Result:
         """
         from analysis.motion.files import is_standard_output
 
-        files = [*self.files, (csv, self.csv or self._write), (plot, self._draw)]
+        held = self.csv or next(iter(self.tables), None)
+        write: Any = held.to_csv if isinstance(held, Table) else held
+        files = [*self.files, (csv, write), (plot, self._draw)]
         asked = [(path, written) for path, written in files if path is not None]
         # Standard output comes last: where it is lost, all else is there.
         for path, written in sorted(asked, key=lambda each: is_standard_output(each[0])):
@@ -176,13 +179,12 @@ class Result:
             print(text_of.dumps(self.tables[0].records() if values is None else values))
             return self.code
         width, _ = get_terminal_size((100, 24))
-        tables = self.tables if csv is None else ()
+        tables = self.tables
+        if csv is not None:
+            tables = [each for each in tables if isinstance(held, Table) and each is not held]
         for line in (*(each.to_text(width) for each in tables), *self.notes):
             print(line)
         return self.code
-
-    def _write(self, path: Path) -> None:
-        self.tables[0].to_csv(path)
 
     def _draw(self, path: Path) -> None:
         if self.draw is not None:

@@ -51,6 +51,12 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     assert shown.index("nowhere") < shown.index("26.8736")
     assert "Closed form of the reduced system with any friction, Eq. (126): 30.9168 rad/s" in shown
     assert "no friction: undamped" in printed("critical --system full --mu 0")
+    # A table that is written is not printed, and all others are.
+    beside = printed("critical --csv crossings.csv")
+    assert shown.startswith(beside.rstrip())
+    assert "nowhere" in beside
+    assert "26.8736" not in beside
+    assert Path("crossings.csv").read_text().count("unstable") == 1
 
 
 def test_critical_takes_a_body_without_a_closed_form() -> None:

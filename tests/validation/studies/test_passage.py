@@ -57,7 +57,7 @@ def test_the_eigenvalues_alone_tell_when_model_1_is_lost() -> None:
 
 def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
     found, mirrored = (
-        follow(Scenario(start=Start(spin=spin)), 10.0, "in-house") for spin in (40.0, -40.0)
+        follow(Scenario(start=Start(spin=spin)), 11.0, "in-house") for spin in (40.0, -40.0)
     )
     for name in ("crossing", "lowest_spin", "rate"):
         assert mirrored[name] == pytest.approx(found[name], rel=1e-6)
@@ -65,7 +65,7 @@ def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
 
 
 def test_a_disk_that_is_exactly_upright_and_slow_passes_nothing_and_is_not_lost() -> None:
-    found = follow(Scenario(start=Start.stationary(29.0)), 2.0, "in-house")
+    found = follow(Scenario(start=Start.stationary(29.0)), 3.0, "in-house")
     assert {found[name] for name in ("crossing", "rate", "predicted")} == {None}
     assert not np.any(found["linear"])
 
@@ -76,6 +76,17 @@ def test_what_follows_a_loss_is_left_out() -> None:
     assert found["times"][-1] == pytest.approx(found["lost"], abs=passage.SPACING)
     for name in ("lost", "predicted", "lowest_spin", "deviations"):
         assert longer[name] == pytest.approx(found[name], rel=1e-9)
+
+
+def test_a_motion_that_ends_before_it_is_lost_tells_what_a_longer_one_does_and_no_more() -> None:
+    found, longer = (follow(Scenario(), end, "in-house") for end in (10.0, 11.0))
+    count = found["times"].size
+    assert count < longer["times"].size
+    for name in ("spins", "deviations", "linear"):
+        np.testing.assert_allclose(found[name], longer[name][:count], rtol=1e-2)
+    assert found["predicted"] is found["lost"] is None
+    with pytest.raises(ValueError, match=r"must go on for 2\.2 s after the inversion at t = 0\.4"):
+        follow(Scenario(), 2.5, "in-house")
 
 
 def test_a_set_without_a_slow_pair_is_refused_before_its_run(
