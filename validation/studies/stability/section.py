@@ -10,7 +10,11 @@ from validation.comparison.limits import largest
 from validation.studies.comparisons import EIGENVALUE_LIMIT
 from validation.studies.stability import figures, measured
 from validation.studies.stability.measured import CLOSED, ENGINE, HERE, HOPF, OWN
-from validation.studies.stability.variants import PRINTED  # noqa: F401 # the text names them
+from validation.studies.stability.variants import (  # noqa: F401 # the text names them
+    PRINTED,
+    ROUNDED_STEEP,
+    STEEP,
+)
 from validation.study import Check, Content, Rows, at_most, equal, grade
 
 TITLE = "Linear stability"
