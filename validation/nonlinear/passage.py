@@ -166,9 +166,8 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     amplitude = np.hypot(deviation, np.gradient(deviation, times) / pair.frequency)[kept]
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
-    linear, predicted = _predicted(times, growth[kept], amplitude)
-    if inversion.lost is None and predicted is not None and predicted > times[-1]:
-        predicted = None
+    is_lost = inversion.lost is not None
+    linear, predicted = _predicted(times, growth[kept], amplitude, is_lost=is_lost)
     # One that begins below the Hopf point, but for rounding, does not come through it.
     begins_above = np.abs(rates[kept][0]) > pair.spin - 1e-9
     crossing = float(times[below[0]]) if below.size and begins_above else None
@@ -218,7 +217,9 @@ def follow(
     return measure(run_to_rest(scenario, end, spacing=SPACING, **how), pair)
 
 
-def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, float | None]:
+def _predicted(
+    times: Array, rates: Array, amplitude: Array, *, is_lost: bool
+) -> tuple[Array, float | None]:
     """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
     grown = cumulative_trapezoid(rates, times, initial=0.0)
     since = times - times[0]
@@ -229,7 +230,7 @@ def _predicted(times: Array, rates: Array, amplitude: Array) -> tuple[Array, flo
     reached = np.flatnonzero((size > np.log(LOST)) & (since > 2.0 * SETTLING))
     if reached.size:
         return np.exp(size), float(times[reached[0]])
-    if rates[-1] <= 0.0 or np.isneginf(size[-1]):
+    if not is_lost or rates[-1] <= 0.0 or np.isneginf(size[-1]):
         return np.exp(size), None
     # The disk was lost earlier: the growth goes on at its last rate.
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])

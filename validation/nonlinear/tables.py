@@ -13,7 +13,7 @@ from analysis.nonlinear.heteroclinic import Connection, NoConnectionError, heter
 from analysis.nonlinear.hopf import Growth, HopfType
 from analysis.nonlinear.motions import KINDS, Event, Kind, PeriodicMotion
 from analysis.nonlinear.slow_manifold import SlowOrbit, slow_connection
-from validation.display.tables import Cell, Table
+from validation.display.tables import Table
 
 Motion = Mapping[str, Any]
 """A periodic motion by the names of what is told of it."""
@@ -80,14 +80,12 @@ def motion_table(
     return Table(
         title=_TITLES[kind],
         columns=[*heads.values(), *(HEADS[name] for name in names)],
-        rows=[[_cell(row, name) for name in (*heads, *names)] for row in rows],
+        rows=[
+            [WORDS[row[name]] if name == "stable" else row[name] for name in (*heads, *names)]
+            for row in rows
+        ],
         note=_NOTES[kind],
     )
-
-
-def _cell(row: Motion, name: str) -> Cell:
-    value: Any = row[name]
-    return WORDS[value] if name == "stable" else value
 
 
 def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Table:

@@ -179,10 +179,9 @@ class Result:
             print(text_of.dumps(self.tables[0].records() if values is None else values))
             return self.code
         width, _ = get_terminal_size((100, 24))
-        tables = self.tables
-        if csv is not None:
-            tables = [each for each in tables if isinstance(held, Table) and each is not held]
-        for line in (*(each.to_text(width) for each in tables), *self.notes):
+        is_one = isinstance(held, Table)
+        shown = [each for each in self.tables if csv is None or (is_one and each is not held)]
+        for line in (*(each.to_text(width) for each in shown), *self.notes):
             print(line)
         return self.code
 

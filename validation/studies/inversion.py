@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from analysis import LEVELS, MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.motion.inversion import DEFINITION  # noqa: F401 # the text states it
 from analysis.motion.quantities import filled
+from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
 from validation.comparison.differences import deviation
 from validation.display.figures import (
@@ -152,6 +153,12 @@ def agreement(one: Trajectory, other: Trajectory) -> Row:
     return {"inverted after s": times[0], **dict(zip(LIMITS, found, strict=True))}
 
 
+def changes_by_load(runs: Runs) -> Array:
+    """Coordinates of Model 1 under the weight less those under the contact force, shape (n, 6)."""
+    weight, contact = (runs[name, "engine"].coordinates for name in (NAMES[0], CONTACT))
+    return weight[: len(contact)] - contact
+
+
 # --- Figures ------------------------------------------------------------------------------------
 
 
@@ -185,13 +192,12 @@ def draw_load(runs: Runs) -> Figure:
     label = f"paper: γ at π/2 by {PRINTED_TIME} s"
     printed = axes[1].axvline(PRINTED_TIME, color="#888888", linestyle=":", label=label)
     axes[1].legend(handles=[printed], frameon=False, loc="lower right")
-    weight, contact = (runs[name, "engine"] for name in (NAMES[0], CONTACT))
-    apart = weight.coordinates[: contact.times.size] - contact.coordinates
-    for column, name, style in ((4, "β", "-"), (5, "γ", "--")):
-        axes[4].plot(contact.times, apart[:, column], style, color=COLOURS[2], label=name)
+    times = runs[CONTACT, "engine"].times
+    for name, change, style in zip("βγ", changes_by_load(runs)[:, 4:].T, ("-", "--"), strict=True):
+        axes[4].plot(times, change, style, color=COLOURS[2], label=name)
     axes[4].legend(frameon=False, loc="lower right", ncols=2)
     axes[3].set(xlabel="")
-    axes[4].set(xlim=(0.0, contact.times[-1]), xlabel="time in s")
+    axes[4].set(xlim=(0.0, times[-1]), xlabel="time in s")
     axes[4].set_ylabel("change by the load in rad,\nm g less λ_N")
     return figure
 

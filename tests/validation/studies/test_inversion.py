@@ -1,11 +1,13 @@
 """The study of the inversion: what it shows of its runs, and what fails it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from analysis import Trajectory
 from analysis.problem.choices import SOURCES
 from tests.calls import ROOT
 from tests.helpers import failing, planted
@@ -16,6 +18,18 @@ from validation.study import Content, rows_of
 
 def shown(table: pd.DataFrame) -> Content:
     return inversion.present({inversion.STUDY.name: table})
+
+
+def both(table: pd.DataFrame) -> list[Trajectory]:
+    """Runs of Model 1, first the engine's."""
+    runs = inversion.motions(table)
+    return [runs["Model 1", source] for source in SOURCES]
+
+
+def planted_last(table: pd.DataFrame, column: str, value: Any) -> Any:
+    """The table with a value of the engine's last run replaced."""
+    last = table.index[table["source"] == "engine"][-1]
+    return planted(table, last, column, value)
 
 
 def test_numbers_are_those_of_the_runs_and_all_checks_hold(inversions: pd.DataFrame) -> None:
@@ -39,7 +53,7 @@ def test_numbers_are_those_of_the_runs_and_all_checks_hold(inversions: pd.DataFr
 def test_a_run_that_departs_is_told(
     inversions: pd.DataFrame, name: str, column: int, change: float, told: str
 ) -> None:
-    one, other = (inversion.motions(inversions)["Model 1", source] for source in SOURCES)
+    one, other = both(inversions)
     moved = getattr(one, name).copy()
     moved[:, column] += change
     apart = inversion.agreement(replace(one, **{name: moved}), other)
@@ -50,12 +64,11 @@ def test_a_run_that_departs_is_told(
 def test_a_run_that_is_not_inverted_is_as_far_off_as_nothing_else(
     inversions: pd.DataFrame,
 ) -> None:
-    one, other = (inversion.motions(inversions)["Model 1", source] for source in SOURCES)
+    one, other = both(inversions)
     low = one.coordinates * [1, 1, 1, 1, 1, 0]
     apart = inversion.agreement(replace(one, coordinates=low), other)
     assert np.isnan(apart["inversions apart in s"])
-    last = inversions.index[inversions["source"] == "engine"][-1]
-    turned = planted(inversions, last, "coordinates", lambda x: [[*row[:5], -1.5] for row in x])
+    turned = planted_last(inversions, "coordinates", lambda x: [[*row[:5], -1.5] for row in x])
     assert shown(turned).numbers["answer"] == "partly"
 
 
@@ -63,16 +76,13 @@ def test_a_run_that_is_not_inverted_is_as_far_off_as_nothing_else(
 def test_a_difference_or_an_estimate_beyond_its_limit_fails(
     inversions: pd.DataFrame, name: str, limit: float
 ) -> None:
-    last = inversions.index[inversions["source"] == "engine"][-1]
     for wrong in (1.1 * limit, np.nan):
-        (found,) = failing(shown(planted(inversions, last, name, wrong)).checks)
+        (found,) = failing(shown(planted_last(inversions, name, wrong)).checks)
         assert name in found
 
 
 def test_a_case_is_run_by_both_sides() -> None:
     scenario, _ = inversion.cases()["Model 1"]
-    runs = inversion.motions(
-        pd.DataFrame(rows_of(inversion.measure, (scenario, 0.1))).assign(case="Model 1")
-    )
-    one, other = (runs["Model 1", source].coordinates for source in SOURCES)
-    assert 0.0 < np.max(np.abs(one - other)) < 2 * inversion.TOLERANCE
+    rows = pd.DataFrame(rows_of(inversion.measure, (scenario, 0.1))).assign(case="Model 1")
+    one, other = both(rows)
+    assert 0.0 < np.max(np.abs(one.coordinates - other.coordinates)) < 2 * inversion.TOLERANCE

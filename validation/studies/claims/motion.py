@@ -105,9 +105,7 @@ def measured(runs: inversion.Runs) -> pd.DataFrame:
 
 def change(runs: inversion.Runs) -> Array:
     """Largest changes of beta and gamma in rad by the load of the friction law."""
-    contact, weight = (runs[case, "engine"] for case in (inversion.CONTACT, "Model 1"))
-    apart = weight.coordinates[: contact.times.size] - contact.coordinates
-    return np.max(np.abs(apart), axis=0)[4:]
+    return np.abs(inversion.changes_by_load(runs)[:, 4:]).max(axis=0)
 
 
 def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, Row]:

@@ -31,11 +31,7 @@ def present(rows: Rows) -> Content:
         "orders": equations.judge_orders(equations.exponents()),
         "supercritical": starts.judge_least_spins(least),
     }
-    most = (
-        shares.assign(**{"at most": shares[starts.INVERTED] + shares[starts.UNKNOWN]})
-        .groupby(["starts", "model"])
-        .max(numeric_only=True)
-    )
+    told = shares.set_index(["starts", "model"])[[starts.INVERTED, starts.UNKNOWN]]
     counted = Counter(each["verdict"] for each in judgements.values())
     return Content(
         numbers={
@@ -47,8 +43,8 @@ def present(rows: Rows) -> Content:
             "long": longs.iloc[0],
             "counted": counted,
             "answer": grade(yes=counted["yes"] == counted.total(), partly=True),
-            "shares": most[starts.INVERTED],
-            "bounds": most["at most"],
+            "shares": told[starts.INVERTED].groupby(level=[0, 1]).max(),
+            "bounds": told.sum(axis=1).groupby(level=[0, 1]).max(),
         },
         tables={
             "least_spins": least.drop(columns=list(starts.ENDS.values())),

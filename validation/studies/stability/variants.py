@@ -13,6 +13,7 @@ import numpy as np
 from analysis.mechanics.paper import first_order, paper_numbers, printed_matrices
 from analysis.problem.checks import Array
 from analysis.problem.disk import ROUNDED_STEEL_DISK, STEEL_DISK, Disk
+from analysis.problem.friction import SmoothCoulomb
 from analysis.problem.scenario import Scenario
 from analysis.stability.critical import Crossing, Spectra
 
@@ -55,14 +56,13 @@ def hopf_speeds(
 
 def variants() -> dict[str, tuple[Crossing, ...]]:
     """Hopf crossings from 20 to 36 rad/s of every variant, by its name."""
-    found = {name: hopf_speeds(_PAPER | numbers) for name, numbers in _disks().items()}
+    disks = _disks()
+    found = {name: hopf_speeds(_PAPER | numbers) for name, numbers in disks.items()}
     for gradient in (2.0, 2.5, 2.83, 4.0):
         found[f"friction gradient {gradient:g} s/m"] = hopf_speeds(gradient=gradient)
-    steep, rounded = 0.3 / SMALL, paper_numbers(Scenario(disk=ROUNDED_STEEL_DISK))
-    found |= {
-        STEEP: hopf_speeds(gradient=steep),
-        ROUNDED_STEEP: hopf_speeds(rounded, gradient=steep),
-    }
+    steep = SmoothCoulomb(smoothing=SMALL).gradient
+    found[STEEP] = hopf_speeds(gradient=steep)
+    found[ROUNDED_STEEP] = hopf_speeds(disks["Table 1 as printed"], gradient=steep)
     for gravity in (9.8, 9.80665, 10.0):
         weight = _PAPER["mg"] * gravity / _GRAVITY
         found[f"gravity {gravity:g} m/s²"] = hopf_speeds(_PAPER | {"mg": weight})
