@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg.lapack import dgesv
 
 from analysis.problem.checks import Array
-from analysis.problem.limits import LEAST_TILT
+from analysis.problem.limits import CONTACT_JAMS, JAMMING, LEAST_TILT
 from mbs_models.model import Floats, Model
 from mbs_models.solving import SingularError, quiet
 
@@ -155,10 +155,10 @@ class Probe:
             both[:, 0] = right
             both[:n, 1] = (self._forces_under(weight) - right[:n]) / weight
             without, change = _solution(matrix, both).T
-            if (feedback := -float(change[row])) >= 1.0:
+            if (feedback := -float(change[row])) > JAMMING:
                 raise SingularError(
-                    "the engine's equations of motion are singular: each newton of normal force "
-                    f"calls for {feedback:.3g} N of it through friction"
+                    f"the engine's equations of motion are singular where {CONTACT_JAMS}: each "
+                    f"newton of its force calls for {feedback:.3g} N of it through friction"
                 )
             return without - min(0.0, float(without[row])) / (1.0 - feedback) * change
         inverse = np.linalg.inv(matrix)

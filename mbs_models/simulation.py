@@ -30,7 +30,7 @@ from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
 from mbs_models.scene import CLASSES, Scene
-from mbs_models.solving import EngineError, solving, stepping
+from mbs_models.solving import EngineError, SingularError, solving, stepping
 from mbs_models.whole_runs import NEARLY_FLAT, Call, run_over
 
 FINE = 3e-9
@@ -206,6 +206,9 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
         except HopelessError:
             pass
         except (EngineError, ToleranceError, TimeLimitError) as error:
+            if isinstance(error.__cause__, SingularError):
+                # By every way alike.
+                raise
             may_go_on, is_late = integrator.steps_accelerations, isinstance(error, TimeLimitError)
             if is_last or is_late or not may_go_on:
                 leaning, scene = call.watch.flattest[1], call.motion.scene

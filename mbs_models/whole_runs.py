@@ -100,7 +100,7 @@ def run_over(
     watch.steps += recording.counts["steps"] + recording.counts.get("rejected_steps", 0)
     coordinates, rates = model.decode(recording.records)
     # A failed run may end flat, where some bodies touch the table in no one point.
-    upright = int(np.argmin(np.append(leaning(coordinates) >= LEAST_TILT, False)))
+    upright = _upright(coordinates)
     told = (each[:upright] for each in (recording.records, coordinates, rates))
     forces = np.pad(
         model.multipliers(*told), ((0, len(rates) - upright), (0, 0)), constant_values=np.nan
@@ -133,8 +133,7 @@ def _upto_ending(
     leans = leaning(values)
     lowest = int(np.argmin(leans))
     call.watch.flattest = (float(moments[lowest]), float(leans[lowest]))
-    flat = np.flatnonzero(leans < LEAST_TILT)
-    upright = values[: flat[0]] if flat.size else values
+    upright = values[: _upright(values)]
     told: dict[str, npt.ArrayLike] = {
         name: [condition(state_of(row)) for row in upright]
         for name, condition in call.motion.conditions.items()
@@ -145,7 +144,7 @@ def _upto_ending(
     if recording.failure is not None:
         # What it has recorded last may make no sense: nothing is known to be negative there.
         found = [Suspect(row, width + period * bool(why), "") for row, width, why in found]
-    if flat.size or recording.failure is not None:
+    if len(upright) < len(values) or recording.failure is not None:
         # It may lie flat.
         found.append(Suspect(max(0, len(upright) - 1), 2.0 * period, ""))
     ended, moments, values = until_ending(
@@ -222,7 +221,7 @@ def _stop(call: Call, model: Model, start: Array) -> Stop | None:
 
 def _unwrap(values: Array, moments: Array, start: Array, fall: float) -> None:
     """Make alpha and gamma continuous in place, from the start on."""
-    upright = int(np.argmin(np.append(leaning(values) >= LEAST_TILT, False)))
+    upright = _upright(values)
     rows, times = values[:upright], moments[:upright]
     rows[:, TURNING] += _whole_turns(start[TURNING] - rows[:1, TURNING])
     unseen = frames.follow_turns(times, rows[:, PLACE], rows[:, RATES], fall)
@@ -244,6 +243,11 @@ def leaning(rows: Array) -> Array:
     return np.minimum(tilts, pi - tilts)
 
 
+def _upright(rows: Array) -> int:
+    """Number of samples before the first in which the disk lies flat."""
+    return int(np.argmin(np.append(leaning(rows) >= LEAST_TILT, False)))
+
+
 def state_of(row: Array) -> State:
     """State of a sample."""
     values = row.tolist()
@@ -257,7 +261,7 @@ def _whole_turns(angles: Array) -> Array:
 def _failed(failure: EngineError, moments: Array, values: Array) -> EngineError | FlatError:
     """What to say of a run that broke off."""
     tilt = float(values[-1, BETA])
-    if sin(tilt) >= NEARLY_FLAT or not 0.0 < tilt < pi:
+    if abs(sin(tilt)) >= NEARLY_FLAT:
         return failure
     text = f"{failure}; the disk lies nearly flat, at beta = {tilt:.3g} rad"
     return FlatError(text, float(moments[-1]))

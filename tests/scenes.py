@@ -8,12 +8,18 @@ import numpy as np
 
 import analysis
 import mbs_models
-from analysis import Level, Scenario, SmoothCoulomb
+from analysis import Level, Scenario, SmoothCoulomb, Start
 from mbs_models import Formulation, Scene
 from tests.helpers import model
 
 TIMES, SHORT = np.linspace(0.0, 0.5, 26), np.linspace(0.0, 0.2, 21)
 LOADED = SmoothCoulomb(load="contact")
+
+JAMMING = Scenario(
+    friction=SmoothCoulomb(coefficient=1.5, smoothing=1e-3, load="contact"),
+    start=Start(beta=0.7, gamma=np.pi / 2, spin=0.0, y_rate=-3.0),
+)
+"""Thrown sideways, it jams after 0.013 s at a tilt of 0.7647 rad."""
 
 
 def scene_of(level: Level = 1, formulation: Formulation | None = None, **fields: Any) -> Scene:

@@ -26,6 +26,7 @@ from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Numbers
 from analysis.problem.friction import FrictionLaw
+from analysis.problem.limits import CONTACT_JAMS, JAMMING
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 
@@ -244,9 +245,10 @@ def jacobian(scenario: Scenario) -> Callable[[Array], Array]:
 def _contact_load(alone: Any, added: Any) -> Any:
     """Normal force in N that friction takes as its load, from that without friction."""
     more, force = value_of(added), value_of(alone)
-    if more >= 1.0:
+    if more > JAMMING:
         raise ArithmeticError(
-            f"each newton of normal force calls for {more:.3g} N of it through friction"
+            f"{CONTACT_JAMS}, where each newton of normal force calls for {more:.3g} N of it "
+            "through friction"
         )
     return alone / (1.0 - added) if force > 0.0 else 0.0
 

@@ -55,6 +55,13 @@ MOST_KEYFRAMES = 1_000_000
 LEAST_TILT = 1e-6
 """Leaning in rad down to which Euler angles, singular on a flat disk, describe a pose."""
 
+JAMMING = 1.0 - 1e-9
+"""Newtons of normal force beyond which those that each one calls for through friction jam the
+contact. From there to one, the force has no digits left."""
+
+CONTACT_JAMS = "the contact jams (Painlevé's paradox)"
+"""What is said there."""
+
 
 def check_storage(name: str, samples: float, columns: int) -> None:
     """Check that samples of so many numbers each can be held.

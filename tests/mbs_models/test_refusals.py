@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ import mbs_models
 from analysis import (
     STEEL_DISK,
     Dissipation,
+    FlatError,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -30,7 +30,7 @@ from mbs_models import FORMULATIONS, EngineError, Integrator, Newton, Scene
 from mbs_models.integrators import FINEST_ABSOLUTE, FINEST_LOCAL
 from tests.bodies import EGG, TIPPE_TOP
 from tests.calls import python
-from tests.scenes import LOADED, TIMES, rest_scene, runner, scene_of
+from tests.scenes import JAMMING, LOADED, TIMES, rest_scene, runner, scene_of
 
 simulate = partial(mbs_models.simulate, scene_of(2), TIMES)
 explicit = partial(mbs_models.simulate, Scene(), TIMES)
@@ -84,11 +84,10 @@ def long_steps(scene: Scene, step: float, **how: Any) -> Callable[[], object]:
     return partial(mbs_models.simulate, scene, [0.0, step, 2.0 * step], step=step, **how)
 
 
-JAMMING = SmoothCoulomb(coefficient=1.5, smoothing=1e-3, load="contact")
 SETTLING = rest_scene(
     dissipation=Dissipation(rolling_viscous=5e-3, pivoting=1e-3), start=Start(beta=0.1, spin=0.0)
 )
-FAILING: list[tuple[Callable[[], object], type[Exception], str]] = [
+FAILING: list[tuple[Callable[[], object], type[Exception] | tuple[type, ...], str]] = [
     (long_steps(scene_of(1, "euler-tree"), 1.0), EngineError,
      r"stopped at t = .* s, before the end at 2 s: Newton's iteration"),
     (long_steps(scene_of(friction=SmoothCoulomb(smoothing=1e-6)), 5.0), EngineError,
@@ -106,16 +105,15 @@ FAILING: list[tuple[Callable[[], object], type[Exception], str]] = [
                                   gamma=-2.9190640927014524)),
              np.linspace(0.0, 0.3, 31), step=0.008746741891291529, allow_pulling=True,
              integrator=Integrator(name="GeneralizedAlpha", newton=Newton(modified=False))),
-     EngineError, r"stopped at t = .* s, .*: Newton's iteration did not converge \(residual .*"),
+     # Whether it ends so near to flat, rounding decides.
+     (EngineError, FlatError), r"stopped at t = .* s, .*: Newton's iteration did not converge \("),
     # So far off, a place has fewer digits.
     (partial(mbs_models.simulate, scene_of(start=Start(x=1e4)), TIMES,
              integrator=Integrator(name="DOPRI5", local_tolerance=FINEST_ABSOLUTE)), EngineError,
      "step control came down to its minimum step"),
-    # At a tilt of 0.7647 rad on both sides, by every method.
-    (partial(mbs_models.simulate,
-             scene_of(friction=JAMMING, start=Start(beta=0.7, gamma=pi / 2, spin=0, y_rate=-3)),
-             TIMES, tolerance=1e-6, integrator="DOP853"), ArithmeticError,
-     "equations of motion are singular"),
+    *((partial(mbs_models.simulate, Scene(JAMMING), TIMES, tolerance=1e-6, integrator=name),
+       EngineError, "singular where the contact jams .*: each newton of its force calls for 1 N")
+      for name in (None, "DOP853", "Radau", "LSODA")),
     (partial(to_rest, SETTLING, 0.2, step=1e-4), EngineError, "the energy has exploded"),
     (partial(explicit, tolerance=1e-16), ToleranceError,
      "cannot be reached: rounding leaves 2e-13 rad"),

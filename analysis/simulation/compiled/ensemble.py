@@ -18,6 +18,7 @@ from analysis.motion.files import AnyArray
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows, in_columns
+from analysis.problem.limits import CONTACT_JAMS
 from analysis.problem.scenario import Scenario
 from analysis.problem.variations import Ensemble, one_by_one
 from analysis.simulation.compiled import systems
@@ -309,6 +310,9 @@ def integrate(
             error = _fault(found, solver, watch, group) if failed else None
             errors = {} if error is None else {int(members[0]): error}
             failed, found.seconds[:] = [], time.thread_time() - begun
+    for row in np.flatnonzero(found.ended(CONTACT_JAMS)).tolist():
+        why = f"taylor stopped after t = {found.ends[row]:g} s, where {CONTACT_JAMS}"
+        errors[int(members[row])] = ArithmeticError(why)
     for row in np.flatnonzero(~found.ended(None)).tolist():
         # A sample at the ending itself may have come too late.
         found.states[row, :-1][times >= found.ends[row]] = found.last[row]

@@ -20,7 +20,7 @@ from analysis.problem.choices import Formulation
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.elementary import Members
 from analysis.problem.friction import FrictionLaw
-from analysis.problem.limits import LEAST_TILT
+from analysis.problem.limits import CONTACT_JAMS, JAMMING, LEAST_TILT
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
 
@@ -241,8 +241,11 @@ def build(structure: Structure) -> System:
     else:
         variables = state = library.make_vars(*recorded.STATE)
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    derivatives, forces, slips = _solution(code, constants, scenario.per_speed, variables, speed)
+    derivatives, forces, slips, jamming = _solution(
+        code, constants, scenario.per_speed, variables, speed
+    )
     endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
+    endings.update((CONTACT_JAMS, each) for each in jamming)
     paper_state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
         symbol = _expressed(f"stop_when {reason!r}", condition, paper_state)
@@ -250,7 +253,9 @@ def build(structure: Structure) -> System:
         if _changes(symbol):
             endings[reason] = symbol
     # The kink does no harm here, but 0 / 0 would.
-    _, forces, smooth = _solution(full, scenario.numbers, scenario.per_speed, state, _size(1e-150))
+    _, forces, smooth, _ = _solution(
+        full, scenario.numbers, scenario.per_speed, state, _size(1e-150)
+    )
     return System(
         variables=variables,
         derivatives=derivatives,
@@ -266,7 +271,7 @@ def _solution(
     per_speed: Callable[[Any], Any],
     variables: Sequence[Any],
     speed: _Speed,
-) -> tuple[list[Any], list[Any], list[Any]]:
+) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
     """What code of the equations tells of a state, as symbols.
 
     Returns
@@ -275,13 +280,19 @@ def _solution(
         The normal force is the first one.
     slips : list
         Of the friction there is.
+    jamming : list
+        What turns negative where the contact jams, if it may.
     """
     library = heyoka()
-    slips: list[Any] = []
+    slips, jamming = list[Any](), list[Any]()
 
     def noted(*both: Any) -> Any:
         slips[:] = [slip for slip in both if not isinstance(slip, float)]
         return speed(*both)
+
+    def contact_load(alone: Any, added: Any) -> Any:
+        jamming[:] = [JAMMING - added]
+        return alone / (1.0 - added)
 
     function = code(
         *constants,
@@ -290,11 +301,10 @@ def _solution(
         sqrt=library.sqrt,
         speed=noted,
         per_speed=per_speed,
-        # It grows beyond all bounds as each newton comes to call for another one.
-        contact_load=lambda alone, added: alone / (1.0 - added),
+        contact_load=contact_load,
     )
     found, size = _symbols(function(*variables)), len(variables)
-    return found[:size], found[size:], slips
+    return found[:size], found[size:], slips, jamming
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:

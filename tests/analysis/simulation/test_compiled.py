@@ -1,6 +1,7 @@
 """Compiled runs and batches: the pure path's equations, accuracy, endings; their refusals."""
 
 import math
+import re
 import sys
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -48,6 +49,7 @@ from tests.helpers import (
     random_scenario,
     refusals,
 )
+from tests.scenes import JAMMING
 from tests.wayward_law import Answering
 from validation.comparison.differences import ending_error
 
@@ -208,6 +210,17 @@ def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
     only = np.array([0])
     _, failures = integrate(part.group, TIMES, only, 1e-12, 1.0, watch=Watch())
     assert "no longer finite" in str(failures[0])
+
+
+def test_a_contact_that_jams_ends_a_member_and_not_the_others() -> None:
+    spins = Ensemble(scenario=JAMMING, fields={"y_rate": np.array((-3.0, 0.0, -2.9))})
+    runs = simulate_many(spins, TIMES, method="taylor", tolerance=1e-6)
+    assert list(runs.failures) == [0, 2]
+    message = r"taylor stopped after t = 0\.013\d* s, where the contact jams"
+    assert all(re.match(message, str(error)) for error in runs.failures.values())
+    assert_close(runs[1].coordinates, simulate(runs[1].scenario, TIMES).coordinates, 1e-6)
+    with pytest.raises(ArithmeticError, match="contact jams"):
+        simulate(JAMMING, TIMES, method="DOP853", tolerance=1e-6)
 
 
 def test_time_limit_ends_a_compiled_run() -> None:

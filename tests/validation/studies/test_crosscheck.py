@@ -28,6 +28,7 @@ from analysis import (
 )
 from mbs_models import Scene
 from tests.helpers import failing, model, not_none, planted
+from tests.scenes import JAMMING
 from validation.run import run
 from validation.studies import comparisons, crosscheck
 from validation.studies.comparisons import Comparison, compare_scenario, compare_scene, distance
@@ -168,9 +169,7 @@ def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
 
 
 def test_motions_are_compared_until_before_the_disk_jams() -> None:
-    jamming = SmoothCoulomb(coefficient=1.5, smoothing=1e-3, load="contact")
-    start = Start(beta=0.7, gamma=np.pi / 2, spin=0.0, y_rate=-3.0)
-    found = comparisons.compare_motions(Scene(Scenario(friction=jamming, start=start)), 0.2)
+    found = comparisons.compare_motions(Scene(JAMMING), 0.2)
     assert found.agrees
     why = (
         "over 0.002 s; over 0.2 s: no in-house motion to compare with: singular index-1 system of"
