@@ -26,7 +26,7 @@ from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, instance, turn_rate
 from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import WIDEST, nearest_root
-from analysis.stability.linearisation import ComplexArray
+from analysis.stability.linearisation import ComplexArray, eigenvectors
 
 _DEPARTURE = 1e-6
 """Deviation of gamma in rad at which a motion leaves the saddle along its growing direction."""
@@ -136,15 +136,14 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
         If it is no saddle with one growing direction.
     """
     (matrix,) = reduced_matrices(scenario, turn_rate("spin", spin), "noninverted")
-    values, vectors = np.linalg.eig(matrix)
-    order = np.argsort(-values.real)
-    values = values[order]
+    values = np.linalg.eigvals(matrix)
+    values = values[np.argsort(-values.real)]
     if values[0].imag or not values[0].real > 0.0 > values[1].real:
         raise NoConnectionError(
             f"noninverted spinning at {spin:.9g} rad/s is no saddle with one growing and two "
             f"decaying directions: its eigenvalues are {', '.join(f'{v:.4g}' for v in values)} 1/s"
         )
-    growing = vectors[:, order[0]].real
+    _, growing = eigenvectors(matrix, values[0].real)
     return values.astype(complex), growing / growing[1]
 
 

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
 
 from analysis.mechanics import reduced
 from analysis.mechanics.dual import Dual, dual, of_slope
@@ -25,7 +24,7 @@ from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
-from analysis.stability.linearisation import ComplexArray
+from analysis.stability.linearisation import ComplexArray, eigenvectors
 
 HopfKind = Literal["supercritical", "subcritical", "degenerate"]
 
@@ -82,10 +81,9 @@ def hopf_type(scenario: Scenario) -> HopfType:
     flow.require_cycles(scenario)
     hopf = critical_speed(scenario)
     less, A, more = reduced_matrices(scenario, hopf.spin + np.array((-1.0, 0.0, 1.0)))
-    values, left, right = eig(A, left=True)
-    critical = np.argmin(np.abs(values - 1j * hopf.frequency))
-    q = right[:, critical] / right[1, critical]
-    p = left[:, critical] / np.conj(np.vdot(left[:, critical], q))
+    left, right = eigenvectors(A, 1j * hopf.frequency)
+    q = right / right[1]
+    p = left / np.conj(np.vdot(left, q))
     C = _third_derivative(scenario, hopf.spin, (q, q, q.conj()))
     # At first order a deviation changes cos(gamma) and the rate of beta alone.
     slip = reduced.lateral_slip(scenario.disk, hopf.spin, (1.0, 0.0, 1.0, -q[1]), q[2])

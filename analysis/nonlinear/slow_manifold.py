@@ -9,13 +9,11 @@ Spins at which the height regains its value over an orbit are those of the cycle
 (Melnikov's integral, the slip over sin(beta) integrated over gamma).
 """
 
-from collections.abc import Callable, Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.integrate import fixed_quad
+from scipy.integrate import fixed_quad, tanhsinh
 from scipy.optimize import brentq
 
 from analysis.mechanics.dual import per_speed_and_slope
@@ -26,11 +24,11 @@ from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
 from analysis.solve.continuation import nearest_root
 
-_NODES = 80
-"""Points of a piece of the quadratures; spins change by less than 1e-12 beyond 40."""
+_NODES, _PRECISION = 80, 1e-13
+"""Points of a quadrature, of which half would do, and relative error of one with peaks."""
 
-_GRID: Array = np.linspace(-np.pi / 2, np.pi / 2, 200)
-"""Places at which the sign of the friction is looked at."""
+_GRID: Array = np.linspace(-np.pi / 2, np.pi / 2, 201)
+"""Places at which friction is looked at: it is largest in the middle, at upright spinning."""
 
 _LEAST_FRICTION, _LARGEST_SLIP = 1e-30, 1e6
 """Part of the weight that is none, and slip in m/s beyond which none is looked for."""
@@ -88,9 +86,10 @@ def _slips(scenario: Scenario, needed: Array) -> Array:
         slopes = per_speed + change * slips
         if np.min(slopes) <= 0.0 or np.max(slips) > _LARGEST_SLIP:
             break
-        steps = (per_speed * slips - sizes) / slopes
-        slips = slips - steps
-        if np.all(np.abs(steps) <= 1e-14 * slips):
+        missed = per_speed * slips - sizes
+        slips = slips - missed / slopes
+        # Near the most that friction can give, slips have fewer digits than forces.
+        if np.all(np.abs(missed) <= 1e-15 * sizes):
             return np.copysign(slips, needed)
     raise NoManifoldError(
         f"the friction law cannot give {np.max(sizes):.4g} of the weight, which it takes to keep "
@@ -167,8 +166,11 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         return needed_friction(scenario, spin, np.arccos(cos_beta), gamma)
 
     def gain(spin: float) -> float:
-        signs = np.sign(needed(_GRID, spin))
-        # Where friction changes its sign, the slip that it takes has a kink.
+        asked = needed(_GRID, spin)
+        _slips(scenario, asked)
+        signs = np.sign(asked)
+        # Where friction changes its sign, the slip that it takes has a kink; in the middle, it
+        # has a peak where friction is hardly strong enough.
         kinks = [
             brentq(needed, *_GRID[each : each + 2], args=(spin,))
             for each in np.flatnonzero(signs[1:] * signs[:-1] < 0.0).tolist()
@@ -177,9 +179,22 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         def gained(theta: Array) -> Array:
             return np.cos(theta) * _slips(scenario, needed(theta, spin)) * place(theta)[0]
 
-        return _integral(gained, kinks)
+        ends = np.sort([-np.pi / 2, 0.0, *kinks, np.pi / 2])
+        return float(np.sum(tanhsinh(gained, ends[:-1], ends[1:], rtol=_PRECISION).integral))
 
-    spin = nearest_root(gain, critical_speed(scenario).spin)
+    def bounded(spin: float) -> float:
+        """The same between -1 and 1, where it is infinite as friction cannot give more."""
+        try:
+            gained = gain(spin)
+        except NoManifoldError:
+            asked = needed(_GRID, spin)
+            return float(np.sign(asked[np.argmax(np.abs(asked))]))
+        return gained / (abs(gained) + disk.radius / scenario.friction.gradient)
+
+    critical = critical_speed(scenario).spin
+    spin = nearest_root(bounded, critical)
+    # Either may be where friction cannot hold the disk, and then says so.
+    gain(critical if spin is None else spin)
     if spin is None:
         raise NoManifoldError(
             f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
@@ -187,13 +202,8 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         )
     period = np.inf
     if amplitude < np.pi:
-        slowness = _integral(lambda theta: np.cos(theta) / place(theta)[1])
-        period = -2.0 / spin * amplitude * slowness
+        ends = -np.pi / 2, np.pi / 2
+        slowness, _ = fixed_quad(lambda theta: np.cos(theta) / place(theta)[1], *ends, n=_NODES)
+        period = float(-2.0 / spin * amplitude * slowness)
     friction = float(np.max(np.abs(needed(_GRID, spin))))
     return SlowOrbit(amplitude=amplitude, spin=spin, period=period, friction=friction)
-
-
-def _integral(function: Callable[[Array], Array], kinks: Sequence[float] = ()) -> float:
-    """Integral from -pi/2 to pi/2 by Gauss's rule, piece by piece between kinks."""
-    pieces = pairwise((-np.pi / 2, *kinks, np.pi / 2))
-    return float(sum(fixed_quad(function, *piece, n=_NODES)[0] for piece in pieces))

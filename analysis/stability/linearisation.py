@@ -114,6 +114,16 @@ def falling(values: npt.NDArray[np.inexact]) -> ComplexArray:
     return np.take_along_axis(values.astype(complex), order, axis=-1)
 
 
+def eigenvectors(matrix: Array, value: complex) -> tuple[Any, Any]:
+    """Left and right unit eigenvector, each shape (n,), of a simple eigenvalue.
+
+    By singular values: where entries are zero but for rounding, `eig` balances by these, and tells
+    vectors that are none.
+    """
+    left, _, right = np.linalg.svd(matrix - value * np.eye(len(matrix)))
+    return left[:, -1], right[-1].conj()
+
+
 def upright(scenario: Scenario, gamma: float) -> Place:
     """Where the disk spins upright: G, or a centre of gravity that is held, above the origin."""
     is_held = not has_drift(scenario.constraints)

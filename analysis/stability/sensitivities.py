@@ -11,7 +11,6 @@ root, in whose units size**(1/2) * mu / epsilon is the friction, so that the siz
 """
 
 import numpy as np
-from scipy.linalg import eig
 
 from analysis.mechanics import recorded
 from analysis.mechanics.dual import Dual, dual, of_slope, value_of
@@ -24,6 +23,7 @@ from analysis.stability.critical import Crossing
 from analysis.stability.linearisation import (
     ComplexArray,
     Linearisation,
+    eigenvectors,
     spin_scale,
     spinning,
     turning_state,
@@ -77,7 +77,8 @@ def sensitivities(
     """
     instance("crossing", crossing, Crossing)
     system = spinning(scenario, motion)
-    values, left, right = eig(system.matrices(np.array([crossing.spin]))[0], left=True)
+    (matrix,) = system.matrices(np.array([crossing.spin]))
+    values = np.linalg.eigvals(matrix)
     away = np.abs(values - 1j * crossing.frequency)
     critical, *others = np.argsort(away)
     near = _APART * np.sqrt(np.max(np.abs(values)) * spin_scale(scenario))
@@ -86,7 +87,8 @@ def sensitivities(
             "crossing must be that of one eigenvalue or pair for its spin to have derivatives, "
             f"got {count} eigenvalues at the same place at {crossing.spin:.9g} rad/s"
         )
-    w, v = left[:, critical].conj(), right[:, critical]
+    left, v = eigenvectors(matrix, values[critical])
+    w = left.conj()
     changes = _changes(scenario, system, crossing.spin, *system.spread(crossing.spin, w, v))
     growths = (changes / (w @ v)).real
     *fields, products, gradient, _ = (-growths / growths[-1]).tolist()

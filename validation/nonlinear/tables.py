@@ -145,7 +145,8 @@ def connection_table(found: Connection, slow: SlowOrbit | None) -> Table:
         title=f"The heteroclinic connection, where the cycles end, at {found.spin:.9f} rad/s",
         columns=("quantity", "value"),
         rows=rows,
-        note="Cycles near the connection are stable where the saddle index exceeds 1.",
+        note="Cycles near the connection are stable where the saddle index exceeds 1."
+        + ("" if slow else " Friction is too weak for a first-order prediction."),
     )
 
 

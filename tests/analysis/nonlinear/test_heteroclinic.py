@@ -1,11 +1,12 @@
 """The end of the cycles: its spin from motions, from cycles and from the slow manifold."""
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 from analysis import ROUNDED_STEEL_DISK, Disk, Scenario, SmoothCoulomb
 from analysis.mechanics import reduced
@@ -18,7 +19,7 @@ from analysis.nonlinear.heteroclinic import (
     heteroclinic_connection,
     period_growth,
 )
-from analysis.nonlinear.slow_manifold import slow_connection, slow_cycle
+from analysis.nonlinear.slow_manifold import needed_friction, slow_connection, slow_cycle
 from tests.helpers import model
 
 PAPER = model(4)
@@ -153,6 +154,32 @@ def test_steep_friction_brings_the_cycle_to_that_on_the_slow_manifold() -> None:
         missing.append(cycle.spin - slow.spin)
         assert cycle.period == pytest.approx(slow.period, rel=1e-5)
     assert np.log(missing[0] / missing[1]) / np.log(2.0) == pytest.approx(2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("coefficient", [0.0578, 0.06, 0.068, 0.3])
+def test_connection_on_the_slow_manifold_loses_no_height_however_weak_friction_is(
+    coefficient: float,
+) -> None:
+    scenario = replace(PAPER, friction=SmoothCoulomb(coefficient=coefficient))
+    found, disk = slow_connection(scenario), scenario.disk
+    low = disk.radius - disk.eccentricity
+
+    def gain(turn: float, spin: float) -> float:
+        """Slip over sin(beta), from where the centre of gravity is highest on."""
+        lever = disk.radius + disk.eccentricity * np.cos(turn)
+        beta = np.pi - np.arcsin(low / lever)
+        (asked,) = needed_friction(scenario, spin, np.array([beta]), np.array([np.pi / 2 + turn]))
+        left = coefficient - abs(asked)
+        return float(asked / left / np.sin(beta)) if left > 0.0 else np.nan
+
+    def gained(spin: float) -> float:
+        # Next to its start, where friction hardly suffices, it has a peak.
+        ends = (0.0, 1e-4, 1e-3, 1e-2, 0.1, np.pi)
+        return sum(quad(gain, *piece, (spin,), limit=500)[0] for piece in pairwise(ends))
+
+    spin = found.spin
+    assert gained(spin - 1e-5) * gained(spin + 1e-5) < 0.0
+    assert found.friction < coefficient
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario
+from analysis import MODELS, MOTIONS, STEEL_DISK, Disk, Level, Motion, Scenario, SmoothCoulomb
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from analysis.stability.boundaries import HopfCurve, corners, hopf_curves
@@ -191,3 +191,24 @@ def test_sensitivities_need_one_eigenvalue_that_crosses_alone() -> None:
     for each in found:
         with pytest.raises(ValueError, match=r"one eigenvalue or pair.* got 2 eigenvalues"):
             sensitivities(scenario, each)
+
+
+@pytest.mark.parametrize("level", [3, 4])
+def test_static_crossings_of_a_disk_with_products_move_as_their_closed_form(level: Level) -> None:
+    leaning = Disk(radius=0.045, mass=0.4, eccentricity=0.004, inertia_x=2e-4, inertia_y=2.5e-4,
+                   inertia_z=4.3e-4, inertia_yz=3e-5)  # fmt: skip
+    e, r = leaning.eccentricity, leaning.radius
+    expected = {"mass": 1.0, "eccentricity": (r + 2 * e) / (r + e), "radius": r / (r + e),
+                "friction_gradient": 1.0, "size": 0.0}  # fmt: skip
+    static = 0
+    for coefficient in np.linspace(0.05, 0.3, 26).tolist():
+        scenario = Scenario(disk=leaning, friction=SmoothCoulomb(coefficient=coefficient),
+                            constraints=MODELS[level])  # fmt: skip
+        for crossing in critical_speeds(scenario).crossings:
+            if crossing.frequency == 0.0:
+                moment = scenario.friction_gradient * scenario.weight * e * (r + e)
+                assert crossing.spin == pytest.approx(moment / leaning.inertia_yz, rel=1e-9)
+                found = sensitivities(scenario, crossing)
+                assert {name: found[name] for name in expected} == pytest.approx(expected)
+                static += 1
+    assert static > 5
