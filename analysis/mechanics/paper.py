@@ -411,7 +411,7 @@ def closed_form(
         table leans.
     """
     require_plain(scenario, "the closed form")
-    if not scenario.friction.is_on:
+    if not scenario.friction_gradient > 0.0:
         raise ValueError("friction must have a positive gradient for the closed form, got 0")
     Omega = spin_array(spins)
     _, r, e, *_ = paper_numbers(scenario, motion).values()

@@ -29,7 +29,7 @@ def require_cycles(scenario: Scenario, steepest: float = np.inf) -> None:
     if not scenario.friction.is_simple:
         fault = "must be isotropic and in proportion to the load for periodic motions, got "
         raise ArgumentError("friction", f"{fault}{scenario.friction!r}")
-    if not scenario.friction.is_on:
+    if not scenario.friction_gradient > 0.0:
         raise ArgumentError(
             "friction", "must have a positive gradient for periodic motions, got 0"
         )

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import Array, bound, number, one, within
+from analysis.problem.checks import Array, bound, numbers, one, within
 from analysis.problem.disk import Disk
 from analysis.problem.elementary import Members, cos, sin, sqrt
 from analysis.problem.names import ArgumentError
@@ -121,7 +121,7 @@ def check_surface(body: Body) -> None:
             type(body).lowest_point(one_like, _DIRECTIONS[1])
         for up in _DIRECTIONS[body.has_edge :]:
             what = f"lowest_point({up})"
-            point = [number(what, each) for each in body.lowest_point(up)]
+            point = numbers(what, body.lowest_point(up), "xyz")
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
             within(f"depth of {what}", depth, 0.0, deepest)
             _check_level(body, np.array(up), what)

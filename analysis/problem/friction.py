@@ -2,10 +2,11 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from itertools import chain
 from math import cos, sin
 from typing import Any, ClassVar
 
-from analysis.problem.checks import Described, bound, number, positive, within
+from analysis.problem.checks import Described, bound, numbers, positive, within
 from analysis.problem.elementary import exp, hypot, tanh
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import STEEPEST_FRICTION, Load, default
@@ -121,8 +122,11 @@ class FrictionLaw(Described):
 
     @property
     def is_on(self) -> bool:
-        """Whether there is any friction."""
-        return self.slope(1.0) > 0.0
+        """Whether there is any friction, at no slip or at any of `SPEEDS`."""
+        ways = ((speed, 0.0) for speed in SPEEDS), ((0.0, speed) for speed in SPEEDS)
+        return bool(self.slope(1.0) > 0.0) or any(
+            each != 0.0 for way in chain(*ways) for each in self.force(*way, 1.0)
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -434,7 +438,7 @@ def _check_force(law: FrictionLaw, speed: float, load: float) -> None:
     for turn in (0.3, 1.9, 4.0):
         x, y = speed * cos(turn), speed * sin(turn)
         at = f"{type(law).__name__}.force({x:.3g}, {y:.3g}, {load:g})"
-        along, across = forces = [number(at, each) for each in law.force(x, y, load)]
+        along, across = forces = numbers(at, law.force(x, y, load), ("along", "across"))
         size = abs(along) + abs(across)
         if along * x + across * y > 1e-12 * size * speed:
             raise ValueError(f"{at} must not drive the slip, got {forces}")

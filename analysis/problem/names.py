@@ -102,8 +102,8 @@ def full_name(name: str, argument: str = "axis") -> str:
         raise ArgumentError(argument, f"must be named by text, got {name!r}")
     name = name.strip().replace("-", "_")
     table, _, key = name.rpartition(".")
-    # A friction law of one's own has parameters of its own.
-    if name in QUANTITIES or (table == "friction" and key):
+    # A law or a body of one's own has parameters of its own.
+    if name in QUANTITIES or (table in ("friction", "disk") and key):
         return name
     known = {each.option: key for key, each in QUANTITIES.items() if each.option} | KEYS
     if name in known:
@@ -111,6 +111,7 @@ def full_name(name: str, argument: str = "axis") -> str:
     raise ArgumentError(
         argument,
         "must be a field of a scenario, as `tippedisk scenario` lists them, such as start.spin, "
+        "or with its table one of a law or a body of one's own, such as friction.power, "
         f"got {name!r}{nearest(key, KEYS)}",
     )
 

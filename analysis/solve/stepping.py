@@ -31,6 +31,10 @@ right-hand side has jumped, it may take it for stiff ever after, and go on by pi
 FIRST = 1e-6
 """Part of the longest step that the first one is where it cannot be guessed."""
 
+TIGHTER = 0.1
+"""Power of the tolerance of a step by which the first one is shorter than SciPy guesses it. Its
+guess is as long at every tolerance: an error not seen there would cancel between two runs."""
+
 SHORTENED = 16
 """Times that a step is taken a tenth as long before its error is believed."""
 
@@ -237,6 +241,11 @@ def _made_by(
             # To guess a first step, SciPy takes one that may lead to where there is no solution.
             little = min(FIRST * problem.longest_step, span[2] - span[0])
             made.append(make(*span, first_step=little))
+        if method != "LSODA" and not first:
+            made[-1].h_abs *= local_tolerance**TIGHTER
+            if method == "BDF":
+                # Its differences are scaled with the step.
+                made[-1].D[1] *= local_tolerance**TIGHTER
         if method in _IMPLICIT and problem.jacobian is None:
             # Rounding in a right-hand side of others is in the way of all that SciPy would have.
             made[-1].newton_tol = max(made[-1].newton_tol, ITERATED)

@@ -160,8 +160,9 @@ def critical_speeds(
     matrices = matrices_over_spin(scenario, system, motion)
     spectra = Spectra(matrices, helper_spins(scenario, low, high), spin_scale(scenario))
     crossings: tuple[Crossing, ...] = ()
-    reason: str | None = "no friction: undamped, the eigenvalues lie mirrored at both axes"
-    if scenario.rubs:
+    without = "no friction at little slip" if scenario.rubs else "no friction"
+    reason: str | None = f"{without}: undamped, the eigenvalues lie mirrored at both axes"
+    if scenario.rubs and scenario.friction_gradient > 0.0:
         crossings = spectra.crossings()
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
         if spectra.is_hidden:

@@ -1,7 +1,7 @@
 """Friction laws: their closed properties, and those of one's own, right or wrong, in all uses."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, nan
 from pathlib import Path
@@ -15,6 +15,7 @@ from analysis import (
     LAWS,
     AnisotropicCoulomb,
     FrictionLaw,
+    Level,
     LubricatedCoulomb,
     PowerLawCoulomb,
     Scenario,
@@ -28,11 +29,13 @@ from analysis import (
 from analysis.mechanics.recorded import any_contact_load
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.user_modules import foreign_names
+from analysis.simulation.energies import energies
 from analysis.stability import spectra
+from analysis.stability.critical import critical_speeds
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.calls import ROOT, printed, python, refusal, run
-from tests.helpers import model, refusals
+from tests.helpers import model, not_none, refusals
 from tests.sweeps import sweep
 from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Own, Wayward
 from validation.run import run as simulated
@@ -260,6 +263,54 @@ def test_a_law_that_exits_where_the_disk_slips_is_no_success(
     assert written(folder) == []
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Three(FrictionLaw):
+    """Says more than there is to say."""
+
+    finest_speed: float = 0.1
+
+    def force(self, along: float, across: float, load: float) -> Any:
+        return (-along, -across, load)
+
+
+def test_a_law_that_says_too_much_is_told_what_to_say() -> None:
+    with pytest.raises(
+        ValueError, match=r"Three': Three.force\(.*\) must hold along, across, got"
+    ):
+        Scenario(friction=Three())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quadratic(FrictionLaw):
+    """Drag that grows with the square of slip, and has no slope where there is none."""
+
+    finest_speed: float = 0.1
+
+    def per_speed(self, speed: float) -> float:
+        return 3.0 * speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QuadraticForce(Quadratic):
+    def force(self, along: float, across: float, load: float) -> tuple[float, float]:
+        size = -3.0 * load * np.hypot(along, across)
+        return float(size * along), float(size * across)
+
+
+@pytest.mark.parametrize("level", [1, 4])
+def test_friction_without_a_slope_at_no_slip_rubs_by_every_way_alike(level: Level) -> None:
+    scenario, times = model(level, friction=Quadratic()), np.linspace(0.0, 1.0, 101)
+    assert scenario.rubs
+    truth = simulated(replace(scenario, friction=QuadraticForce()), times, source="in-house")
+    hows: list[dict[str, Any]] = [{"source": "engine"}, {"method": "taylor"}, {"method": "DOP853"}]
+    for how in [*hows, *[{"formulation": "reduced"}] * (level == 4)]:
+        found = simulated(scenario, times, **({"source": "in-house"} | how))
+        assert np.max(np.abs(found.coordinates - truth.coordinates)) < 1e-7
+    total = np.sum(energies(scenario, truth.coordinates, truth.rates), axis=0)
+    assert total[-1] < total[0] - 0.01 or level == 4
+    assert "at little slip: undamped" in not_none(critical_speeds(scenario).reason)
+
+
 def test_a_case_whose_law_exits_is_a_row_that_says_so() -> None:
     law = Wayward(coefficient=EXITS)
     (row,) = run_chunk(sweep("spin=30,31", scenario=Scenario(friction=law)), [0])
@@ -277,5 +328,6 @@ def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(
         partial(run_to_rest, Scenario.rest(friction=law), 0.1),
     )
     for each in runs:
-        with pytest.raises(ValueError, match=r"^Answering.force\(0\.0955, 0\.0296, 0\.1\) must"):
+        at = r"^Answering.force\(0\.0955, 0\.0296, 0\.1\)(\[along\])? must"
+        with pytest.raises(ValueError, match=at):
             each(source=source)
