@@ -11,7 +11,7 @@ import pandas as pd
 
 from analysis.motion import files
 from analysis.motion.outcomes import Column, OutcomeTable
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, choice
 from analysis.problem.limits import check_storage
 from validation.sweeps.case import COLUMNS, NUMBERS
 from validation.sweeps.plan import TIME
@@ -74,11 +74,11 @@ class Results(OutcomeTable):
         Raises
         ------
         ValueError
-            If the cases are drawn, and lie on no grid.
+            If the cases are drawn, and lie on no grid, or there is no such column.
         """
         if (layout := self.sweep.design.layout) != "grid":
             raise ValueError(f"layout must be grid, got {layout}: these cases lie on none")
-        return self._gridded(self.columns[name])
+        return self._gridded(self.columns[choice("name", name, self.columns)])
 
     def _gridded(self, rows: Any) -> Any:
         """Values of the rows, shape (n, ...), in the shape of the grid."""

@@ -258,6 +258,8 @@ def test_columns_are_those_of_the_csv_of_pandas_and_of_xarray_with_gaps_on_the_g
     gaps = [[0.05, np.nan], [0.05, np.nan], [np.nan, np.nan]]
     np.testing.assert_array_equal(results.on_grid("end"), gaps)
     assert results.on_grid("status").tolist() == [*[[DONE, "refused"]] * 2, [None, "refused"]]
+    with pytest.raises(ValueError, match=r"^name must be one of .*, got 'statu'; did you mean"):
+        results.on_grid("statu")
 
 
 def test_truth_values_of_an_axis_are_so_in_all_results() -> None:
