@@ -88,6 +88,19 @@ def test_friction_is_there_however_weak_it_is(coefficient: float) -> None:
     assert Scenario(friction=law).rubs == law.is_on == (coefficient > 0.0)
 
 
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        (AnisotropicCoulomb, "along"),
+        (AnisotropicCoulomb, "across"),
+        (PowerLawCoulomb, "reference_load"),
+    ],
+)
+def test_what_a_law_divides_by_is_not_zero(kind: Any, name: str) -> None:
+    with pytest.raises(ValueError, match=f"^{name} must be positive, got 0"):
+        kind(**{name: 0.0})
+
+
 def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
     law = AnisotropicCoulomb(along=0.5, across=0.2, smoothing=1e-9)
     turns = np.linspace(0.0, 2.0 * np.pi, 721)
