@@ -43,7 +43,7 @@ def test_interrupted_and_killed_sweeps_leave_no_process_and_go_on(tmp_path: Path
     words = "sweep spin=30:40:1000000 --model 4 --formulation reduced --end 0.05 --workers 2 --out"
     call = ["env", "--default-signal=INT", sys.executable, "-m", "validation", *words.split()]
     count = 0
-    for sent in (signal.SIGINT, signal.SIGKILL, signal.SIGINT):
+    for sent in (signal.SIGKILL, signal.SIGINT):
         process = subprocess.Popen([*call, str(path)], cwd=ROOT, stderr=subprocess.PIPE, text=True)
         while not path.exists() or rows(path) <= count:
             assert process.poll() is None
