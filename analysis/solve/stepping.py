@@ -166,7 +166,7 @@ def integrate(
     local_tolerance : float
         Relative tolerance of a step.
     step_fraction : float
-        Of the longest step that may be taken.
+        Of the longest step that may be taken, and of the first one.
     allow_pulling : bool
         Whether to go on where the normal force turns negative.
     watch : Watch
@@ -185,7 +185,8 @@ def integrate(
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(problem.endings, problem.start, float(times[0]), allow_pulling)
     started: list[Any] = []
-    solver = _made_by(problem, method, local_tolerance, started)
+    first_part = step_fraction * local_tolerance**TIGHTER
+    solver = _made_by(problem, method, local_tolerance, first_part, started)
     ended: str | None = None
     states, row, begun = [problem.start], 1, watch.steps
     for step in _steps(solver, problem, times):
@@ -219,11 +220,15 @@ def integrate(
 
 
 def _made_by(
-    problem: InitialValueProblem, method: Method, local_tolerance: float, made: list[Any]
+    problem: InitialValueProblem,
+    method: Method,
+    local_tolerance: float,
+    first_part: float,
+    made: list[Any],
 ) -> Callable[..., Any]:
     """From a time, a state, a last time and perhaps a `first_step` to a solver of SciPy.
 
-    `made` gets each of them.
+    It begins with this part of the step that SciPy guesses; `made` gets each of them.
     """
     make = partial(
         getattr(solvers, method),
@@ -242,10 +247,10 @@ def _made_by(
             little = min(FIRST * problem.longest_step, span[2] - span[0])
             made.append(make(*span, first_step=little))
         if method != "LSODA" and not first:
-            made[-1].h_abs *= local_tolerance**TIGHTER
+            made[-1].h_abs *= first_part
             if method == "BDF":
                 # Its differences are scaled with the step.
-                made[-1].D[1] *= local_tolerance**TIGHTER
+                made[-1].D[1] *= first_part
         if method in _IMPLICIT and problem.jacobian is None:
             # Rounding in a right-hand side of others is in the way of all that SciPy would have.
             made[-1].newton_tol = max(made[-1].newton_tol, ITERATED)
