@@ -1,6 +1,6 @@
 """A motion between its samples, from coordinates and rates alone."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -103,6 +103,27 @@ def crossings(
         the two samples.
     """
     found, errors = np.empty((2, len(columns)))
+    for rows, polynomials, low, high in _around(times, values, rates, columns):
+        found[rows], slope = _solve(polynomials[0], level, low, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            error = _error(polynomials, low, high) / np.abs(slope)
+        errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
+    return found, errors
+
+
+def _around(
+    times: Array, values: Array, rates: Array, columns: Numbers
+) -> Iterator[tuple[Numbers, list[Polynomials], Array, Array]]:
+    """Polynomials of `crossings`, of some of its rows at a time.
+
+    Yields
+    ------
+    rows : ndarray of int, shape (j,)
+    polynomials : list of 3
+        Through fewer and fewer samples around their columns.
+    low, high : ndarray, shape (j,)
+        Times of the sample before and of that in the column.
+    """
     each, width = np.arange(len(columns)), min(times.shape[1], 2 * _REACH)
     begins = np.clip(columns - _REACH, 0, times.shape[1] - width)
     around = each[:, None], begins[:, None] + np.arange(width)
@@ -119,12 +140,60 @@ def crossings(
             return _polynomials(times[place], values[place][..., None], rates[place][..., None])
 
         polynomials = [through(max(1, count - left_out)) for left_out in (0, 2, 4)]
-        low, high = times[rows, columns[rows] - 1], times[rows, columns[rows]]
-        found[rows], slope = _solve(polynomials[0], level, low, high)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = _error(polynomials, low, high) / np.abs(slope)
-        errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
-    return found, errors
+        yield rows, polynomials, times[rows, columns[rows] - 1], times[rows, columns[rows]]
+
+
+def with_extremes(
+    times: Array, values: Array, rates: Array, low: float, high: float
+) -> tuple[Numbers, tuple[Array, Array, Array]]:
+    """Samples of the quantities that between two of them go beyond a level which both keep to.
+
+    Parameters
+    ----------
+    times, values, rates : ndarray, shape (k, n)
+        A quantity in each row, of which the last sample may be repeated.
+    low, high : float
+        What falls below the one, or comes up to the other, is of interest.
+
+    Returns
+    -------
+    rows : ndarray of int, shape (j,)
+        Of those quantities.
+    times, values, rates : ndarray, shape (j, m)
+        Their samples, with these extremes, and the last one repeated again.
+    """
+    first, last, width = values[:, :-1], values[:, 1:], np.diff(times, axis=1)
+    # An arc lies within its tangents.
+    ahead, back = first + width * rates[:, :-1], last - width * rates[:, 1:]
+    beyond = (np.maximum(first, last) < high) & (np.minimum(ahead, back) >= high)
+    beyond |= (np.minimum(first, last) >= low) & (np.maximum(ahead, back) < low)
+    rows, columns = np.nonzero(beyond)
+    # Where the slope of the cubic polynomial, a + b part + c part², vanishes.
+    fall, width = (first - last)[rows, columns], width[rows, columns]
+    a, end = width * rates[rows, columns], width * rates[rows, columns + 1]
+    b, c = -6.0 * fall - 4.0 * a - 2.0 * end, 6.0 * fall + 3.0 * (a + end)
+    part = 2.0 * np.abs(a) / (np.sqrt(b * b - 4.0 * a * c) - np.sign(a) * b)
+    cubic = first[rows, columns] + part * (a + part * (b / 2.0 + part * c / 3.0))
+    wanted = times[rows, columns] + part * width
+    found, slopes = np.empty((2, rows.size))
+    around = _around(times[rows], values[rows], rates[rows], columns + 1)
+    for some, (polynomial, *_), _, _ in around if rows.size else ():
+        value, slope = polynomial(wanted[some])
+        found[some], slopes[some] = value[:, 0], slope[:, 0]
+    # Around an impact, the polynomial of more samples may tell anything.
+    both = np.minimum(cubic, found) >= high, np.maximum(cubic, found) < low
+    is_so = np.where(a > 0.0, *both)
+    rows, more = rows[is_so], np.array((wanted, found, slopes))[:, is_so]
+    chosen, place, counts = np.unique(rows, return_inverse=True, return_counts=True)
+    numbers = np.arange(rows.size) - np.searchsorted(rows, rows)
+    whole = []
+    for each, new in zip((times, values, rates), more, strict=True):
+        room = np.repeat(each[chosen, -1:], np.max(counts, initial=0), axis=1)
+        room[place, numbers] = new
+        whole.append(np.hstack((each[chosen], room)))
+    order = np.argsort(whole[0], axis=1, kind="stable")
+    told, along, turning = (np.take_along_axis(each, order, axis=1) for each in whole)
+    return chosen, (told, along, turning)
 
 
 def extremes(times: Array, values: Array, rates: Array) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.motion.endings import REACHED
-from analysis.motion.interpolation import Numbers, crossings, extremes
+from analysis.motion.interpolation import Numbers, crossings, extremes, with_extremes
 from analysis.problem.checks import Array
 
 STAYING = 1.0
@@ -48,8 +48,8 @@ class Inversion:
         When the centre of gravity came below the geometric centre again in s.
     time_error, lost_error : float, optional
         How far off the samples may leave these times in s, as estimated: at most their spacing,
-        and the first of them more where the disk may have been up or down between two samples
-        unseen. The error of the motion itself comes beside it.
+        and the first of them more where they are so far apart that the disk may have been up or
+        down between two of them unseen. The error of the motion itself comes beside it.
     """
 
     outcome: Outcome
@@ -105,6 +105,20 @@ def inversions(
     eccentricities : ndarray, shape (m,)
         Of the disks in m; one without is never inverted.
     """
+    found = _judged(times, cog_directions, rates, eccentricities)
+    # What comes up or down between two samples counts as well.
+    rows, samples = with_extremes(times, cog_directions, rates, 0.0, REACHED)
+    if rows.size:
+        again = _judged(*samples, eccentricities[rows])
+        for each, new in zip(found, again, strict=True):
+            each[rows] = new
+    return Inversions(*found)
+
+
+def _judged(
+    times: Array, cog_directions: Array, rates: Array, eccentricities: Array
+) -> tuple[npt.NDArray[Any], Array, Array, Array, Array]:
+    """What becomes of `Inversions`, by samples alone."""
     size = len(cog_directions)
     outcomes = np.full(size, "not inverted", dtype=object)
     numbers = np.full((4, size), np.nan)
@@ -117,7 +131,7 @@ def inversions(
         rows, found = motions.first_lasting(rises)
         outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
         numbers[:, rose[rows]] = found
-    return Inversions(outcomes, *numbers)
+    return outcomes, *numbers
 
 
 class _Motions(NamedTuple):

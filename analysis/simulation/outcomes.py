@@ -101,7 +101,7 @@ def _to_rest(motion: SpatialMotion) -> Mapping[str, Any]:
         **_sampled(motion),
         "energy_start": total[0],
         "energy_end": total[-1],
-        **{f"taken_{cause}": motion.energy_taken(cause)[-1] for cause in CAUSES},
+        **{f"taken_{each}": np.diff(motion.energy_taken(each)[[0, -1]])[0] for each in CAUSES},
         "rolling_from": phases.rolling,
         "flat_from": phases.flat,
         "rest_from": phases.rest,

@@ -5,7 +5,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis import CENTRED_DISK, LEVELS, STEEL_DISK, Inversion, Level, Scenario, Start, simulate
+from analysis import (
+    CENTRED_DISK,
+    LEVELS,
+    STEEL_DISK,
+    Inversion,
+    Level,
+    Scenario,
+    SmoothCoulomb,
+    Start,
+    Table,
+    simulate,
+)
 from analysis.motion.endings import REACHED
 from analysis.motion.inversion import STAYING, inversions
 from analysis.problem.checks import Array
@@ -82,14 +93,16 @@ def test_time_of_inversion_is_right_to_its_error_however_far_apart_the_samples_a
         (2, Start(beta=2.258, gamma=-2.3827, spin=54.78), 0.1),
     ],
 )
-def test_error_covers_what_no_sample_shows(level: Level, start: Start, spacing: float) -> None:
+def test_what_no_sample_shows_is_found_and_the_error_covers_it(
+    level: Level, start: Start, spacing: float
+) -> None:
     scenario = model(level, start=start)
     fine, coarse = (
         simulate(scenario, np.arange(0.0, 4.0, each), local_tolerance=1e-8).inversion
         for each in (0.005, spacing)
     )
     apart = abs(not_none(coarse.time) - not_none(fine.time))
-    assert spacing < apart <= not_none(coarse.time_error)
+    assert apart <= min(1e-5, not_none(coarse.time_error))
     assert not_none(fine.time_error) < 1e-8
 
 
@@ -121,6 +134,25 @@ def test_an_impact_between_two_samples_leaves_the_time_open(part: float, after: 
     found = judged(times, directions, rates)
     assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-12
     assert not_none(found.time_error) <= 0.05
+
+
+@pytest.mark.parametrize(
+    ("scenario", "ending"),
+    [
+        (Scenario(friction=SmoothCoulomb(coefficient=0.2), start=Start(spin=44.326)), "inverted"),
+        (Scenario(table=Table(inclination=0.07056958, downhill=0.7)), "lost"),
+    ],
+    ids=["rises", "falls"],
+)
+def test_a_rise_or_a_fall_between_two_samples_counts(scenario: Scenario, ending: Any) -> None:
+    found = simulate(scenario, TIMES, tolerance=1e-9).inversion
+    located = simulate(scenario, TIMES, tolerance=1e-9, stop_when=ending).ending
+    told = (
+        (found.time, found.time_error) if ending == "inverted" else (found.lost, found.lost_error)
+    )
+    time, error = map(not_none, told)
+    assert abs(time - not_none(located).time) < error + 1e-8
+    assert error < 1e-6
 
 
 def test_staying_counts_from_the_rise_and_not_from_the_sample_behind_it() -> None:
