@@ -246,6 +246,8 @@ def draw_story(motion: SpatialMotion) -> "Figure":
     axes[2].set(ylabel="vertical angular\nvelocity in rad/s")
     axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
     potential = motion.energies[:, 1:].sum(axis=1)
+    # Areas below zero would cover others; on a table that leans, the disk goes down.
+    potential -= min(0.0, float(potential.min()))
     parts = np.column_stack((motion.energies[:, 0], potential, motion.dissipated))
     used = [i for i in range(parts.shape[1]) if i < 2 or parts[-1, i] > 1e-3 * parts[0].sum()]
     labels = ["kinetic", "potential", *(cause.replace("_", " ") for cause in CAUSES)]

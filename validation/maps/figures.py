@@ -17,7 +17,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from scipy.spatial import QhullError
 
 from analysis.problem.checks import Array
@@ -223,6 +223,12 @@ def _is_named(axis: Axis) -> bool:
 def _mark_values(axes: Axes, way: str, axis: Axis) -> None:
     """Mark the values of an axis along "x" or "y"."""
     axes.set(**{f"{way}scale": "log" if axis.log else "linear"})
+    if axis.log:
+        lines, ends = getattr(axes, f"{way}axis"), [float(axis.draw(end)) for end in (0.0, 1.0)]
+        narrow = max(ends) < 100.0 * min(ends)
+        lines.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if narrow else (1.0,)))
+        lines.set_major_formatter("{x:g}")
+        lines.set_minor_formatter(NullFormatter())
     if _is_named(axis):
         ticks, names = range(len(axis.values)), list(map(str, axis.values))
         axes.set(**{f"{way}ticks": ticks, f"{way}ticklabels": names})
