@@ -123,7 +123,8 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
         - `times` in s, `spins` and `deviations`, shape (n,): samples from the inversion to the
           loss, mean spin in rad/s in the sense of that at the inversion, and slow deviation of
           gamma in rad, freed of the fast oscillation; `linear`, shape (n,): deviation in rad by
-          the growth rate alone, fitted soon after the inversion;
+          the growth rate alone, fitted soon after the inversion, and of a disk that is lost from
+          its lowest spin on at the rate there;
         - `crossing`, when the mean spin comes below that of the Hopf point, `lost`, when the
           centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
           come to pi/2, beyond the loss at its last rate: in s, None where it does not happen;
@@ -166,12 +167,14 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     amplitude = np.hypot(deviation, np.gradient(deviation, times) / pair.frequency)[kept]
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
-    is_lost = inversion.lost is not None
-    linear, predicted = _predicted(times, growth[kept], amplitude, is_lost=is_lost)
+    is_lost, slowest, growth = inversion.lost is not None, int(np.argmin(spins)), growth[kept]
+    if is_lost:
+        # That it spins up again is the fall, of which the prediction is to know nothing.
+        growth[slowest:] = growth[slowest]
+    linear, predicted = _predicted(times, growth, amplitude, is_lost=is_lost)
     # One that begins below the Hopf point, but for rounding, does not come through it.
     begins_above = np.abs(rates[kept][0]) > pair.spin - 1e-9
     crossing = float(times[below[0]]) if below.size and begins_above else None
-    slowest = int(np.argmin(spins))
     rate = None
     if crossing is not None and times[slowest] > crossing:
         rate = float((pair.spin - spins[slowest]) / (times[slowest] - crossing))
@@ -314,6 +317,6 @@ def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
         columns=("motion", *heads),
         rows=[(name, *(each[head] for head in heads.values())) for name, each in named],
         note="Predicted is from the deviation half a second to a second after the inversion and "
-        "the eigenvalues alone, which know nothing of what happens at large deviations; beyond "
-        "the loss by their last growth rate.",
+        "the eigenvalues at the mean spin, of a disk that is lost from its lowest spin on by those "
+        "there: that it then spins up again is the fall itself.",
     )

@@ -7,7 +7,7 @@ from analysis import Scenario, Start
 from analysis.stability import spectra
 from tests.helpers import not_none
 from validation.nonlinear import passage
-from validation.nonlinear.passage import SlowPair, delay_law, follow
+from validation.nonlinear.passage import SlowPair, delay_law, follow, slowed
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +53,13 @@ def test_the_eigenvalues_alone_tell_when_model_1_is_lost() -> None:
     smallest = found["times"][np.argmin(found["linear"])]
     assert smallest == pytest.approx(found["crossing"], abs=0.01)
     assert np.min(found["deviations"]) < 1e-3
+
+
+@pytest.mark.parametrize("lever", [5e-5, 2e-5])
+def test_a_loss_is_predicted_whether_or_not_the_disk_spins_up_as_it_falls(lever: float) -> None:
+    found = slowed(lever, "in-house")
+    assert found["spins"][-1] > found["lowest_spin"] + 1.0
+    assert found["predicted"] == pytest.approx(found["lost"], rel=0.03)
 
 
 def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
