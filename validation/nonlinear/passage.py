@@ -167,11 +167,9 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     amplitude = np.hypot(deviation, np.gradient(deviation, times) / pair.frequency)[kept]
     times, spins = times[kept], spins[kept]
     below = np.flatnonzero(spins < pair.spin)
-    is_lost, slowest, growth = inversion.lost is not None, int(np.argmin(spins)), growth[kept]
-    if is_lost:
-        # That it spins up again is the fall, of which the prediction is to know nothing.
-        growth[slowest:] = growth[slowest]
-    linear, predicted = _predicted(times, growth, amplitude, is_lost=is_lost)
+    slowest = int(np.argmin(spins))
+    lost_from = None if inversion.lost is None else slowest
+    linear, predicted = _predicted(times, growth[kept], amplitude, lost_from)
     # One that begins below the Hopf point, but for rounding, does not come through it.
     begins_above = np.abs(rates[kept][0]) > pair.spin - 1e-9
     crossing = float(times[below[0]]) if below.size and begins_above else None
@@ -221,9 +219,15 @@ def follow(
 
 
 def _predicted(
-    times: Array, rates: Array, amplitude: Array, *, is_lost: bool
+    times: Array, rates: Array, amplitude: Array, lost_from: int | None
 ) -> tuple[Array, float | None]:
-    """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller."""
+    """Deviation by the linear growth, and when it comes to pi/2 after it has been smaller.
+
+    A disk that is lost spins up as it falls, of which the prediction is to know nothing: from its
+    lowest spin on, at this sample, the growth goes on at the rate there, beyond the loss as well.
+    """
+    if lost_from is not None:
+        rates = np.append(rates[:lost_from], np.full(times.size - lost_from, rates[lost_from]))
     grown = cumulative_trapezoid(rates, times, initial=0.0)
     since = times - times[0]
     early = (since >= SETTLING) & (since <= 2.0 * SETTLING)
@@ -233,9 +237,8 @@ def _predicted(
     reached = np.flatnonzero((size > np.log(LOST)) & (since > 2.0 * SETTLING))
     if reached.size:
         return np.exp(size), float(times[reached[0]])
-    if not is_lost or rates[-1] <= 0.0 or np.isneginf(size[-1]):
+    if lost_from is None or rates[-1] <= 0.0 or np.isneginf(size[-1]):
         return np.exp(size), None
-    # The disk was lost earlier: the growth goes on at its last rate.
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
 
 

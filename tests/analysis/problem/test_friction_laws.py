@@ -35,7 +35,7 @@ from analysis.stability.critical import critical_speeds
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
 from tests.calls import ROOT, printed, python, refusal, run
-from tests.helpers import model, not_none, refusals
+from tests.helpers import angles_apart, model, not_none, refusals
 from tests.sweeps import sweep
 from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Own, Wayward
 from validation.run import run as simulated
@@ -321,6 +321,9 @@ def test_friction_without_a_slope_at_no_slip_rubs_by_every_way_alike(level: Leve
         assert np.max(np.abs(found.coordinates - truth.coordinates)) < 1e-7
     total = np.sum(energies(scenario, truth.coordinates, truth.rates), axis=0)
     assert total[-1] < total[0] - 0.01 or level == 4
+    # In Model 4, whose spin is held, it shows in the angles.
+    smooth = replace(scenario, friction=SmoothCoulomb(coefficient=0.0))
+    assert angles_apart(truth, simulated(smooth, times, source="in-house")) > 0.01
     assert "at little slip: undamped" in not_none(critical_speeds(scenario).reason)
 
 
