@@ -7,6 +7,7 @@ from mbs_models.accelerations import acceleration, eigenvalues, state_matrix, st
 from mbs_models.integrators import Integrator, Newton, integrators
 from mbs_models.model import Model
 from mbs_models.rest import simulate_to_rest
+from mbs_models.runs import settle
 from mbs_models.scene import Scene, build, formulations
 from mbs_models.simulation import simulate
 from mbs_models.solving import EngineError
@@ -27,6 +28,7 @@ __all__ = [
     "eigenvalues",
     "formulations",
     "integrators",
+    "settle",
     "simulate",
     "simulate_to_rest",
     "state_matrix",

@@ -271,8 +271,15 @@ class EngineWay(WayToRest):
 
     def starting_at(self, state: Array) -> InitialValueProblem:
         """The problem from a state on; to be solved within `solving`."""
-        longest = contact_time(self.scenario)
-        return InitialValueProblem(self._derivative, state, longest, self.conditions)
+        absolute = np.ones(state.size)
+        absolute[TAKEN] = self.energy
+        return InitialValueProblem(
+            self._derivative,
+            state,
+            contact_time(self.scenario),
+            self.conditions,
+            absolute=absolute,
+        )
 
     def _derivative(self, _: float, state: Array) -> list[float]:
         values = state.tolist()
@@ -333,10 +340,9 @@ class EngineWay(WayToRest):
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
 
     def still(self, states: Array) -> tuple[Array, Array]:
-        """Kinetic energies, and how far the centre of gravity is above its height at rest."""
+        """Kinetic energies in J and heights of the centre of gravity in m."""
         kinetic, cog = self._moving(states)
-        disk, contact = self.scenario.disk, self.scenario.penalty_contact
-        return kinetic, cog[:, 2] - contact.resting_height(disk, self.scenario.weight)
+        return kinetic, cog[:, 2]
 
     def _moving(self, states: Array) -> tuple[Array, Array]:
         """Kinetic energies in J, shape (n,), and places of the centre of gravity, shape (n, 3)."""

@@ -10,7 +10,7 @@ import exudyn as exu
 import numpy as np
 import numpy.typing as npt
 
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, instance
 from analysis.problem.constraints import prescribed
 from analysis.problem.start import COORDINATES
 from mbs_models.integrators import Integrator
@@ -152,11 +152,10 @@ def _begin(model: Model, integrator: Integrator) -> None:
     # A run before, or a search, may have left it elsewhere.
     data.SetSystemState(data.GetSystemState(_INITIAL))
     if integrator.implicit or model.closes_contact:
-        probe = Probe(model)
-        settle(model, probe)
         # Full Newton renews its Jacobian, and failed in more scenes with this than without.
         if integrator.newton is not None and integrator.newton.modified:
-            complete_jacobian(model, probe)
+            complete_jacobian(model, Probe(model))
+        settle(model)
 
 
 def _solved(
@@ -260,14 +259,38 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
     }
 
 
-def settle(model: Model, probe: Probe) -> None:
-    """Give the engine its own accurate initial accelerations.
+def settle(model: Model) -> None:
+    """Give the engine its own accurate accelerations and constraint forces at the start.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
-    to know, and leaves out terms of velocity-level joints. Either makes every later result
-    first-order accurate.
+    to know, and leaves out terms of velocity-level joints. The one makes every later result
+    first-order accurate; by the other, constraint forces of undamped solvers go up and down from
+    step to step, however short.
+
+    To be called before a solver of the engine, whose settings are to leave
+    `timeIntegration.generalizedAlpha.computeInitialAccelerations` off; assembling the system
+    forgets it.
+
+    Parameters
+    ----------
+    model : Model
+        Its current state is set to its initial state.
+
+    Raises
+    ------
+    ArithmeticError
+        If its equations are singular there.
+
+    Examples
+    --------
+    >>> from analysis import Scenario
+    >>> from mbs_models import build, settle
+    >>> model = build(Scenario())
+    >>> settle(model)
+    >>> bool(any(model.system.systemData.GetODE2Coordinates_tt()))
+    True
     """
-    data = model.system.systemData
+    data, probe = instance("model", model, Model).system.systemData, Probe(model)
     with solving(model.system):
         second_derivatives, algebraic = probe.solved()
     data.SetODE2Coordinates_tt(second_derivatives.tolist(), _INITIAL)

@@ -132,8 +132,9 @@ def build(scene: Scene | Scenario) -> Model:
     Returns
     -------
     Model
-        Its `system` is an `exudyn.MainSystem` at the start of the scenario. Contact forces are
-        known to it once a solver has run. It stays in memory until `Model.close` frees it.
+        Its `system` is an `exudyn.MainSystem` at the start of the scenario; `settle` gives it the
+        accelerations there, without which solvers begin with wrong ones. It stays in memory until
+        `Model.close` frees it.
 
     Raises
     ------

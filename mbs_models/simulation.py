@@ -325,7 +325,7 @@ def advice(scene: Scene, integrator: Integrator, leaning: float, *, is_late: boo
             if scene.built_as != best.built_as:
                 found.append(f"formulation {best.built_as!r}, which has no constraints")
             elif not integrator.controls_step:
-                found.append("integrator 'DOPRI5', which controls its step")
+                found.append("integrator 'DOPRI5', with a local tolerance in place of one")
         found.append("the in-house equations (analysis.simulate, stiff ones with method 'Radau')")
     if is_late:
         found.append("a larger tolerance or step")

@@ -25,6 +25,7 @@ from analysis import (
     Table,
     Trajectory,
     multiplier_names,
+    simulate,
 )
 from analysis.problem.body import PRODUCTS, Body
 from analysis.problem.checks import Array
@@ -209,6 +210,12 @@ def random_trajectory(level: Level = 3) -> Trajectory:
         counts={"steps": 12},
         versions={"numpy": np.__version__},
     )
+
+
+@cache
+def short_run() -> Trajectory:
+    """A motion that can be played."""
+    return simulate(Scenario(), np.linspace(0.0, 0.1, 11), local_tolerance=1e-6)
 
 
 def turn_z(angle: float) -> Array:

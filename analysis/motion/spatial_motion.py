@@ -23,7 +23,7 @@ MEAN_TIME = 0.5
 
 FLAT = 2.0
 """Flat: the tangent of the leaning is below so often half_thickness / radius, where the
-spheroid's shape rules."""
+spheroid's shape rules, or that at rest if it is larger."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,8 +42,9 @@ class Phases:
         From here until flat, the mean slip speed over half a second is below a tenth of the mean
         contour speed.
     flat : float, optional
-        From here on the tangent of the disk's leaning is below 2 half_thickness / radius. One
-        too thick to lie on a face, such as a sphere, is never flat.
+        From here on the tangent of the disk's leaning is below 2 half_thickness / radius, or
+        twice that at rest, which is larger if the centre of gravity lies near the edge. One that
+        rests leaning by pi/4 or more, such as a sphere, is never flat.
     rest : float, optional
         From here on it is at rest.
     """
@@ -159,7 +160,9 @@ class SpatialMotion(SampledMotion):
         """When each phase of the motion until rest begins."""
         times, leaning, inversion = self.times, self.leaning, self.inversion
         contact, disk = self.scenario.penalty_contact, self.scenario.disk
-        limit = FLAT * contact.half_thickness / disk.radius if contact.lies(disk) else 0.0
+        lean, limit = contact.resting_lean(disk), 0.0
+        if lean < np.pi / 4:
+            limit = FLAT * max(contact.half_thickness / disk.radius, np.tan(lean))
         flat = _from_here_on(times, np.tan(leaning) < limit)
         upto = times <= (np.inf if flat is None else flat)
         speeds = self.slip_speeds, self.contour_speeds

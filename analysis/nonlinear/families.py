@@ -27,7 +27,7 @@ from analysis.nonlinear.collocation import (
     slow_rotation,
     solve,
 )
-from analysis.nonlinear.following import Family, events, onward
+from analysis.nonlinear.following import Family, between, events, having, onward
 from analysis.nonlinear.heteroclinic import NoConnectionError, heteroclinic_connection
 from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import (
@@ -46,8 +46,9 @@ from analysis.solve.watch import Progress
 AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
 """Amplitudes in rad from near the Hopf point; further ones close in on the connection."""
 
-BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 1.3, 26)))
-"""Amplitudes in rad beyond that of the bifurcation, to which cycles without symmetry go."""
+BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 4.5, 90)))
+"""Amplitudes in rad beyond that of the bifurcation, at which cycles without symmetry are looked
+for; a whole turn is more than any was seen to have."""
 
 TILTS: Array = np.concatenate(
     (np.geomspace(1e-4, 0.02, 6), np.linspace(0.04, 0.2, 9), np.linspace(0.25, 1.5, 26))
@@ -145,14 +146,16 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     within("spin", spin, low, high, is_above=True, is_below=True, why=why)
 
     def upto() -> Iterator[PeriodicMotion]:
-        """Cycles from the Hopf point to the first one beyond the spin."""
+        """Cycles from the Hopf point to the first one beyond the spin, folds among them."""
         yield born
-        before = born.spin
-        for each in onward(born, _amplitudes(scenario), through_folds=True):
-            yield each
-            if min(before, each.spin) <= spin <= max(before, each.spin):
-                return
-            before = each.spin
+        before = born
+        for last in onward(born, _amplitudes(scenario), through_folds=True):
+            folds = having(born.ends.changes["fold"], before, last)
+            for each in (*(motion for _, motion in folds), last):
+                yield each
+                if min(before.spin, each.spin) <= spin <= max(before.spin, each.spin):
+                    return
+                before = each
 
     family = Family.of(born.spin, upto())
     spins = [each.spin for each in family.motions]
@@ -163,12 +166,9 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
             f"must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
             f"cycles{ends}, got {spin:.9g}",
         )
-    before, cycle = family.motions[-2:]
-    fraction = (spin - before.spin) / (cycle.spin - before.spin)
-    # Squares of the amplitude go nearly straight with the spin, also at the Hopf point.
-    low, high = before.value**2, cycle.value**2
-    value = float(np.sqrt(low + fraction * (high - low)))
-    return solve(cycle, cycle.place_with(value=value, spin=spin), SPIN)
+    before, last = family.motions[-2:]
+    _, cycle = between(before, last, lambda each: each.spin - spin)
+    return solve(cycle, cycle.place_with(spin=spin), SPIN)
 
 
 def cycles_over(

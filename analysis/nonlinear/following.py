@@ -4,9 +4,10 @@ Where amplitude or tilt has a fold, a family is followed by pseudo-arclength: in
 the direction from the motion before the last to the last one.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from operator import attrgetter
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -199,20 +200,35 @@ def events(family: Family) -> tuple[Event, ...]:
     NoCycleError
         If an iteration between two neighbours fails.
     """
-    changes = instance("family", family, Family).motions[0].ends.changes.items()
-    found = (
-        Event(name, *_between(number, first, last, multiplier))
+    changes = instance("family", family, Family).motions[0].ends.changes
+    found = [
+        Event(name, motion, number + part)
         for number, (first, last) in enumerate(pairwise(family.motions))
-        for name, multiplier in changes
-        if first.characteristic(multiplier) * last.characteristic(multiplier) < 0.0
-    )
+        for name, multiplier in changes.items()
+        for part, motion in having(multiplier, first, last)
+    ]
+    found.sort(key=attrgetter("place"))
     return (*found,) if family.born is None else (family.born, *found)
 
 
-def _between(
-    number: int, first: PeriodicMotion, last: PeriodicMotion, multiplier: float
-) -> tuple[PeriodicMotion, float]:
-    """Motion that has a multiplier between neighbours, the first of this number, and its place."""
+def having(
+    multiplier: float, first: PeriodicMotion, last: PeriodicMotion
+) -> Iterator[tuple[float, PeriodicMotion]]:
+    """Motion between neighbours that has a multiplier, if there is one; see `between`."""
+    if first.characteristic(multiplier) * last.characteristic(multiplier) < 0.0:
+        yield between(first, last, lambda each: each.characteristic(multiplier))
+
+
+def between(
+    first: PeriodicMotion, last: PeriodicMotion, measure: Callable[[PeriodicMotion], float]
+) -> tuple[float, PeriodicMotion]:
+    """Where on the way between neighbours a measure vanishes, and the motion there.
+
+    Raises
+    ------
+    NoCycleError
+        If an iteration fails.
+    """
     known, chord = {0.0: first, 1.0: last}, last.place - first.place
 
     def at(part: float) -> PeriodicMotion:
@@ -224,5 +240,5 @@ def _between(
             known[part] = continue_to(nearest, place, held / np.linalg.norm(held))
         return known[part]
 
-    part = brentq(lambda part: at(part).characteristic(multiplier), 0.0, 1.0, xtol=1e-9)
-    return at(part), number + part
+    part = brentq(lambda part: measure(at(part)), 0.0, 1.0, xtol=1e-9)
+    return part, at(part)

@@ -1,7 +1,7 @@
 """The table, a contact that yields, what takes energy there, and when the disk is at rest."""
 
 from dataclasses import dataclass
-from math import sqrt
+from math import asin, pi, sqrt
 
 import numpy as np
 
@@ -166,9 +166,11 @@ class PenaltyContact(Described):
         """
         return disk.resting_place(self.half_thickness)[0] - self.resting_penetration(weight)
 
-    def lies(self, disk: Body) -> bool:
-        """Whether it can lie on a face; a disk nearly as thick as wide rests on its rim."""
-        return self.is_rounded and disk.resting_place(self.half_thickness)[1] < 1.0
+    def resting_lean(self, disk: Body) -> float:
+        """Lean in rad of the plane of its edge at rest, pi/2 without an edge that is rounded."""
+        if not self.is_rounded:
+            return pi / 2
+        return asin(min(1.0, disk.resting_place(self.half_thickness)[1]))
 
     def check(self, disk: Body, weight: float) -> None:
         """Check the contact against the disk that is to lie on it, of this weight in N.
@@ -251,9 +253,10 @@ class RestCriterion(Described):
     Parameters
     ----------
     energy : float
-        Largest kinetic energy in J.
+        Largest kinetic energy, as a part of weight times radius.
     height : float
-        Largest distance in m of the centre of gravity from its height in the stable place.
+        Largest distance of the centre of gravity from its height in the stable place, as a part
+        of the radius.
     duration : float
         For how long both must hold, in s.
 
@@ -263,8 +266,8 @@ class RestCriterion(Described):
         If a value is not positive.
     """
 
-    energy: float = 1e-9
-    height: float = 1e-6
+    energy: float = 5e-9
+    height: float = 2e-5
     duration: float = 0.1
 
     def __post_init__(self) -> None:
@@ -281,8 +284,8 @@ class RestCriterion(Described):
         Parameters
         ----------
         kinetic, rise : ndarray, shape (n,)
-            Kinetic energy in J, and height in m of the centre of gravity over that in the stable
-            place, `PenaltyContact.resting_height`.
+            Kinetic energy, and height of the centre of gravity over that in the stable place, as
+            such parts.
         spacing : float
             Time between samples in s.
         """

@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from itertools import chain
 from math import cos, sin
 from typing import Any, ClassVar
 
@@ -123,10 +122,8 @@ class FrictionLaw(Described):
     @property
     def is_on(self) -> bool:
         """Whether there is any friction, at no slip or at any of `SPEEDS`."""
-        ways = ((speed, 0.0) for speed in SPEEDS), ((0.0, speed) for speed in SPEEDS)
-        return bool(self.slope(1.0) > 0.0) or any(
-            each != 0.0 for way in chain(*ways) for each in self.force(*way, 1.0)
-        )
+        slips = (slip for speed in SPEEDS for slip in ((speed, 0.0), (0.0, speed)))
+        return self.slope(1.0) > 0.0 or any(any(self.force(*slip, 1.0)) for slip in slips)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

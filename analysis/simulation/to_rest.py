@@ -64,7 +64,8 @@ def simulate_to_rest(
         Largest error, see `SpatialMotion.deviation`, and by `error_at_ending` where a condition
         ends the run; 1e-3 if neither tolerance is given.
     local_tolerance : float, optional
-        Relative tolerance of a single step; the absolute one is a hundredth of the number.
+        Relative tolerance of a single step; the absolute one is a hundredth of the number, of the
+        energies in parts of that at the start.
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
         negative there. They are not asked where the disk lies flat.
@@ -143,15 +144,13 @@ class InHouseWay(WayToRest):
             _of_unit_length(state),
             contact_time(self.scenario),
             self.conditions,
-            absolute=0.01,
+            absolute=0.01 * np.append(np.ones(13), np.full(len(CAUSES), self.energy)),
         )
 
     def still(self, states: Array) -> tuple[Array, Array]:
-        """Kinetic energies, and how far the centre of gravity is above its height at rest."""
-        disk = self.scenario.disk
+        """Kinetic energies in J and heights of the centre of gravity in m."""
         velocity, angular = tuple(states[:, 7:10].T), tuple(states[:, 10:13].T)
-        low = self.scenario.penalty_contact.resting_height(disk, self.scenario.weight)
-        return kinetic_energy(disk, velocity, angular), states[:, 2] - low
+        return kinetic_energy(self.scenario.disk, velocity, angular), states[:, 2]
 
     def readings(self, states: Array) -> dict[str, Array]:
         """Arrays of a `SpatialMotion` by their names."""

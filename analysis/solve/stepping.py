@@ -75,7 +75,7 @@ class InitialValueProblem:
     difference : float
         Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
         right-hand side; friction may bend within less than usual.
-    absolute : float
+    absolute : float or ndarray, shape (n,)
         Absolute over relative tolerance of a step.
     jacobian : callable, optional
         Makes the function from a state to the exact Jacobian of a right-hand side that does not
@@ -89,7 +89,7 @@ class InitialValueProblem:
     angles: slice | Sequence[int] = ()
     slip: Callable[[Array], float] | None = None
     difference: float = 1e-8
-    absolute: float = 1.0
+    absolute: float | Array = 1.0
     jacobian: Callable[[], Callable[[Array], Array]] | None = None
 
 

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from math import inf
+from math import inf, tan
 from typing import Any, ClassVar
 
 import numpy as np
@@ -74,6 +74,8 @@ class WayToRest(ABC):
         From reasons to functions of a state of the side; the motion ends where one turns negative.
     start : ndarray, shape (m,)
         State at the start.
+    energy : float
+        At the start in J: kinetic, and of gravity by the height above the table.
     watch : Watch
 
     Raises
@@ -120,6 +122,8 @@ class WayToRest(ABC):
         # A stretch knows no end but its own.
         self.watch = Watch(time_limit, tell and (lambda reached, _: tell(reached, end)))
         self.build()
+        (kinetic,), (height,) = self.still(self.start[None])
+        self.energy = float(kinetic + scenario.weight * height)
 
     @abstractmethod
     def build(self) -> None:
@@ -131,7 +135,7 @@ class WayToRest(ABC):
 
     @abstractmethod
     def still(self, states: Array) -> tuple[Array, Array]:
-        """What `RestCriterion.first` judges, each shape (k,), of states, shape (k, m)."""
+        """Kinetic energies in J and heights of S in m, each shape (k,), of states, (k, m)."""
 
     @abstractmethod
     def readings(self, states: Array) -> dict[str, Any]:
@@ -185,7 +189,7 @@ class WayToRest(ABC):
             # One that the run has ended with may lie off the grid, and comes after rest.
             even = done if ended is None else done - 1
             first = max(0, done + 1 - size - enough)
-            rest = self.criterion.first(*self.still(states[first : even + 1]), spacing)
+            rest = self._rest(states[first : even + 1])
             rest = None if rest is None else first + rest
             if ended is not None:
                 times = np.append(times[:done], found.times[-1])
@@ -214,6 +218,18 @@ class WayToRest(ABC):
             versions=versions("numpy", self.package),
             ending=ending,
         )
+
+    def _rest(self, states: Array) -> int | None:
+        """Index of the first of states from which on the disk is at rest for long enough."""
+        kinetic, height = self.still(states)
+        scenario, disk = self.scenario, self.scenario.disk
+        low = scenario.penalty_contact.resting_height(disk, scenario.weight)
+        # On a table that leans, a body lies balanced where its centre of gravity is above the
+        # contact point, which is higher by less than this.
+        leaning = 2.0 * low * tan(scenario.table.inclination)
+        rise = height - low - np.clip(height - low, 0.0, leaning)
+        parts = kinetic / (scenario.weight * disk.radius), rise / disk.radius
+        return self.criterion.first(*parts, float(self.times[1]))
 
 
 def until_agreement(

@@ -113,12 +113,12 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
     The energy 3/2 m g r beta falls by the power of one rolling resistance on the contour speed
     r Omega. Viscous: beta² = 4/3 c m g r² / A * time to go, so that beta goes with its power
     1/2 and Omega with -1/4. Dry: beta^(3/2) = c sqrt(m g r / A) * time to go, so that they go
-    with 2/3 and -1/3.
+    with 2/3 and -1/3, and as long again as viscous resistance of c over the smoothing takes.
 
     Raises
     ------
     ValueError
-        If not exactly one of the rolling resistances is on.
+        If not exactly one of the rolling resistances is on, or anything else takes energy.
     """
     (tipping, A), dissipation = _moments(scenario), scenario.dissipation
     dry, viscous = dissipation.rolling_dry, dissipation.rolling_viscous
@@ -127,10 +127,15 @@ def time_to_flat(scenario: Scenario, beta: float) -> float:
             "dissipation must have either rolling_dry or rolling_viscous, "
             f"got {dry:g} and {viscous:g}"
         )
+    for name in ("pivoting", "air_drag"):
+        if (taken := getattr(dissipation, name)) > 0.0:
+            why = f"must be 0, as one rolling resistance alone has a closed form, got {taken:g}"
+            raise ArgumentError(name, why)
     beta = positive("beta", beta)
+    slow = 0.75 * beta * beta * A / (tipping * scenario.disk.radius)
     if viscous:
-        return 0.75 * beta * beta * A / (viscous * tipping * scenario.disk.radius)
-    return beta * sqrt(beta * A / tipping) / dry
+        return slow / viscous
+    return (beta * sqrt(beta * A / tipping) + dissipation.rolling_smoothing * slow) / dry
 
 
 def _moments(scenario: Scenario) -> tuple[float, float]:
@@ -161,6 +166,10 @@ def _inclination(beta: float) -> float:
     return within("beta", beta, 0.0, pi, is_above=True, is_below=True, why=why)
 
 
+NEAREST, FARTHEST = 1e-4, 100.0
+"""Where the end of a power law is looked for, in durations of the samples behind the last one."""
+
+
 class PowerLaw(NamedTuple):
     """value = scale * (end - time) ** exponent, fitted to samples.
 
@@ -187,16 +196,20 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
     Parameters
     ----------
     times : ndarray, shape (n,)
-        Increasing, in s.
+        Increasing, in s; more than what is fitted.
     values : ndarray, shape (n,)
         Positive.
     end : float, optional
-        Time at which the law ends; fitted too if it is not given.
+        Time at which the law ends; by default fitted too, from `NEAREST` to `FARTHEST` of the
+        whole time behind the last.
 
     Raises
     ------
     ValueError
-        If a value is not positive, or `end` does not lie behind all times.
+        If there are too few samples, a value is not positive, or `end` does not lie behind all
+        times.
+    ArithmeticError
+        If the fit ends at the nearest or the farthest end.
     """
     times, values = increasing_times(times), real_array("values", values)
     if values.shape != times.shape:
@@ -205,6 +218,8 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
         raise ArgumentError("values", f"must be positive, got {np.min(values):g}")
     if end is not None and number("end", end) <= times[-1]:
         raise ValueError(f"end must lie behind the last time {times[-1]:g}, got {end:g}")
+    if times.size < (least := 3 + (end is None)):
+        raise ArgumentError("times", f"must be {least} or more, got {times.size}")
     logs, duration = np.log(values), times[-1] - times[0]
 
     def line(candidate: float) -> tuple[Array, Array]:
@@ -213,14 +228,19 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
         return solution, matrix @ solution - logs
 
     if end is None:
-        # The end may lie from close behind the last sample to a hundred durations away.
         found = minimize_scalar(
             lambda beyond: float(np.sum(line(times[-1] + duration * np.exp(beyond))[1] ** 2)),
-            bounds=(-9.0, 4.6),
+            bounds=np.log((NEAREST, FARTHEST)),
             method="bounded",
             options={"xatol": 1e-8},
         )
-        end = float(times[-1] + duration * np.exp(found.x))
+        part = float(np.exp(found.x))
+        if not 1.001 * NEAREST < part < 0.999 * FARTHEST:
+            raise ArithmeticError(
+                f"the samples follow no power of a time to go that ends between {NEAREST:g} and "
+                f"{FARTHEST:g} of their {duration:.6g} s behind the last"
+            )
+        end = float(times[-1] + duration * part)
     (exponent, _), residual = line(end)
     worst, left = np.expm1(np.max(np.abs(residual))), end - times[[0, -1]]
     return PowerLaw(float(exponent), end, float(worst), float(np.log10(left[0] / left[1])))

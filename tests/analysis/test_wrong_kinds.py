@@ -223,6 +223,7 @@ CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state
 FOLD = Event("fold", BORN.motion)
 UPRIGHT = replace(TILTED, beta=np.pi / 2, gamma=np.pi / 2)
 STILL = np.array((0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2))
+PIVOTING = replace(CENTRED, dissipation=Dissipation(rolling_dry=1e-3, pivoting=0.01))
 ROLLING_BOTH = Scenario.rest(
     disk=CENTRED_DISK, dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=1e-3)
 )
@@ -327,6 +328,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (rolling.euler_disk_energy, {"scenario": replace(CENTRED, table=LEANING)}, ".*horizontal"),
     (rolling.time_to_flat, {"scenario": ROLLING_BOTH}, ".*either rolling_dry or rolling_viscous"),
     (fit_power_law, {"times": [0.0, 1.0], "values": [0.0, 1.0]}, "values must be positive, got 0"),
+    (rolling.time_to_flat, {"scenario": PIVOTING}, "pivoting must be 0, .* got 0.01"),
+    (fit_power_law, {"times": [0.0, 1.0], "values": [1.0, 0.5]}, "times must be 4 or more, got 2"),
     (fit_power_law, {"end": 0.005}, "end must lie behind the last time"),
     # Stationary and periodic motions.
     (stationary.stationary_motions, {"spin": 1e6}, "spin must lie from -100000 to 100000"),

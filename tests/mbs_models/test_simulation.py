@@ -343,3 +343,25 @@ def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alon
     truth = analysis.simulate(model.scenario, [0.0, 0.5])
     np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
     np.testing.assert_allclose(rates[0], truth.rates[-1], rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_the_engines_own_solver_goes_on_from_what_is_settled(level: Level, load: Any) -> None:
+    scenario = Scenario(
+        constraints=analysis.MODELS[level], friction=replace(Scenario().friction, load=load)
+    )
+    model = mbs_models.build(Scene(scenario, "floating-lie"))
+    mbs_models.settle(model)
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.05, 400
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    settings.solution.file.write = settings.show.statistics = False
+    model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
+    record = model.record()[None]
+    state = coordinates, _ = model.decode(record)
+    truth = analysis.simulate(scenario, [0.0, 0.05])
+    np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
+    forces = model.multipliers(record, *state)[0]
+    np.testing.assert_allclose(forces, truth.multipliers[-1], rtol=0.0, atol=1e-5)
+    model.close()

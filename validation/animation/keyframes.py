@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from analysis import SpatialMotion, StoredRun, Trajectory
+from analysis import SpatialMotion, StoredRun
 from analysis.problem.checks import Array, ToleranceError, within
 from analysis.problem.limits import MOST_KEYFRAMES
 from analysis.problem.names import ArgumentError
@@ -12,11 +12,9 @@ from analysis.problem.names import ArgumentError
 _TURN_BETWEEN = 0.2
 """Angle in rad the disk may turn between keyframes."""
 
-_COARSEST = {Trajectory: 1e3, SpatialMotion: 3.0}
-"""Error in rad that interpolation between samples may have, by an estimate ten times too large.
-
-The angles of a trajectory tell how often the disk turns between two samples, quaternions do not.
-"""
+_COARSEST = 0.5
+"""Error in rad that interpolation between samples may have, by an estimate some ten times too
+large."""
 
 
 def keyframes(
@@ -49,7 +47,7 @@ def keyframes(
 def between(motion: StoredRun, times: Array) -> StoredRun:
     """A motion at other times; `ValueError` if its samples do not tell what it is there."""
     try:
-        return motion.resampled(times, tolerance=_COARSEST[type(motion)])
+        return motion.resampled(times, tolerance=_COARSEST)
     except ToleranceError as error:
         raise ValueError(f"the motion cannot be animated: {error}") from None
 

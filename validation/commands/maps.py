@@ -9,7 +9,14 @@ from analysis.simulation.compiled.library import require_heyoka
 from validation.commands.options import announce_cases, checked_end, in_cases
 from validation.display.tables import Table
 from validation.maps.panel import Panel, expected_cases, run_panel
-from validation.maps.problems import DISTANCES, PROBLEMS, panels, shifted_sweeps, uncertainty
+from validation.maps.problems import (
+    DISTANCES,
+    PROBLEMS,
+    Uncertainty,
+    panels,
+    shifted_sweeps,
+    uncertainty,
+)
 from validation.parser import kinds
 from validation.parser.files import PICTURES, Result, save
 from validation.sweeps.pools import Pool, open_pool
@@ -34,6 +41,7 @@ def map(  # noqa: A001 - the command's name
     time_limit: float = 60.0,
     compiled: bool = False,
     pairs: int = 0,
+    retry: bool = False,
     problem: kinds.AnyProblem,
     pool: kinds.Pool,
 ) -> Result:
@@ -62,14 +70,16 @@ def map(  # noqa: A001 - the command's name
     end
         End of each motion in s (4; rest: 20).
     witnesses
-        Cases of the coarse grid, evenly spread, that the other side runs as well, and as large a
-        part of the others.
+        About so many cases of the coarse grid, evenly spread, that the other side runs as well,
+        and as large a part of the others.
     time_limit
         Of each run, processor time in s.
     compiled
         Run compiled, in batches, to 1e-6 rad; needs tippedisk[fast].
     pairs
         Random starts, each run at 4 small distances as well: how fine the map is.
+    retry
+        Run cases again that failed, on either side.
     """
     mapped = PROBLEMS[name]
     whole("pairs", pairs, least=0)
@@ -89,21 +99,39 @@ def map(  # noqa: A001 - the command's name
     # Workers that cannot be had are not announced.
     with open_pool(**pool) as opened:
         place = out / name
-        done = _run_panels(runs, place, opened, by_face=mapped.by_face)
+        done = _run_panels(runs, place, opened, by_face=mapped.by_face, retry=retry)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
-    table = Table.of(rows, mapped.title, _fineness(starts))
+    fine = uncertainty([each.cells["outcome"] for each in starts]) if starts else None
+    table = Table.of(rows, mapped.title, _fineness(fine) if starts else "")
+    # A map of several models has starts of the first alone.
+    told = [rows[0] | _columns(fine), *(row | _columns(None) for row in rows[1:])]
+    lost = ", ".join(
+        f"{each.sweep.scenario.name}{each.failures}" for each in done if each.failures
+    )
     # Matplotlib takes half a second, which no refusal waits for.
     from validation.maps import figures
 
     figure = figures.draw({each.sweep.scenario.name: each for each in maps})
     for suffix in PICTURES[:2]:
         save(figure, place.with_suffix(suffix))
-    return Result(tables=[table], draw=lambda: figure, notes=[f"{place}{PICTURES[0]}"])
+    notes = [f"{lost}; --retry runs them again"] if lost else []
+    return Result(
+        tables=[table],
+        values=told if starts else rows,
+        csv=Table.of(told if starts else rows, mapped.title),
+        draw=lambda: figure,
+        notes=[f"{place}{PICTURES[0]}", *notes],
+    )
 
 
 def _run_panels(
-    runs: Sequence[tuple[Sweep, int, int]], place: Path, pool: Pool, *, by_face: bool
+    runs: Sequence[tuple[Sweep, int, int]],
+    place: Path,
+    pool: Pool,
+    *,
+    by_face: bool,
+    retry: bool,
 ) -> list[Panel]:
     """Panels of sweeps, each halved so often and of about so many cases, in stores by number."""
     stores = [place.with_name(f"{place.name}-{index}.db") for index, _ in enumerate(runs, 1)]
@@ -118,16 +146,25 @@ def _run_panels(
     some = f"some {in_cases(sum(count for *_, count in runs))}"
     announce_cases("map", some, seconds, pool.workers, " where none is in the folder yet")
     return [
-        run_panel(sweep, store, pool, by_face=by_face, levels=halved)
+        run_panel(sweep, store, pool, by_face=by_face, levels=halved, retry=retry)
         for (sweep, halved, _), store in zip(runs, stores, strict=True)
     ]
 
 
-def _fineness(starts: Sequence[Panel]) -> str:
-    """The uncertainty exponent of starts and of those beside them, in words."""
-    if not starts:
-        return ""
-    found = uncertainty([each.cells["outcome"] for each in starts])
+def _columns(found: Uncertainty | None) -> dict[str, float | None]:
+    """The uncertainty exponent of a map, and the parts of pairs that it comes from."""
+    parts = [None] * len(DISTANCES) if found is None else found.parts.tolist()
+    return {
+        "uncertainty exponent": None if found is None else found.exponent,
+        "standard deviation": None if found is None else found.error,
+        **{
+            f"part at {each:.3g} widths": part for each, part in zip(DISTANCES, parts, strict=True)
+        },
+    }
+
+
+def _fineness(found: Uncertainty | None) -> str:
+    """The same in words."""
     if found is None:
         return "no uncertainty exponent: pairs of starts end differently at too few distances"
     parts = ", ".join(f"{100 * part:.0f} %" for part in found.parts)

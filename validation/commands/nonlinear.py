@@ -134,8 +134,9 @@ def _whole(family: Family) -> Result:
         ]
         drawn = [row for place, row in sorted(placed, key=itemgetter(0)) if place >= 0.0]
         mark = "heteroclinic connection" if kind == "rotating" else "the family begins"
-        near = figures.near(drawn, family.begins)
-        return figures.diagram(near, (*_DRAWN[kind], *_ALWAYS), marks={mark: family.begins})
+        if kind == "rotating":
+            drawn = figures.near(drawn, family.begins)
+        return figures.diagram(drawn, (*_DRAWN[kind], *_ALWAYS), marks={mark: family.begins})
 
     return _motions(rows, family, tables=shown, values=more, draw=draw)
 

@@ -6,7 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from analysis.motion.outcomes import DONE
 from analysis.problem.checks import choice
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario_file import read_toml
@@ -64,7 +63,7 @@ def sweep(
     out
         Store, .db; made if there is none.
     retry
-        Run cases again that failed.
+        Run cases again that failed, on either side.
     accept_other_code
         Add to a store of other sources; each row says which it comes from.
     most
@@ -98,9 +97,7 @@ def sweep(
             if refused:
                 say(f"tippedisk sweep: {refused}")
         run_cases(store, opened, retry=retry)
-        count = store.count()
-        failed = count - store.count(DONE)
-        found = f"{out}: {in_cases(count)}" + (f", {failed} of them failed" if failed else "")
+        found = f"{out}: {in_cases(store.count())}{store.failures()}"
     return Result(
         values=lambda: list(Results.load(out).rows()),
         csv=partial(write_csv, out),

@@ -43,10 +43,13 @@ class Panel:
         Over the finest grid.
     cells : DataFrame
         Columns as in `cell`, one row for each cell that was run.
+    failures : str
+        See `Store.failures`.
     """
 
     sweep: Sweep
     cells: pd.DataFrame
+    failures: str = ""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -213,7 +216,9 @@ def _missing(cells: Iterable[Cell], shape: Sequence[int], step: int) -> list[int
     return sorted(wanted)
 
 
-def run_panel(sweep: Sweep, path: Path, pool: Pool, *, by_face: bool, levels: int = 0) -> Panel:
+def run_panel(
+    sweep: Sweep, path: Path, pool: Pool, *, by_face: bool, levels: int = 0, retry: bool = False
+) -> Panel:
     """Run a panel, or what its store does not hold of it.
 
     Parameters
@@ -227,12 +232,17 @@ def run_panel(sweep: Sweep, path: Path, pool: Pool, *, by_face: bool, levels: in
         See `became`.
     levels : int
         How often cells are halved.
+    retry : bool
+        Whether cases of the store that failed, on either side, run again.
     """
     with Store(path, sweep) as store:
+        if retry:
+            run_cases(store, pool, numbers=store.failed(), retry=True)
 
         def run(numbers: Iterable[int] | None = None) -> list[Cell]:
             run_cases(store, pool, numbers=numbers)
             return [cell(sweep, row, by_face=by_face) for row in Results.load(path).rows()]
 
         cells = refine(sweep.design.shape, levels, run) if levels else run()
-    return Panel(sweep=sweep, cells=pd.DataFrame(cells))
+        failures = store.failures()
+    return Panel(sweep=sweep, cells=pd.DataFrame(cells), failures=failures)

@@ -1,17 +1,24 @@
 """Which code results come from, told by what it does and not by how it reads."""
 
 import ast
-from collections.abc import Iterable, Iterator
+import sys
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from hashlib import sha256
-from importlib.util import find_spec
+from importlib.util import find_spec, resolve_name
 from pathlib import Path
+from site import getsitepackages
+from sysconfig import get_paths
 
 PROJECT = ("analysis", "mbs_models", "validation")
 """Packages of the project."""
 
 MECHANICS = PROJECT[:2]
 """Those that every result is taken to come from, whole."""
+
+
+_INSTALLED = (*(get_paths()[each] for each in ("stdlib", "platstdlib")), *getsitepackages())
+"""Folders of what is installed."""
 
 
 def digest(paths: Iterable[Path]) -> str:
@@ -55,38 +62,59 @@ def behind(module: str) -> str:
 @cache
 def modules(module: str) -> frozenset[str]:
     """A module and all that it imports of this project, beside the mechanics."""
-    found: set[str] = set()
-    waiting = [module]
+    return frozenset(_reached([module], lambda top: top in {*PROJECT, "tests"} - {*MECHANICS}))
+
+
+def own_files(names: Iterable[str]) -> list[Path]:
+    """Files of imported modules of a user's own, and of what they import that is not installed."""
+
+    def is_own(top: str) -> bool:
+        file = None if top in PROJECT else _file(top)
+        return file is not None and not any(file.is_relative_to(each) for each in _INSTALLED)
+
+    return sorted(_reached(names, is_own).values())
+
+
+def _reached(names: Iterable[str], follows: Callable[[str], bool]) -> dict[str, Path]:
+    """Modules and all that they import, with their files, of packages that are followed."""
+    found: dict[str, Path] = {}
+    waiting = [*names]
     while waiting:
         name = waiting.pop()
-        file = _file(name)
-        if file is not None and name not in found and name.partition(".")[0] not in MECHANICS:
-            found.add(name)
-            waiting += _imports(ast.parse(file.read_bytes()))
-    return frozenset(found)
+        if name not in found and follows(name.partition(".")[0]):
+            file = _file(name)
+            if file is not None:
+                found[name] = file
+                package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+                waiting += _imports(ast.parse(file.read_bytes()), package)
+    return found
 
 
-def _imports(tree: ast.Module) -> Iterator[str]:
+def _imports(tree: ast.Module, package: str) -> Iterator[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (each.name for each in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module is not None:
-            yield node.module
+        elif isinstance(node, ast.ImportFrom):
+            place = "." * node.level + (node.module or "")
+            if node.level:
+                place = resolve_name(place, package)
+            yield place
             # What is imported from a package may be a module.
-            yield from (f"{node.module}.{each.name}" for each in node.names)
+            yield from (f"{place}.{each.name}" for each in node.names)
 
 
 @cache
 def _file(module: str) -> Path | None:
-    """File of a module of the project or its tests; None for anything else."""
-    if module.partition(".")[0] not in (*PROJECT, "tests"):
-        return None
-    try:
-        spec = find_spec(module)
-    except ModuleNotFoundError:
-        # The parent is a module and no package: what follows it is a name.
-        return None
-    return None if spec is None or spec.origin is None else Path(spec.origin)
+    """File of a module; None if it has none that can be read."""
+    place = getattr(sys.modules.get(module), "__file__", None)
+    if place is None:
+        try:
+            spec = find_spec(module)
+        except (ImportError, ValueError):
+            # The parent is a module and no package: what follows it is a name.
+            return None
+        place = None if spec is None else spec.origin
+    return Path(place) if place is not None and place.endswith(".py") else None
 
 
 @cache

@@ -4,7 +4,7 @@ Motions are rows as in `tables`.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import cycle, pairwise
+from itertools import cycle, pairwise, takewhile
 from typing import Any
 
 import numpy as np
@@ -62,8 +62,8 @@ def lines(axes: Any, motions: Sequence[Motion], values: Array, parameter: str = 
 
 
 def near(motions: Sequence[Motion], spin: float) -> list[Motion]:
-    """Those not far beyond a spin in rad/s, where a rotating disk is nearly flat."""
-    return [each for each in motions if each["spin"] < spin + _SHOWN]
+    """Rotating motions up to a spin in rad/s not far beyond this, where a disk is nearly flat."""
+    return list(takewhile(lambda each: each["spin"] < spin + _SHOWN, motions))
 
 
 def diagram(

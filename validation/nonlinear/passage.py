@@ -95,6 +95,8 @@ class SlowPair:
         """Growth rate of the slow pair in 1/s, and frequency of a fast one in rad/s, shape (n,).
 
         At spins in rad/s, interpolated between 200 of them; no frequency if there is no fast pair.
+        The rate is no number above the Hopf point where the pair has become two real eigenvalues
+        of which one grows: there, the disk goes to other stationary motions.
         """
         grid = np.linspace(np.min(spins) - 0.01, np.max(spins) + 0.01, 200)
         values = np.linalg.eigvals(matrices_over_spin(self.scenario)(grid)).astype(complex)
@@ -103,7 +105,10 @@ class SlowPair:
         away = np.where(swings & (values.imag >= 0.0), away, np.inf)
         # A pair that has become two real eigenvalues grows as its faster one.
         slow = away <= np.min(away, axis=1, keepdims=True)
-        growth = np.interp(spins, grid, np.max(np.where(slow, values.real, -np.inf), axis=1))
+        rates = np.max(np.where(slow, values.real, -np.inf), axis=1)
+        apart = np.max(np.where(slow, values.imag, -np.inf), axis=1) == 0.0
+        rates[(grid > self.spin) & apart & (rates > 0.0)] = np.nan
+        growth = np.interp(spins, grid, rates)
         fastest = np.max(np.where(swings, values.imag, 0.0), axis=1)
         fast = None
         if np.all(fastest >= 2.0 * self.frequency):
@@ -124,7 +129,7 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
           loss, mean spin in rad/s in the sense of that at the inversion, and slow deviation of
           gamma in rad, freed of the fast oscillation; `linear`, shape (n,): deviation in rad by
           the growth rate alone, fitted soon after the inversion, and of a disk that is lost from
-          its lowest spin on at the rate there;
+          its lowest spin on at the rate there; none where `SlowPair.rates_at` has no rate;
         - `crossing`, when the mean spin comes below that of the Hopf point, `lost`, when the
           centre of gravity comes below the geometric centre, and `predicted`, when `linear` has
           come to pi/2, beyond the loss at its last rate: in s, None where it does not happen;
@@ -237,7 +242,7 @@ def _predicted(
     reached = np.flatnonzero((size > np.log(LOST)) & (since > 2.0 * SETTLING))
     if reached.size:
         return np.exp(size), float(times[reached[0]])
-    if lost_from is None or rates[-1] <= 0.0 or np.isneginf(size[-1]):
+    if lost_from is None or rates[-1] <= 0.0 or not np.isfinite(size[-1]):
         return np.exp(size), None
     return np.exp(size), float(times[-1] + (np.log(LOST) - size[-1]) / rates[-1])
 

@@ -27,10 +27,13 @@ COLUMNS: Mapping[str, str | None] = {
 }
 """Columns of a row behind those of the axes, with their units; None for words.
 
-Behind `OUTCOMES` those of the run of the other side, where there is one ("failed" if it gave
-none, with its reason); `difference` is their `deviation`; `code` names commit and sources that the
-row comes from.
+Behind `OUTCOMES` those of the run of the other side, where there is one (`WITNESS_FAILED` if it
+gave none, with its reason); `difference` is their `deviation`; `code` names commit and sources
+that the row comes from.
 """
+
+WITNESS_FAILED = "failed"
+"""Word for the inversion of the run of the other side where that has failed."""
 
 NUMBERS = "<f8"
 """Of a series in a store, as `numpy.frombuffer` takes it: 8 bytes each, the lowest one first."""
@@ -102,7 +105,7 @@ def _run(plan: Plan, scenario: Scenario, values: Mapping[str, Any]) -> tuple[Any
     with _ended_after(plan.hanging):
         try:
             motion: Any = plan.motion(changed(scenario, values))
-        except (Exception, SystemExit) as error:  # noqa: BLE001 - a law may raise any
+        except BaseException as error:  # noqa: BLE001 - a law may raise any; workers see no Ctrl-C
             motion = error
     return motion, time.process_time() - begin
 
@@ -126,7 +129,7 @@ def _told_by_witness(plan: Plan, motion: StoredRun) -> Row:
     other, seconds = _run(plan, motion.scenario, {})
     (found,) = outcomes([other]).rows()
     if found["status"] != DONE:
-        return {"other_inversion": "failed", "reason": found["reason"]}
+        return {"other_inversion": WITNESS_FAILED, "reason": found["reason"]}
     return {
         "other_inversion": found["inversion"],
         "other_face_end": found["face_end"],

@@ -184,7 +184,8 @@ def _ended(sweep: Sweep, number: int, error: BaseException) -> CaseRow:
     """Row of a case that has ended its process; any other error is raised."""
     if not isinstance(error, ProcessExpired):
         raise error
-    if error.exitcode in (1, *(-each for each in TIMERS)):
+    # Without signals it is faulthandler that ends a process, with this code.
+    if error.exitcode in ([-each for each in TIMERS] or [1]):
         within = f"{sweep.plan.hanging:g} s of processor time"
         end = failed("too slow", f"no result within {within}")
     else:

@@ -20,7 +20,7 @@ from analysis.motion.outcomes import DONE
 from analysis.problem.user_modules import foreign_names
 from validation.comparison.differences import flat
 from validation.measurement.provenance import commit
-from validation.sweeps.case import COLUMNS, CaseRow
+from validation.sweeps.case import COLUMNS, WITNESS_FAILED, CaseRow
 from validation.sweeps.plan import TIME
 from validation.sweeps.sweep import Sweep
 
@@ -44,6 +44,8 @@ _BYTES = 350
 
 _PAGE = 4096
 """Size of a page of a file."""
+
+_FAILED = f"(status <> '{DONE}' OR other_inversion IS '{WITNESS_FAILED}')"
 
 
 # SQLite has no truth values of its own.
@@ -130,11 +132,26 @@ class Store:
         self.commit()
         self._file.close()
 
-    def count(self, status: str = "%") -> int:
-        """Number of rows, all or those of a status."""
+    def count(self) -> int:
+        """Number of rows."""
         with plain_errors(self.path):
-            found = self._file.execute("SELECT count(*) FROM cases WHERE status LIKE ?", (status,))
-            return int(found.fetchone()[0])
+            return int(self._file.execute("SELECT count(*) FROM cases").fetchone()[0])
+
+    def failed(self) -> list[int]:
+        """Numbers of the cases that have failed, on either side."""
+        with plain_errors(self.path):
+            found = self._file.execute(f"SELECT number FROM cases WHERE {_FAILED}")
+            return [number for (number,) in found]
+
+    def failures(self) -> str:
+        """How many cases have failed, and of the others on the other side; empty for none."""
+        with plain_errors(self.path):
+            (failed, lost) = self._file.execute(
+                f"SELECT total(status <> '{DONE}'), total(status = '{DONE}') FROM cases "
+                f"WHERE {_FAILED}"
+            ).fetchone()
+        sides = {" of them failed": failed, " of them failed on the other side": lost}
+        return "".join(f", {count:.0f}{words}" for words, count in sides.items() if count)
 
     def missing(self, numbers: Iterable[int], *, retry: bool = False) -> Iterator[int]:
         """Those of some cases that have no row yet; they are asked for as these are.
@@ -143,14 +160,15 @@ class Store:
         ----------
         numbers : iterable of int
         retry : bool
-            Whether a case that failed counts as missing.
+            Whether a case that failed, on either side, counts as missing.
         """
         left = iter(numbers)
         while block := list(islice(left, _LOOK)):
             with plain_errors(self.path):
                 found = self._file.execute(
-                    "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND (status = ? OR ?)",
-                    (min(block), max(block), DONE, not retry),
+                    "SELECT number FROM cases WHERE number BETWEEN ? AND ? "
+                    f"AND NOT (? AND {_FAILED})",
+                    (min(block), max(block), retry),
                 )
                 present = {number for (number,) in found}
             yield from (number for number in block if number not in present)
@@ -218,7 +236,9 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
     place = Path(path)
     if not place.is_file():
         raise FileNotFoundError(f"{path}: there is no such file")
-    address = f"{place.absolute().as_uri()}?mode=ro"
+    # A kill between two commits may leave a journal, which whoever opens it first plays back.
+    mode = "rw" if place.with_name(f"{place.name}-journal").exists() else "ro"
+    address = f"{place.absolute().as_uri()}?mode={mode}"
     with (
         plain_errors(place),
         closing(

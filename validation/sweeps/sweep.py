@@ -1,11 +1,9 @@
 """A sweep as plain data, and a look ahead at what it takes."""
 
-import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +17,7 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import is_user_name, user_object
 from analysis.problem.variations import changed, check_fields
 from analysis.simulation.compiled.library import require_heyoka
-from validation.measurement.sources import behind, digest
+from validation.measurement.sources import behind, digest, own_files
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
 
@@ -100,8 +98,8 @@ class Sweep:
                     parts.append(kinds[axis.field].find(name))
         if is_user_name(self.plan.stop_when):
             parts.append(user_object("stop_when", self.plan.stop_when))
-        files = [Path(str(sys.modules[each.__module__].__file__)) for each in parts]
-        sources = {"sources": behind("validation.sweeps.case"), "own": digest(files)}
+        own = own_files({each.__module__ for each in parts})
+        sources = {"sources": behind("validation.sweeps.case"), "own": digest(own)}
         return versions("exudyn", "numpy", "scipy") | sources
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis import Disk, FrictionLaw, Scenario, SmoothCoulomb, TanhCoulomb
+from analysis import Disk, FrictionLaw, Scenario, SmoothCoulomb, Table, TanhCoulomb
 from analysis.mechanics import reduced
 from analysis.nonlinear import families, flow
 from analysis.nonlinear.collocation import NoCycleError, solve
@@ -264,6 +264,16 @@ def test_motions_of_weak_friction_wind_through_folds_into_the_connection(
     assert last.spin == pytest.approx(connection.spin, abs=1e-7)
     assert last.value == pytest.approx(getattr(connection, value), abs=2e-5)
     assert np.sum(np.diff(np.sign(np.diff(spins))) != 0.0) > 5
+
+
+@pytest.mark.slow
+def test_a_cycle_is_found_at_a_spin_that_folds_between_two_of_the_family() -> None:
+    law = TanhCoulomb(coefficient=0.1, smoothing=0.3)
+    scenario = model(4, friction=law, table=Table(gravity=3.7))
+    cycle = cycle_at(scenario, 18.084)
+    assert cycle.spin == pytest.approx(18.084, abs=1e-12)
+    # Between those at 2.82 and 2.825 rad by shooting with independent equations.
+    assert 2.82 < cycle.value < 2.825
 
 
 @pytest.mark.whole

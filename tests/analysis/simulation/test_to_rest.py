@@ -13,12 +13,14 @@ import mbs_models
 from analysis import (
     CENTRED_DISK,
     STEEL_DISK,
+    Disk,
     Dissipation,
     PenaltyContact,
     RestCriterion,
     Scenario,
     SmoothCoulomb,
     SpatialMotion,
+    Sphere,
     Start,
     State,
     Table,
@@ -85,6 +87,81 @@ def test_motion_ends_where_the_disk_is_at_rest(settled: SpatialMotion) -> None:
     balance = disk.eccentricity * contact.half_thickness / disk.radius**2
     assert settled.leaning[-1] == pytest.approx(balance, rel=0.05)
     assert settled.normal_force[-1] == pytest.approx(settled.scenario.weight, rel=1e-3)
+
+
+def test_a_disk_lies_at_rest_by_its_own_measures() -> None:
+    # With a hundredth of the usual criterion's energy, this one still spins on its face.
+    tiny = Disk.ring(
+        radius=2e-3, hole_radius=6e-4, hole_distance=8e-4, thickness=2e-4, density=1200.0
+    )
+    scenario = Scenario.rest(
+        disk=tiny,
+        contact=PenaltyContact.rounded(tiny, stiffness=1e3, half_thickness=2e-5),
+        dissipation=Dissipation(rolling_viscous=1e-3),
+        start=Start(beta=1e-3, spin=15.0, gamma_rate=0.0),
+    )
+    spinning = simulate_to_rest(scenario, 0.5)
+    assert spinning.rest_time is None
+    assert spinning.spin[-1] == pytest.approx(15.0, rel=1e-3)
+    # The centre of gravity near the edge, it lies where it leans by more than a usual flat disk.
+    e, c = 0.0425, 2e-4
+    moments = {"inertia_x": 1e-4, "inertia_y": 0.44 * e**2 + 1e-4, "inertia_z": 0.44 * e**2 + 2e-4}
+    heavy = Disk(radius=0.045, mass=0.44, eccentricity=e, **moments)
+    loss = Dissipation(rolling_viscous=5e-3, pivoting=1e-3)
+    start = Start(beta=0.2, spin=3.0)
+    lying = simulate_to_rest(Scenario.rest(disk=heavy, dissipation=loss, start=start), 2.0)
+    assert not_none(lying.phases.flat) < not_none(lying.phases.rest)
+    lean = e * c / (0.045 * np.sqrt(0.045**2 - e**2))
+    assert lying.leaning[-1] == pytest.approx(lean, rel=1e-2)
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_tippe_top_lies_still_on_a_leaning_table_where_it_is_balanced(source: Source) -> None:
+    top = Sphere(
+        radius=0.02, mass=0.02, eccentricity=3e-3, inertia_x=2e-6, inertia_y=3e-6, inertia_z=3e-6
+    )
+    scenario = Scenario.rest(
+        disk=top,
+        table=Table(inclination=0.02),
+        friction=SmoothCoulomb(smoothing=3e-4, load="contact"),
+        dissipation=Dissipation(rolling_viscous=0.5, pivoting=1e-3),
+        start=Start(beta=pi / 2, gamma=-1.5, spin=1.0),
+    )
+    motion = run_to_rest(scenario, 6.0, source=source)
+    assert not_none(motion.ending).reason == "at rest"
+    # By statics, the centre of gravity is above the contact point.
+    turned = np.arcsin(top.radius * np.sin(0.02) / top.eccentricity)
+    rise = motion.cog_height[-1] - (top.radius - top.eccentricity)
+    assert 0.5 < rise / (top.eccentricity * (1.0 - np.cos(turned))) < 1.1
+
+
+def test_a_large_disk_that_is_dropped_comes_down_at_the_default_tolerance() -> None:
+    large = Disk.ring(
+        radius=0.9, hole_radius=0.3, hole_distance=0.4, thickness=0.2, density=7700.0
+    )
+    contact = PenaltyContact.rounded(large, stiffness=4e8, half_thickness=4e-3)
+    start = Start(beta=0.8, spin=5.0, height=1.0)
+    scenario = Scenario.rest(disk=large, contact=contact, start=start)
+    motions = [run_to_rest(scenario, 0.6, source=source) for source in SOURCES]
+    assert motions[0].deviation(motions[1]) < 1e-3
+
+
+def test_error_between_samples_covers_a_touch_down() -> None:
+    start = Start(
+        beta=0.5667031892622713,
+        gamma=-1.6044600285762616,
+        spin=-51.98570446418515,
+        beta_rate=1.122596778222226,
+        gamma_rate=12.370226143081481,
+    )
+    scenario = Scenario.rest(start=start)
+    usual = simulate_to_rest(scenario, 0.2)
+    fine = simulate_to_rest(scenario, 0.2, spacing=2e-4, tolerance=1e-6)
+    with pytest.raises(ToleranceError, match=r"the samples around t = 0\.05"):
+        usual.resampled(fine.times)
+    between = usual.resampled(fine.times, tolerance=1.0)
+    off = np.linalg.norm(between.rotations - fine.rotations, axis=(1, 2)) / np.sqrt(2.0)
+    assert 1e-3 < off.max() < not_none(between.error_estimate)
 
 
 def test_rest_may_have_to_last_longer_than_the_stretches_of_a_run() -> None:

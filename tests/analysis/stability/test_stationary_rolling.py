@@ -5,14 +5,16 @@ from math import log10, sqrt
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from analysis import CENTRED_DISK as DISK
-from analysis import GRAVITY, ConstraintSet, Disk, Scenario, simulate
+from analysis import GRAVITY, ConstraintSet, Disk, Dissipation, Scenario, simulate
 from analysis.stability.stationary_rolling import (
     axial_spin,
     euler_disk_precession,
     fit_power_law,
     rolling_start,
+    time_to_flat,
     upright_rolling_spin,
 )
 from tests.helpers import mostly_slow
@@ -59,3 +61,19 @@ def test_fit_finds_the_power_law_it_was_given() -> None:
     times = np.linspace(0.0, 0.95, 200)
     law = fit_power_law(times, 0.3 * (1.0 - times) ** 0.6)
     assert law == pytest.approx((0.6, 1.0, 0.0, log10(20.0)), rel=1e-5, abs=1e-6)
+    for values in ((151.0 - times) ** 0.5, np.exp(-times)):
+        with pytest.raises(ArithmeticError, match="follow no power of a time to go"):
+            fit_power_law(times, values)
+
+
+@pytest.mark.parametrize("smoothing", [1e-6, 0.3])
+def test_time_to_flat_is_that_of_the_energy_that_dry_rolling_takes(smoothing: float) -> None:
+    loss = Dissipation(rolling_dry=1e-3, rolling_smoothing=smoothing)
+    scenario = Scenario.rest(disk=DISK, dissipation=loss)
+
+    def slowness(beta: float) -> float:
+        contour = DISK.radius * euler_disk_precession(scenario, beta)
+        power = 1e-3 * scenario.weight * contour**2 / (contour + smoothing)
+        return 1.5 * scenario.weight * DISK.radius / power
+
+    assert time_to_flat(scenario, 0.01) == pytest.approx(quad(slowness, 0.0, 0.01)[0], rel=1e-4)

@@ -84,6 +84,13 @@ def test_keyframes_meet_every_sample_of_the_motion(kind: str) -> None:
         np.testing.assert_allclose(shown[rows], known, atol=1e-12)
 
 
+@pytest.mark.parametrize("count", [2, 5, 11, 15])
+def test_a_motion_that_its_samples_do_not_tell_is_not_played(count: int) -> None:
+    coarse = simulate(Scenario(), np.linspace(0.0, 2.0, count), tolerance=1e-6)
+    with pytest.raises(ValueError, match="cannot be animated: the samples around"):
+        keyframes(coarse)
+
+
 def test_motion_between_coarse_samples_is_that_of_fine_ones() -> None:
     coarse = simulate(Scenario(), np.linspace(0.0, 1.6, 33), tolerance=1e-6)
     times, (position, rotation, *_) = inversion().times, inversion().poses

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers import random_trajectory
+from tests.helpers import short_run
 
 
 @pytest.fixture(autouse=True)
 def _run(folder: Path) -> None:
-    random_trajectory().save(folder / "run.npz")
+    short_run().save(folder / "run.npz")

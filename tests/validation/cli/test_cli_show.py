@@ -20,7 +20,7 @@ from analysis import (
     simulate_to_rest,
 )
 from tests.calls import Capture, printed, refusal
-from tests.helpers import not_none, random_trajectory
+from tests.helpers import not_none, random_trajectory, short_run
 from validation import cli
 from validation.comparison.differences import difference_table
 
@@ -83,7 +83,7 @@ def test_rest_files_are_shown_beside_trajectories() -> None:
 @pytest.mark.parametrize("name", ["a$_{$b", "$x", os.fsdecode(b"odd\xff"), "new\nline\x07"])
 def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) -> None:
     try:
-        (file,) = stored(**{name: random_trajectory()})
+        (file,) = stored(**{name: short_run()})
     except OSError:
         pytest.skip("no such name here")
     for call in (["show", file, "--plot", "made.svg"], ["animate", file, "--out", "made.html"]):

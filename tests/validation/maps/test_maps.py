@@ -1,5 +1,6 @@
 """Maps: refinement, outcomes, critical speeds, panels and the uncertainty exponent."""
 
+import json
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -259,7 +260,27 @@ def test_an_exponent_or_that_pairs_tell_none_is_told_of(
 ) -> None:
     call = f"map rest --out {tmp_path} --cells 1 --levels 0 --end 0.1 --witnesses 0 --pairs 1"
     assert "no uncertainty exponent: pairs of starts end" in printed(call)
-    found = SimpleNamespace(exponent=0.5, error=0.1, parts=[0.04, 0.4])
+    parts = np.array((0.04, 0.4, 0.5, 0.6))
+    found = SimpleNamespace(exponent=0.5, error=0.1, parts=parts)
     monkeypatch.setattr("validation.commands.maps.uncertainty", lambda _: found)
     said = " ".join(printed(call).split())
-    assert re.search(r"exponent 0\.50 ± 0\.10: .* apart, 4 %, 40 % end", said)
+    assert re.search(r"exponent 0\.50 ± 0\.10: .* apart, 4 %, 40 %, 50 %, 60 % end", said)
+    (told,) = json.loads(printed(f"{call} --json"))
+    assert (told["uncertainty exponent"], told["standard deviation"]) == (0.5, 0.1)
+    assert [told[name] for name in told if name.startswith("part at")] == parts.tolist()
+
+
+def test_cells_that_failed_are_told_of_and_run_again_where_asked(tmp_path: Path) -> None:
+    sweep = grid(levels=1)
+    sweep = replace(sweep, plan=replace(sweep.plan, witnesses=9))
+    slow = replace(sweep, plan=replace(sweep.plan, time_limit=1e-9))
+    path = tmp_path / "a.db"
+    first, same, again = (
+        run_panel(each, path, direct(), by_face=False, levels=1, retry=retry)
+        for each, retry in ((slow, False), (sweep, False), (sweep, True))
+    )
+    assert set(first.cells["outcome"]) == {"failed"}
+    pd.testing.assert_frame_equal(same.cells, first.cells)
+    assert first.failures == same.failures == f", {len(first.cells)} of them failed"
+    assert again.failures == ""
+    assert not set(again.cells["outcome"]) & {"failed"}

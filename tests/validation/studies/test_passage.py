@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis import Scenario, Start
+from analysis import Scenario, Start, ViscousFriction
 from analysis.stability import spectra
 from tests.helpers import not_none
 from validation.nonlinear import passage
@@ -53,6 +53,14 @@ def test_the_eigenvalues_alone_tell_when_model_1_is_lost() -> None:
     smallest = found["times"][np.argmin(found["linear"])]
     assert smallest == pytest.approx(found["crossing"], abs=0.01)
     assert np.min(found["deviations"]) < 1e-3
+
+
+def test_nothing_is_predicted_where_inverted_spinning_is_statically_unstable() -> None:
+    found = follow(Scenario(friction=ViscousFriction(viscosity=1.0)), 3.0, "in-house")
+    assert found["predicted"] is found["crossing"] is found["lost"] is None
+    # Its eigenvalues alone would have it lost; it settles beside.
+    assert np.isnan(found["linear"]).all()
+    assert found["deviations"][-1] < 1.0
 
 
 @pytest.mark.parametrize("lever", [5e-5, 2e-5])

@@ -2,6 +2,8 @@
 
 import re
 import sqlite3
+import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing
@@ -21,10 +23,10 @@ from analysis.motion.outcomes import DONE
 from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
-from validation.measurement.sources import digest
+from validation.measurement.sources import digest, own_files
 from validation.run import run
 from validation.sweeps import runner, store
-from validation.sweeps.case import COLUMNS, run_chunk
+from validation.sweeps.case import COLUMNS, WITNESS_FAILED, run_chunk
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
@@ -127,6 +129,32 @@ def test_same_command_runs_only_what_is_missing_and_failures_where_asked() -> No
     assert again(time_limit=30.0, retry=True) == [1, 3, 5]
 
 
+def test_cases_that_failed_on_the_other_side_run_again_where_asked() -> None:
+    wanted = sweep("spin=30:40:3", witnesses=3)
+    rows = [run_chunk(wanted, [number])[0] for number in range(3)]
+    rows[1] |= {"other_inversion": WITNESS_FAILED, "difference": None}
+    with Store(Path("a.db"), wanted) as kept:
+        kept.add(rows)
+        assert kept.failures() == ", 1 of them failed on the other side"
+        assert list(kept.missing(range(3))) == []
+        run_cases(kept, direct(), retry=True)
+        assert kept.failures() == ""
+    differences = Results.load("a.db").columns["difference"]
+    assert np.max(differences) < 1e-3
+
+
+def test_a_store_whose_writer_was_killed_in_the_midst_of_it_is_read(path: Path) -> None:
+    killed = (
+        "import os, sqlite3; file = sqlite3.connect('a.db', isolation_level=None); "
+        "file.execute('PRAGMA cache_size = 1'); file.execute('BEGIN IMMEDIATE'); "
+        "file.execute('CREATE TABLE more (word)'); "
+        "file.executemany('INSERT INTO more VALUES (?)', [('x' * 4000,)] * 500); os._exit(0)"
+    )
+    subprocess.run([sys.executable, "-c", killed], check=True)
+    assert Path("a.db-journal").stat().st_size > 0
+    assert Results.load(path).columns["number"].tolist() == [0]
+
+
 def test_an_empty_cell_is_none_beside_words_and_nan_beside_numbers() -> None:
     # Of four cases one is refused, and one is seen by the other side.
     found = swept(sweep("spin=30,40", "mu=0.2,-0.1", witnesses=1))
@@ -183,7 +211,9 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
         assert not file.execute("SELECT code FROM cases EXCEPT SELECT name FROM code").fetchall()
 
 
-def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments() -> None:
+def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     own: tuple[dict[str, Any], ...] = (
         {},
         {"scenario": WAYWARD},
@@ -193,6 +223,14 @@ def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments() -> Non
     assert len({sweep("alpha=0,1", **each).code()["own"] for each in own}) == len(own)
     axes = ("law=tanh", "law=tanh,tests.wayward_law:Wayward", "disk.body=disk,tests.bodies:Egg")
     assert len({sweep(axis).code()["own"] for axis in axes}) == len(axes)
+    # What it imports counts, too.
+    monkeypatch.syspath_prepend(Path.cwd())
+    Path("law.py").write_text("import beside\n")
+    found = []
+    for number in (1, 1, 2):
+        Path("beside.py").write_text(f"# noted\nNUMBER = {number}\n")
+        found.append(digest(own_files(["law"])))
+    assert found[0] == found[1] != found[2]
     found = []
     for text in (
         "def double(x):\n    return 2 * x\n",
