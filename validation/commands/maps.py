@@ -20,7 +20,7 @@ from validation.maps.problems import (
 from validation.parser import kinds
 from validation.parser.files import PICTURES, Result, save
 from validation.sweeps.pools import Pool, open_pool
-from validation.sweeps.store import Store
+from validation.sweeps.store import Store, listed_failures
 from validation.sweeps.sweep import Sweep, look_ahead
 
 _SHORTEST = 0.02
@@ -107,7 +107,9 @@ def map(  # noqa: A001 - the command's name
     # A map of several models has starts of the first alone.
     told = [rows[0] | _columns(fine), *(row | _columns(None) for row in rows[1:])]
     lost = ", ".join(
-        f"{each.sweep.scenario.name}{each.failures}" for each in done if each.failures
+        f"{each.sweep.scenario.name}{listed_failures(each.failures)}"
+        for each in done
+        if each.failures
     )
     # Matplotlib takes half a second, which no refusal waits for.
     from validation.maps import figures

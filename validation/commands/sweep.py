@@ -19,7 +19,7 @@ from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
 from validation.sweeps.results import Results, write_csv
 from validation.sweeps.runner import run_cases
-from validation.sweeps.store import Store, expected_size
+from validation.sweeps.store import Store, expected_size, listed_failures
 from validation.sweeps.sweep import Sweep, look_ahead
 
 
@@ -97,7 +97,7 @@ def sweep(
             if refused:
                 say(f"tippedisk sweep: {refused}")
         run_cases(store, opened, retry=retry)
-        found = f"{out}: {in_cases(store.count())}{store.failures()}"
+        found = f"{out}: {in_cases(store.count())}{listed_failures(store.failures())}"
     return Result(
         values=lambda: list(Results.load(out).rows()),
         csv=partial(write_csv, out),

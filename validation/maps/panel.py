@@ -4,7 +4,7 @@ That is coarsely everywhere, and finely where outcomes change.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -43,13 +43,13 @@ class Panel:
         Over the finest grid.
     cells : DataFrame
         Columns as in `cell`, one row for each cell that was run.
-    failures : str
-        See `Store.failures`.
+    failures : mapping
+        Numbers of cases that failed and may not do so again; see `Store.failures`.
     """
 
     sweep: Sweep
     cells: pd.DataFrame
-    failures: str = ""
+    failures: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -245,4 +245,5 @@ def run_panel(
 
         cells = refine(sweep.design.shape, levels, run) if levels else run()
         failures = store.failures()
+    failures.pop("refused", None)
     return Panel(sweep=sweep, cells=pd.DataFrame(cells), failures=failures)

@@ -9,7 +9,7 @@ import json
 import os
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from hashlib import sha256
 from itertools import islice
@@ -44,6 +44,8 @@ _BYTES = 350
 
 _PAGE = 4096
 """Size of a page of a file."""
+
+ELSEWHERE = "failed on the other side"
 
 _FAILED = f"(status <> '{DONE}' OR other_inversion IS '{WITNESS_FAILED}')"
 
@@ -143,15 +145,11 @@ class Store:
             found = self._file.execute(f"SELECT number FROM cases WHERE {_FAILED}")
             return [number for (number,) in found]
 
-    def failures(self) -> str:
-        """How many cases have failed, and of the others on the other side; empty for none."""
+    def failures(self) -> dict[str, int]:
+        """Numbers of cases that have failed, by what has become of them."""
+        asked = f"SELECT iif(status = '{DONE}', '{ELSEWHERE}', status), count(*) FROM cases "
         with plain_errors(self.path):
-            (failed, lost) = self._file.execute(
-                f"SELECT total(status <> '{DONE}'), total(status = '{DONE}') FROM cases "
-                f"WHERE {_FAILED}"
-            ).fetchone()
-        sides = {" of them failed": failed, " of them failed on the other side": lost}
-        return "".join(f", {count:.0f}{words}" for words, count in sides.items() if count)
+            return dict(self._file.execute(f"{asked} WHERE {_FAILED} GROUP BY 1"))
 
     def missing(self, numbers: Iterable[int], *, retry: bool = False) -> Iterator[int]:
         """Those of some cases that have no row yet; they are asked for as these are.
@@ -195,6 +193,11 @@ class Store:
                 self._file.execute("COMMIT")
             self._file.execute("BEGIN IMMEDIATE")
         self._committed = time.monotonic()
+
+
+def listed_failures(failures: Mapping[str, int]) -> str:
+    """What `Store.failures` tells, behind a number of cases."""
+    return "".join(f", {count} of them {words}" for words, count in failures.items())
 
 
 def tables(sweep: Sweep) -> dict[str, dict[str, str]]:

@@ -23,7 +23,7 @@ CALL = f"sweep spin=30:40:5 {SHORT}"
 def test_sweep_fills_its_store_and_tells_what_failed() -> None:
     # An axis may stand behind options, too.
     said = answer(f"sweep spin=30:40:2 {SHORT} mu=0.2,-0.3 --csv a.csv")
-    assert (said.code, said.out) == (0, "a.db: 4 cases, 2 of them failed\n")
+    assert (said.code, said.out) == (0, "a.db: 4 cases, 2 of them refused\n")
     assert Path("a.csv").read_text().count("\n") == 5
     assert "2 of 4 cases looked at are refused, such as: coefficient must not be" in said.err
     assert Results.load(Path("a.db")).sweep.scenario == Scenario(constraints=MODELS[4])
