@@ -36,6 +36,7 @@ from analysis.stability.linearisation import (
     ComplexArray,
     imbalance,
     require_spinning,
+    spin_scale,
     stationary_eigenvalues,
     turning_state,
 )
@@ -48,9 +49,8 @@ _NEARLY_UPRIGHT = (-0.02, -0.02, 1.55, -3.0), (0.02, 0.02, 1.6, 3.0)
 """Least and largest x / r, y / r, beta and gamma of starts."""
 
 _SMALL = 1e-10
-_SPIN_UNIT = 20.0
 _STEP = 0.03
-"""Spins along a branch are in these rad/s; length of its steps."""
+"""Length of the steps along a branch, with spins in parts of sqrt(g / r)."""
 
 _SAME = 1e-6
 _FLAT = 0.02
@@ -282,7 +282,7 @@ def stationary_branch(
         raise ValueError(f"interval must be lowest and highest value, got {interval!r}")
     if parameter is not None:
         instance("parameter", parameter, Parameter)
-    spins = Parameter(change=lambda _: scenario, value=start.spin, unit=_SPIN_UNIT)
+    spins = Parameter(change=lambda _: scenario, value=start.spin, unit=spin_scale(scenario))
     followed = parameter or spins
     value, unit = followed.value, followed.unit
     if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import simpson
+from scipy.interpolate import CubicSpline
 
 from analysis.motion.endings import TIME_LIMIT
 from analysis.motion.inversion import STAYING, inversions
@@ -25,6 +26,9 @@ from analysis.simulation.trajectories import Trajectories
 _APART = 1e-3
 """Part of the energy at the start by which the work of a torque may differ between all samples and
 every other one: the rule has then erred by a fifteenth of that."""
+
+_AROUND = 6
+"""Samples to either side that a value between two of them is told from."""
 
 
 def outcomes(
@@ -130,7 +134,7 @@ def _sampled(motion: SpatialMotion | Samples) -> dict[str, Array]:
     found = inversions(times, directions, rates, np.ravel(motion.scenario.disk.eccentricity))
     after = np.full(len(times), np.nan)
     for row in np.flatnonzero(np.isfinite(found.times)).tolist():
-        after[row] = np.interp(found.times[row] + STAYING, times[row], spin[row])
+        after[row] = _at(found.times[row] + STAYING, times[row], spin[row])
     return {
         "inversion": found.outcomes,
         "inverted_at": found.times,
@@ -144,6 +148,15 @@ def _sampled(motion: SpatialMotion | Samples) -> dict[str, Array]:
         "force_least": force.min(axis=1),
         "force_largest": force.max(axis=1),
     }
+
+
+def _at(wanted: float, times: Array, values: Array) -> float:
+    """What a sampled quantity is at a time, by cubic polynomials through the samples around it."""
+    # Behind the end of a motion its last sample is repeated.
+    last = int(np.searchsorted(times, times[-1])) + 1
+    near = slice(max(0, int(np.searchsorted(times[:last], wanted)) - _AROUND), last)
+    some = times[near][: 2 * _AROUND], values[near][: 2 * _AROUND]
+    return float(CubicSpline(*some)(min(wanted, some[0][-1])))
 
 
 def _brought(samples: Samples, energy: Array) -> dict[str, Array]:

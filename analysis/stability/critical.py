@@ -37,6 +37,10 @@ _BESIDE = 1e-3
 """How far from a crossing its eigenvalue is told, in parts of the way to the middle of a step."""
 
 
+_MIRRORED = 1e-9
+"""Sum of eigenvalues, or of their cubes, over the largest that rounding may leave."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
     """A spin at which an eigenvalue or a pair crosses the imaginary axis.
@@ -126,8 +130,8 @@ def spin_interval(interval: tuple[float, float], name: str = "interval") -> tupl
     if len(ends) != 2:
         raise ArgumentError(name, f"must be lowest and highest spin, got {interval!r}")
     low, high = (turn_rate(name, end) for end in ends)
-    if not 0.0 <= low < high:
-        fault = f"must have 0 <= lowest < highest spin, got {low:g} to {high:g}"
+    if not low < high:
+        fault = f"must have lowest < highest spin, got {low:g} to {high:g}"
         raise ArgumentError(name, fault)
     return low, high
 
@@ -140,15 +144,17 @@ def critical_speeds(
 ) -> CriticalSpeeds:
     """Find the critical spins of a linear system, and where the motion is stable as a whole.
 
-    Without friction there is no damping and no crossing: the eigenvalues lie mirrored at both
-    axes. An eigenvalue that is zero at every spin, as for a round disk, does not count.
+    Without friction there mostly is no damping and no crossing: the eigenvalues lie mirrored at
+    both axes, but for a body without a plane of symmetry that rolls, as a rattleback does. An
+    eigenvalue that is zero at every spin, as for a round disk, does not count.
 
     Parameters
     ----------
     scenario, system, motion
         See `spectra.matrices_over_spin`.
     interval : tuple of 2 floats
-        Lowest and highest spin in rad/s, not negative: the spectra are even in the spin.
+        Lowest and highest spin in rad/s. With `inertia_yz` in the body, the two senses of turning
+        are not each other's mirror images.
 
     Raises
     ------
@@ -162,7 +168,7 @@ def critical_speeds(
     crossings: tuple[Crossing, ...] = ()
     without = "no friction at little slip" if scenario.rubs else "no friction"
     reason: str | None = f"{without}: undamped, the eigenvalues lie mirrored at both axes"
-    if scenario.rubs and scenario.friction_gradient > 0.0:
+    if (scenario.rubs and scenario.friction_gradient > 0.0) or not spectra.is_mirrored:
         crossings = spectra.crossings()
         nothing = f"no eigenvalue crosses the imaginary axis from {low:g} to {high:g} rad/s"
         if spectra.is_hidden:
@@ -266,6 +272,13 @@ class Spectra:
         least = minimize_scalar(size, bounds=ends, method="bounded", options=how)
         below = least.fun < -ROUND_OFF * self._largest
         return float(least.x) if below else None
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether as much decays as grows at every spin: sums of odd powers are zero."""
+        powers = (np.sum(self._values**power, axis=1) for power in (1, 3))
+        sizes = (_MIRRORED * self._largest**power for power in (1, 3))
+        return all(np.max(np.abs(each)) <= size for each, size in zip(powers, sizes, strict=True))
 
     @property
     def is_hidden(self) -> bool:

@@ -315,7 +315,6 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (stability_chart, {"gradients": []}, "gradients must be one-dimensional"),
     (stability_chart, {"gradients": [-1.0]}, "gradients must not be negative, got -1"),
     (critical_speeds, {"interval": (10.0, 10.0)}, "interval must have .* got 10 to 10"),
-    (critical_speeds, {"interval": (-5.0, 10.0)}, "interval must have .* got -5 to 10"),
     (critical_speeds, {"interval": (0.0, 1e6)}, "interval must lie from -100000 to 100000"),
     (hopf_curves, {"gradients": [1e15]}, "gradients must lie from 0 to 1e\\+12"),
     (hopf_curves, {"gradients": [1.0, 1.0]}, "gradients must be two or more"),

@@ -62,7 +62,8 @@ def cycles(
     spin
         Only the cycles at spins in rad/s: values, with commas or not, or first:last:number.
     rotating
-        Instead, the motions beyond the heteroclinic end, in which gamma turns round.
+        Instead, the motions beyond the heteroclinic end, in which gamma turns round; the picture
+        ends 1 rad/s above it, and the table where the disk is nearly flat.
     asymmetric
         Instead, the cycles without mirror symmetry, where symmetric ones lose it.
     over

@@ -1,6 +1,7 @@
 """The commands on linear stability: `eigenvalues` and `critical`."""
 
 from dataclasses import asdict, replace
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,9 @@ from validation.display.progress import counted
 from validation.display.tables import Table
 from validation.parser.files import Result
 from validation.parser.kinds import PlainProblem, Spectrum, Spins
+
+_WIDEST = 70
+"""Letters in a line of a label."""
 
 _MODELS = {name: level for name, (level, _) in spectra.CLOSED.items()}
 """That a system stands for unless constraints are given."""
@@ -99,7 +103,8 @@ def critical(
     found = critical_speeds(scenario, ends, **spectrum)
     # Of other bodies the reduced system, Model 4 and a closed form know nothing.
     closed = critical_speed(scenario, motion) if scenario.disk.is_plain else None
-    crossings = _critical_table(found, _closed_form(closed) if closed else "")
+    is_damped = scenario.rubs and scenario.friction_gradient > 0.0
+    crossings = _critical_table(found, _closed_form(closed) if closed and is_damped else "")
 
     def picture() -> Any:
         helpers = spectra.helper_spins(scenario, *ends)
@@ -208,6 +213,6 @@ def _draw(
         for sign in (1.0, -1.0):
             axes[1].plot(places, [sign * each.frequency for each in crossings], "ko", zorder=4)
     axes[0].set(ylabel="Re λ in 1/s: unstable above 0,\nlogarithmic beyond ±1")
-    axes[1].set(ylabel="Im λ in 1/s", xlabel=f"Ω of {motion} in rad/s")
+    axes[1].set(ylabel="Im λ in 1/s", xlabel=fill(f"Ω of {motion} in rad/s", _WIDEST))
     figures.legend_above(axes[0], columns=4)
     return figure

@@ -64,12 +64,15 @@ class SlowPair:
     scenario : Scenario
         With the ideal contact.
     spin, frequency : float
-        Of the Hopf point in rad/s.
+        Of the Hopf point in rad/s, without sign.
+    sense : float
+        1 or -1, in which the disk spins.
     """
 
     scenario: Scenario
     spin: float
     frequency: float
+    sense: float = 1.0
 
     @classmethod
     def of(cls, scenario: Scenario) -> "SlowPair":
@@ -81,25 +84,32 @@ class SlowPair:
             If the scenario has no such pair, or no linear system.
         """
         ideal = replace(scenario, contact=None, dissipation=Dissipation(), start=Start())
+        # With products of inertia, the two senses are not each other's mirror images.
+        sense = -1.0 if scenario.initial_state.rates[3] < 0.0 else 1.0
+        low, high = sorted(sense * end for end in RANGE)
+        faster = "above" if sense > 0.0 else "below"
         found = [
-            each for each in critical_speeds(ideal, RANGE).hopf if each.stable_side == "above"
+            each for each in critical_speeds(ideal, (low, high)).hopf if each.stable_side == faster
         ]
         if not found:
             raise ValueError(
                 f"scenario must have a Hopf point above which inverted spinning gains stability, "
                 f"and {scenario.name} has none from {RANGE[0]:g} to {RANGE[1]:g} rad/s"
             )
-        return cls(scenario=ideal, spin=found[-1].spin, frequency=found[-1].frequency)
+        last = max(found, key=lambda each: abs(each.spin))
+        return cls(scenario=ideal, spin=abs(last.spin), frequency=last.frequency, sense=sense)
 
     def rates_at(self, spins: Array) -> tuple[Array, Array | None]:
         """Growth rate of the slow pair in 1/s, and frequency of a fast one in rad/s, shape (n,).
 
-        At spins in rad/s, interpolated between 200 of them; no frequency if there is no fast pair.
-        The rate is no number above the Hopf point where the pair has become two real eigenvalues
-        of which one grows: there, the disk goes to other stationary motions.
+        At spins in rad/s in the sense of the disk, interpolated between 200 of them; no frequency
+        if there is no fast pair. The rate is no number above the Hopf point where the pair has
+        become two real eigenvalues of which one grows: there, the disk goes to other stationary
+        motions.
         """
         grid = np.linspace(np.min(spins) - 0.01, np.max(spins) + 0.01, 200)
-        values = np.linalg.eigvals(matrices_over_spin(self.scenario)(grid)).astype(complex)
+        matrices = matrices_over_spin(self.scenario)(self.sense * grid)
+        values = np.linalg.eigvals(matrices).astype(complex)
         swings = values.real >= _DAMPED
         away = np.abs(values.imag - self.frequency)
         away = np.where(swings & (values.imag >= 0.0), away, np.inf)
@@ -161,7 +171,6 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
     )
     spins = running_mean(times, rates, 2.0 * np.pi / pair.frequency)
     kept = (times >= inversion.time) & (times <= end)
-    # A disk that spins the other way is a mirror image.
     spins = np.sign(spins[kept][0]) * spins
     turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
     deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns

@@ -22,6 +22,13 @@ Its code keeps most numbers on the stack, where LLVM lets wider ones straddle tw
 cache; batches of eight take 15 to 45 % longer for each member.
 """
 
+MUTED = 1e-100
+"""What the numbers that events look at are multiplied by: a step of heyoka errs by a part of the
+largest number there is, theirs among them, such as the force of a heavy disk."""
+
+COOLDOWN = 1e-9
+"""Time in s after an event in which it is no other one; heyoka would guess it from their size."""
+
 COMPACT = False
 """Whether to compile in a quarter of the time for runs that take two to four times as long."""
 
@@ -81,13 +88,15 @@ class Code:
             direction, callback = library.event_direction.negative, _stop(number)
             if reason == CONTACT_WOULD_PULL and self.structure.allow_pulling:
                 direction, callback = library.event_direction.any, _note(edges)
-            events.append(library.t_event_batch(symbol, direction=direction, callback=callback))
+            how = {"direction": direction, "callback": callback, "cooldown": COOLDOWN}
+            events.append(library.t_event_batch(MUTED * symbol, **how))
         # A step across friction's kink, or close by, has an error that its size does not show.
         # Where both slips come close to zero, one of them passes through it no farther from the
         # kink than the kink is off. The sign of one of two slips is of no use, and noting it
         # takes as long as half a step.
         passed = _flip if len(system.kinks) == 1 else _go_on
-        events += [library.t_event_batch(slip, callback=passed) for slip in system.kinks]
+        how = {"callback": passed, "cooldown": COOLDOWN}
+        events += [library.t_event_batch(MUTED * slip, **how) for slip in system.kinks]
         derivatives = system.derivatives
         if width > 1:
             derivatives = [library.par[ALIVE] * derivative for derivative in derivatives]

@@ -24,7 +24,7 @@ from analysis.problem.variations import Ensemble, one_by_one
 from analysis.simulation.compiled import systems
 from analysis.simulation.compiled.code import Code, code_for
 from analysis.simulation.compiled.library import heyoka
-from analysis.simulation.compiled.systems import ALIVE, BESIDE, REASON, SIGN, WHEN
+from analysis.simulation.compiled.systems import ALIVE, BESIDE, PACE, REASON, SIGN, WHEN
 from analysis.simulation.formulations import check_formulation, default_formulation, pose
 from analysis.simulation.request import Request, trajectory
 from analysis.simulation.samples import Samples, stand_in
@@ -213,7 +213,8 @@ def _group(code: Code, rows: Rows, array: Array, begin: float) -> Group:
     """Members with these longest and most steps, parameters and starts, shape (m, 2 + p + d)."""
     numbers, starts = array[:, 2 : -code.size], array[:, -code.size :]
     _, _, forces, slips = code.readings(starts[:, None], np.full((len(array), 1), begin), numbers)
-    numbers[:, SIGN] = np.where(slips[:, 0].sum(axis=1) < -BESIDE, -1.0, 1.0)
+    beside = -BESIDE * numbers[:, PACE]
+    numbers[:, SIGN] = np.where(slips[:, 0].sum(axis=1) < beside, -1.0, 1.0)
     return Group(code, rows, starts, numbers, array[:, 0], array[:, 1], ~(forces[:, 0, 0] >= 0.0))
 
 

@@ -12,29 +12,36 @@ from itertools import count, islice
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from analysis.mechanics import newton_euler, recorded, reduced
 from analysis.mechanics.attitude import EulerTurning, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.choices import Formulation
 from analysis.problem.constraints import multiplier_names
-from analysis.problem.elementary import Members
+from analysis.problem.elementary import Members, sqrt
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import CONTACT_JAMS, JAMMING, LEAST_TILT
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
 
 FAINT = 1e-8
-"""Slip speed in m/s over which the kink of friction is rounded if slip has two directions.
+"""Slip speed over which the kink of friction is rounded if slip has two directions, as a part of
+sqrt(g r), the pace of a disk.
 
 It acts for nanoseconds, and moves nothing by more than 1e-14 of its size.
 """
 
 BESIDE = 1e-12
-"""Slip in m/s beside the kink at which a step ends: a motion without slip is always at the kink.
+"""Such a part beside the kink at which a step ends: a motion without slip is always at the kink.
 
 It is far above rounding, and far below what rounds the kink.
 """
+
+SLOWEST = 1e-3
+"""Pace in m/s below which heyoka, which does not know how slow a motion is, does not see the kink
+where it is rounded."""
 
 MOST_FORCES = 4
 """Constraint forces up to which a disk with products of inertia is compiled within seconds."""
@@ -118,6 +125,11 @@ class Structure(NamedTuple):
             )
         values = ((name, getattr(law, name)) for name in _names(type(law)))
         options = tuple(pair for pair in values if not isinstance(pair[1], _NUMBERS))
+        if (slowest := float(np.min(pace_of(scenario)))) < SLOWEST:
+            raise CannotCompileError(
+                f"method 'taylor' takes disks with sqrt(g r) of {SLOWEST:g} m/s or more, got "
+                f"{slowest:.3g} m/s"
+            )
         # The force for each m/s of slip rises or falls from no slip on.
         little = 1e-6 * law.finest_speed
         kinked = bool(
@@ -131,6 +143,12 @@ class Structure(NamedTuple):
 @cache
 def _names(law: type[FrictionLaw]) -> tuple[str, ...]:
     return tuple(field.name for field in fields(law))
+
+
+def pace_of(scenario: Scenario) -> float:
+    """Speed sqrt(g r) in m/s of the motions of a disk; of `Members`, one each."""
+    pace: float = scenario.disk.radius * sqrt(scenario.fall)
+    return pace
 
 
 def start(scenario: Scenario, formulation: Formulation) -> tuple[float, ...]:
@@ -152,17 +170,17 @@ def parameters(scenario: Scenario, begin: float) -> list[float]:
     spin = first.rates[3]
     return [
         *(1.0, 1.0, 0.0, 0.0),
-        *(spin, first.coordinates[3] - spin * begin),
+        *(spin, first.coordinates[3] - spin * begin, pace_of(scenario)),
         *recorded.numbers(scenario),
         *(value for value in values if isinstance(value, _NUMBERS)),
     ]
 
 
-SIGN, ALIVE, REASON, WHEN, SPIN, TURNED = range(6)
+SIGN, ALIVE, REASON, WHEN, SPIN, TURNED, PACE = range(7)
 """Numbers of parameters: sign of the slip; whether, why and when a run of a batch ended; of the
-reduced system, the spin and alpha at the time zero."""
+reduced system, the spin and alpha at the time zero; and sqrt(g r) in m/s."""
 
-CONSTANTS = slice(TURNED + 1, TURNED + 1 + len(recorded.NUMBERS))
+CONSTANTS = slice(PACE + 1, PACE + 1 + len(recorded.NUMBERS))
 """Those behind them that are `recorded.NUMBERS`."""
 
 
@@ -199,7 +217,7 @@ def _symbolic(structure: Structure) -> Any:
     symbols = (heyoka().par[number] for number in count(SPIN))
     body = structure.equations.body
     surface = body.SURFACE or () if isinstance(body, type) else ()
-    spin, turned, *given = islice(symbols, 2 + len(recorded.NUMBERS) + len(surface))
+    spin, turned, pace, *given = islice(symbols, 3 + len(recorded.NUMBERS) + len(surface))
     # A law checks its numbers when it is made, and symbols are none.
     law = object.__new__(structure.equations.law)
     options = dict(structure.options)
@@ -212,6 +230,7 @@ def _symbolic(structure: Structure) -> Any:
         per_speed=partial(_expressed, f"friction law {type(law).__name__}", law.per_speed)
         if structure.equations.load
         else lambda _: 0.0,
+        pace=pace,
         spin=spin,
         alpha=turned + spin * heyoka().time,
     )
@@ -228,7 +247,7 @@ def build(structure: Structure) -> System:
     library, scenario = heyoka(), _symbolic(structure)
     # Slip in a single direction changes its sign at the kink.
     single = any(slip in structure.equations.constraints for slip in SLIPS)
-    speed = _signed if structure.kinked and single else _size(FAINT)
+    speed = _signed if structure.kinked and single else _size(FAINT * scenario.pace)
     code = full = recorded.formula(structure.equations)
     constants = scenario.numbers
     if structure.formulation == "reduced":
@@ -259,7 +278,7 @@ def build(structure: Structure) -> System:
     return System(
         variables=variables,
         derivatives=derivatives,
-        kinks=[slip + BESIDE for slip in slips] if structure.kinked else [],
+        kinks=[slip + BESIDE * scenario.pace for slip in slips] if structure.kinked else [],
         endings=endings,
         readings=_symbols([*coordinates, *rates, *forces, *smooth]),
     )
@@ -318,7 +337,7 @@ def _signed(along: Any, across: Any) -> Any:
     return heyoka().par[SIGN] * (along + across)
 
 
-def _size(faint: float) -> _Speed:
+def _size(faint: Any) -> _Speed:
     return lambda along, across: heyoka().sqrt(along * along + across * across + faint**2)
 
 

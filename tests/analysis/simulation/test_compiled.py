@@ -16,6 +16,7 @@ from analysis import (
     LAWS,
     MODELS,
     POSSIBLE_SETS,
+    STEEL_DISK,
     ConstraintSet,
     Ensemble,
     FrictionLaw,
@@ -33,6 +34,7 @@ from analysis import (
     simulate_many,
 )
 from analysis.problem.quantities import LOADS
+from analysis.problem.variations import changed
 from analysis.simulation import request
 from analysis.simulation.compiled import library
 from analysis.simulation.compiled.ensemble import integrate, simulate_compiled
@@ -159,6 +161,38 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         assert run.times.size == pure.times.size
 
 
+def test_events_of_any_size_leave_the_motion_as_it_is() -> None:
+    sliding = Scenario(
+        constraints=("contact", "no-slip-along"), start=Start(spin=33.0, beta=1.2, gamma=-1.1)
+    )
+    disk = STEEL_DISK
+    heavy = {
+        f"disk.{name}": 1e9 * getattr(disk, name)
+        for name in ("mass", "inertia_x", "inertia_y", "inertia_z")
+    }
+
+    def never(state: State) -> float:
+        return 1e9 * (state.coordinates[4] + 5.0)
+
+    times = np.linspace(0.0, 0.6, 31)
+    truth = simulate(sliding, times, tolerance=1e-9)
+    for scenario, ends in ((sliding, ()), (sliding, never), (changed(sliding, heavy), ())):
+        run = simulate(scenario, times, method="taylor", stop_when=ends)
+        assert angles_apart(run, truth) < 2e-8
+
+
+def test_a_motion_of_the_moon_of_a_moon_is_the_same_slowly() -> None:
+    def slowed(factor: float) -> Any:
+        law = SmoothCoulomb(smoothing=0.1 / factor, load="contact")
+        start = Start(spin=45.0 / factor, beta=1.3, gamma=-1.2)
+        table = Table(gravity=9.81 / factor**2)
+        times = np.linspace(0.0, 1.2, 25) * factor
+        run = simulate(Scenario(friction=law, table=table, start=start), times, method="taylor")
+        return run.coordinates[:, 4:]
+
+    np.testing.assert_allclose(slowed(500.0), slowed(1.0), rtol=0.0, atol=2e-8)
+
+
 def branching(speed: float) -> float:
     """What asks how large a number is, which a symbol cannot tell."""
     return 0.3 / (max(speed, 0.01) + 0.1)
@@ -187,6 +221,9 @@ test_what_cannot_be_compiled_is_refused_in_one_line = refusals(
         "knows the ideal contact alone": partial(taylor, PENALTY),
         "takes bodies with a SURFACE, got a Egg": partial(taylor, Scenario(disk=EGG)),
         "more than 4 constraint forces, got Model 4": partial(taylor, model(4, disk=COMPOSED)),
+        r"sqrt\(g r\) of 0.001 m/s or more, got 0.000212": partial(
+            taylor, Scenario(table=Table(gravity=1e-6))
+        ),
         "allow_pulling must be left out": partial(
             taylor, Scenario(friction=LOADED), allow_pulling=True
         ),

@@ -256,7 +256,7 @@ def test_spin_is_told_a_second_after_the_inversion_and_with_the_place_at_the_end
     assert row["inverted_at_error"] == inversion.time_error
     later, then = (motion.at(not_none(inversion.time) + after).rates[3] for after in (1.0, 0.0))
     assert abs(later - then) > 1.0
-    assert row["spin_after"] == pytest.approx(later, abs=0.01)
+    assert row["spin_after"] == pytest.approx(later, abs=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,29 @@ def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
         assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
 
 
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
+
+
+def test_a_body_without_a_plane_of_symmetry_that_rolls_has_critical_spins_without_friction() -> (
+    None
+):
+    moments = {"inertia_x": 4.61e-4, "inertia_y": 5.29e-4, "inertia_z": 5.27e-4}
+    body = Disk(radius=0.045, mass=0.4, eccentricity=0.027, inertia_yz=6.6e-5, **moments)
+    scenario = Scenario(disk=body, constraints=ROLLING)
+    found = critical_speeds(scenario, motion="noninverted")
+    (crossing,) = found.crossings
+    # By the spectrum of independent equations, bisected.
+    assert (crossing.kind, crossing.stable_side) == ("static", "above")
+    assert crossing.spin == pytest.approx(28.3177, abs=3e-3)
+    assert found.stable == ((crossing.spin, 60.0),)
+    # The other sense is that of the mirror image.
+    mirrored = replace(scenario, disk=replace(body, inertia_yz=-6.6e-5))
+    other = critical_speeds(mirrored, (-60.0, 0.0), motion="noninverted")
+    assert [each.spin for each in other.crossings] == pytest.approx([-crossing.spin], rel=1e-9)
+    symmetric = replace(scenario, disk=replace(body, inertia_yz=0.0))
+    assert "mirrored at both axes" in not_none(critical_speeds(symmetric).reason)
+
+
 @pytest.mark.parametrize(
     ("disk", "level", "system", "gradient"),
     [
