@@ -44,7 +44,7 @@ REFUSED = {
     "map basins --model 2": "--model: model must be left out where it varies, got 2",
     "map rest --stiffness 1e6 --out maps": "--stiffness: half_thickness must be positive for",
     "simulate --body ellipse --formulation floating": "holds round disks and spheres alone",
-    "critical --spin 30": "--spin: spin must have 0 <= lowest < highest spin, got 30 to 30",
+    "critical --spin 30": "--spin: spin must have lowest < highest spin, got 30 to 30",
     "simulate --csv - --plot -": "--plot: plot must lead elsewhere: standard output takes one",
     "simulate --json --csv -": "--csv: csv must lead elsewhere: standard output takes one",
     EIGENVALUES + "5:5:10": "--spin: spin must be a value or first:last:number, of diff",
