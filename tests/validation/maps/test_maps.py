@@ -23,7 +23,7 @@ from tests.helpers import not_none
 from tests.sweeps import direct, sweep
 from validation.maps import figures, problems
 from validation.maps import panel as room
-from validation.maps.panel import cell, refine, run_panel
+from validation.maps.panel import cell, expected_cases, refine, run_panel
 from validation.maps.problems import (
     DISTANCES,
     PROBLEMS,
@@ -68,6 +68,8 @@ def test_refinement_runs_every_case_beside_a_boundary_and_few_others() -> None:
         if len({disc(*place) for place in square}) > 1:
             assert all(r * SIZE + c in done for r, c in square)
     assert len(done) < SIZE**2 / 4
+    # Roughly as many are announced.
+    assert 0.5 < expected_cases((SIZE - 1) >> 3, 3) / len(done) < 2.0
     assert len(refined(4, lambda *_: True)) == 25
 
 
