@@ -31,10 +31,10 @@ def simulate(
 ) -> Result:
     """Simulate a scenario and store the motion.
 
-    The file holds t (N,), q and u (N, 6) in the order x, y, z, alpha, beta, gamma of the co-
-    rotating coordinates (m, rad, m/s, rad/s), normal_force (N,) in N, multipliers (N, k), and
-    meta, a JSON string with the scenario, versions and the error estimate. The table of --csv has
-    the samples, --json what a sweep keeps of a case.
+    The file holds times (N,), coordinates and rates (N, 6) in the order x, y, z, alpha, beta,
+    gamma of the co-rotating ones (m, rad, m/s, rad/s), multipliers (N, k), the first of which is
+    the normal force in N, and meta, a JSON string with the scenario, versions and the error estimate.
+    The table of --csv has the samples, --json what a sweep keeps of a case.
 
     Parameters
     ----------

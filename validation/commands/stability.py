@@ -101,10 +101,12 @@ def critical(
     spins, motion = parse_spins(spin), spectrum["motion"]
     ends = spin_interval((spins[0], spins[-1]), "spin")
     found = critical_speeds(scenario, ends, **spectrum)
-    # Of other bodies the reduced system, Model 4 and a closed form know nothing.
-    closed = critical_speed(scenario, motion) if scenario.disk.is_plain else None
+    # Of other bodies the reduced system, Model 4 and a closed form know nothing; without friction
+    # nothing is damped.
     is_damped = scenario.rubs and scenario.friction_gradient > 0.0
-    crossings = _critical_table(found, _closed_form(closed) if closed and is_damped else "")
+    is_known = scenario.disk.is_plain and is_damped
+    closed = critical_speed(scenario, motion) if is_known else None
+    crossings = _critical_table(found, _closed_form(closed) if closed else "")
 
     def picture() -> Any:
         helpers = spectra.helper_spins(scenario, *ends)

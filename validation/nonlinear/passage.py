@@ -333,7 +333,7 @@ def passage_table(named: Sequence[tuple[str, Passage]]) -> Table:
         title="Passage through the critical speed",
         columns=("motion", *heads),
         rows=[(name, *(each[head] for head in heads.values())) for name, each in named],
-        note="Predicted is from the deviation half a second to a second after the inversion and "
-        "the eigenvalues at the mean spin, and of a disk that is lost from its lowest spin on by "
-        "those there: that it then spins up again is the fall itself.",
+        note=f"Predicted is from the deviation {SETTLING:g} to {2 * SETTLING:g} s after the "
+        "inversion and the eigenvalues at the mean spin, and of a disk that is lost from its "
+        "lowest spin on by those there: that it then spins up again is the fall itself.",
     )
