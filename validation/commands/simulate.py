@@ -33,8 +33,8 @@ def simulate(
 
     The file holds times (N,), coordinates and rates (N, 6) in the order x, y, z, alpha, beta,
     gamma of the co-rotating ones (m, rad, m/s, rad/s), multipliers (N, k), the first of which is
-    the normal force in N, and meta, a JSON string with the scenario, versions and the error estimate.
-    The table of --csv has the samples, --json what a sweep keeps of a case.
+    the normal force in N, and meta, a JSON string with the scenario, versions and the error
+    estimate. The table of --csv has the samples, --json what a sweep keeps of a case.
 
     Parameters
     ----------

@@ -60,6 +60,7 @@ def present(rows: Rows) -> Content:
             "followed": followed.set_index("case"),
             "law": law,
             "growth": np.log(passage.LOST / passage.SMALL),
+            "settling": passage.SETTLING,
             "stable": stable,
             "late": late,
             "answers": {
