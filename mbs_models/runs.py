@@ -155,6 +155,7 @@ def _begin(model: Model, integrator: Integrator) -> None:
         # Full Newton renews its Jacobian, and failed in more scenes with this than without.
         if integrator.newton is not None and integrator.newton.modified:
             complete_jacobian(model, Probe(model))
+        # The last, since a probe sets back what is settled.
         settle(model)
 
 

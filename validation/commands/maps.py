@@ -104,8 +104,9 @@ def map(  # noqa: A001 - the command's name
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
     fine = uncertainty([each.cells["outcome"] for each in starts]) if starts else None
     table = Table.of(rows, mapped.title, _fineness(fine) if starts else "")
-    # A map of several models has starts of the first alone.
-    told = [rows[0] | _columns(fine), *(row | _columns(None) for row in rows[1:])]
+    if starts:
+        # A map of several models has starts of the first alone.
+        rows = [row | _columns(None if number else fine) for number, row in enumerate(rows)]
     lost = ", ".join(
         f"{each.sweep.scenario.name}{listed_failures(each.failures)}"
         for each in done
@@ -120,8 +121,8 @@ def map(  # noqa: A001 - the command's name
     notes = [f"{lost}; --retry runs them again"] if lost else []
     return Result(
         tables=[table],
-        values=told if starts else rows,
-        csv=Table.of(told if starts else rows, mapped.title),
+        values=rows,
+        csv=Table.of(rows, mapped.title).to_csv,
         draw=lambda: figure,
         notes=[f"{place}{PICTURES[0]}", *notes],
     )

@@ -5,6 +5,7 @@ import signal
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from multiprocessing import parent_process
 from typing import Any
 
 import numpy as np
@@ -105,7 +106,10 @@ def _run(plan: Plan, scenario: Scenario, values: Mapping[str, Any]) -> tuple[Any
     with _ended_after(plan.hanging):
         try:
             motion: Any = plan.motion(changed(scenario, values))
-        except BaseException as error:  # noqa: BLE001 - a law may raise any; workers see no Ctrl-C
+        except BaseException as error:
+            # Ctrl-C comes to the process that was called alone, and is no failure of a case.
+            if isinstance(error, KeyboardInterrupt) and parent_process() is None:
+                raise
             motion = error
     return motion, time.process_time() - begin
 

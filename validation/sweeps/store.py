@@ -46,6 +46,7 @@ _PAGE = 4096
 """Size of a page of a file."""
 
 ELSEWHERE = "failed on the other side"
+"""What has become of a case of which that alone has failed."""
 
 _FAILED = f"(status <> '{DONE}' OR other_inversion IS '{WITNESS_FAILED}')"
 

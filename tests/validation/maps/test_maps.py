@@ -270,6 +270,9 @@ def test_an_exponent_or_that_pairs_tell_none_is_told_of(
     (told,) = json.loads(printed(f"{call} --json"))
     assert (told["uncertainty exponent"], told["standard deviation"]) == (0.5, 0.1)
     assert [told[name] for name in told if name.startswith("part at")] == parts.tolist()
+    # Nothing is printed that is written.
+    assert printed(f"{call} --csv {tmp_path}/map.csv") == f"{tmp_path}/rest.png\n"
+    assert pd.read_csv(f"{tmp_path}/map.csv")["uncertainty exponent"].tolist() == [0.5]
 
 
 def test_cells_that_failed_are_told_of_and_run_again_where_asked(tmp_path: Path) -> None:

@@ -69,6 +69,15 @@ def test_failed_case_is_a_row_with_its_reason(
     assert reason in str(row["reason"])
 
 
+def test_an_interrupt_is_no_failure_of_a_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Plan, "motion", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_chunk(WANTED, [0])
+
+
 # --- Witnesses -----------------------------------------------------------------------------------
 
 
