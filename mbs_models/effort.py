@@ -141,8 +141,8 @@ def simulation_effort(
         steps, argument = _count(spacings, step), "step"
         value = f"{step:g} s up to t = {times[-1]:g} s"
     else:
-        first = _count(spacings, chosen.first_step)
-        shortest = min(chosen.first_step, float(np.min(spacings)))
+        longest = chosen.first_step(scene.scenario)
+        first, shortest = _count(spacings, longest), min(longest, float(np.min(spacings)))
         halvings = max(1, ceil(log2(max(shortest / needed, 1.0))))
         if halvings > LATE and other is not None:
             # It takes over.

@@ -211,7 +211,8 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
         if is_late and ladder.best_estimate > HOPELESS * tolerance:
             raise HopelessError
         try:
-            result, step = run_over(call, integrator, integrator.first_step, halvings)
+            first = integrator.first_step(scene.scenario)
+            result, step = run_over(call, integrator, first, halvings)
         except (EngineError, FlatError) as error:
             # A step too long for the iteration is no failure of the tolerance: halve it.
             flat = flat + 1 if isinstance(error, FlatError) else 0

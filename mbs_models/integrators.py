@@ -19,6 +19,7 @@ from analysis.problem.choices import (
 )
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
+from analysis.solve.effort import longest_step
 from mbs_models.scene import CLASSES, Scene
 
 EXPLICIT: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
@@ -72,7 +73,7 @@ class Newton:
     """
 
     modified: bool = True
-    relative: float = 1e-12
+    relative: float = 1e-14
     absolute: float | None = None
 
     def __post_init__(self) -> None:
@@ -160,10 +161,9 @@ class Integrator:
         """Whether it chooses its steps by itself."""
         return self.name not in EXPONENTS
 
-    @property
-    def first_step(self) -> float:
-        """Step in s with which a tolerance-controlled run starts for the paper's disk."""
-        return 5e-3 if self.implicit else 1e-2
+    def first_step(self, scenario: Scenario) -> float:
+        """First step in s of a run to a tolerance, some 5 or 10 ms for the paper's disk."""
+        return (0.15 if self.implicit else 0.3) * longest_step(scenario)
 
     def settings(self) -> dict[str, str | float | int | None]:
         """Name and options, as they go with a trajectory."""

@@ -46,8 +46,8 @@ status, reason
 inversion, inverted_at, inverted_at_error, lost_at, lost_at_error
     As `Inversion` says: when, and how far off the samples may leave that.
 spin_after, spin_end
-    Vertical angular velocity: rate of alpha on an ideal contact. When the disk has stayed up for
-    `STAYING`, by cubic polynomials between samples, and at the end.
+    Rate of alpha, of motions to rest the vertical angular velocity. When the disk has stayed up
+    for `STAYING`, by cubic polynomials between samples, and at the end.
 cog_direction_end, face_end
     Vertical parts of the unit vectors from G to S and normal to the disk, at the end.
 force_least, force_largest

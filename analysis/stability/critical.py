@@ -276,9 +276,10 @@ class Spectra:
     @property
     def is_mirrored(self) -> bool:
         """Whether as much decays as grows at every spin: sums of odd powers are zero."""
-        powers = (np.sum(self._values**power, axis=1) for power in (1, 3))
-        sizes = (_MIRRORED * self._largest**power for power in (1, 3))
-        return all(np.max(np.abs(each)) <= size for each, size in zip(powers, sizes, strict=True))
+        return all(
+            np.max(np.abs(np.sum(self._values**power, axis=1))) <= _MIRRORED * self._largest**power
+            for power in (1, 3)
+        )
 
     @property
     def is_hidden(self) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import PowerLawCoulomb, Scenario, SmoothCoulomb, Start
+from analysis import PowerLawCoulomb, Scenario, SmoothCoulomb, Start, Table
 from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STABILITY, largest_step
 from mbs_models.runs import force_rounding
@@ -82,6 +82,35 @@ def test_implicit_steps_are_extrapolated_by_the_orders_of_their_error(name: Any)
     assert deviation(run, truth(scene.scenario, TIMES)) < 1e-7
     # By another order the estimate would ask for three halvings more.
     assert run.counts["steps"] < 4000
+
+
+@pytest.mark.parametrize(
+    ("level", "formulation", "start", "tolerance"),
+    [
+        (2, "floating", Start(spin=30.0, gamma=0.3, beta=1.2), 1e-11),
+        (1, "euler-tree", Start(spin=20.0, gamma=0.3, beta=1.2), 1e-11),
+        (3, "floating", Start(spin=40.0), 1e-12),
+    ],
+)
+def test_fine_tolerances_are_kept_though_newtons_iteration_is_the_same_at_every_step(
+    level: Any, formulation: Any, start: Start, tolerance: float
+) -> None:
+    scene = scene_of(level, formulation, start=start)
+    run = mbs_models.simulate(scene, TIMES, tolerance=tolerance, integrator="TrapezoidalIndex2")
+    assert deviation(run, truth(scene.scenario, TIMES)) < tolerance
+
+
+def test_a_slower_world_takes_as_many_steps() -> None:
+    steps = []
+    for slower in (1.0, 100.0):
+        scenario = Scenario(
+            table=Table(gravity=9.81 / slower**2),
+            friction=SmoothCoulomb(smoothing=0.1 / slower),
+            start=Start(spin=40.0 / slower),
+        )
+        run = mbs_models.simulate(scenario, slower * TIMES, tolerance=1e-6, integrator="RK67")
+        steps.append(run.counts["steps"])
+    assert steps[0] == steps[1]
 
 
 def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:

@@ -20,6 +20,7 @@ from analysis import (
     Table,
 )
 from analysis.problem.choices import SOURCES, Source
+from mbs_models import EngineError, rest
 from tests.bodies import BODIES, TIPPE_TOP
 from tests.helpers import mostly_slow, not_none
 from tests.scenes import rest_scene
@@ -56,6 +57,28 @@ def test_fixed_steps_are_cut_where_rolling_resistance_makes_a_nearly_flat_disk_s
     other = analysis.simulate_to_rest(scene.scenario, 0.05, local_tolerance=1e-10)
     # Steps of the length asked for are a hundred times less accurate.
     assert mbs_models.simulate_to_rest(scene, 0.05, step=3e-4).deviation(other) < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("losses", "step"),
+    [
+        (Dissipation(rolling_viscous=5e-3, pivoting=1e-3), 3e-4),
+        (Dissipation(pivoting=0.05), 1e-4),
+        (Dissipation(pivoting=0.2), 2e-5),
+    ],
+)
+def test_fixed_steps_are_halved_where_a_disk_that_falls_presses_hard_on_the_table(
+    losses: Dissipation, step: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = rest_scene(dissipation=losses, start=Start(beta=0.5, spin=5.0))
+    other = analysis.simulate_to_rest(scene.scenario, 0.1, local_tolerance=1e-10)
+    found = mbs_models.simulate_to_rest(scene, 0.1, step=step)
+    assert found.deviation(other) < 2e-4
+    taken = (motion.energy_taken("pivoting")[-1] for motion in (found, other))
+    assert next(taken) == pytest.approx(next(taken), rel=1e-2)
+    monkeypatch.setattr(rest, "HALVINGS", 0)
+    with pytest.raises(EngineError, match=r"the energy explodes after t = .* s: even steps of"):
+        mbs_models.simulate_to_rest(scene, 0.1, step=step)
 
 
 def test_scene_runs_like_any_other_and_as_in_house_before_the_disk_lies_flat() -> None:

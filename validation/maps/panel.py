@@ -19,6 +19,7 @@ from analysis.motion.files import AnyArray
 from analysis.motion.outcomes import DONE
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
+from validation.sweeps.case import WITNESS_FAILED
 from validation.sweeps.pools import Pool
 from validation.sweeps.results import Results
 from validation.sweeps.runner import run_cases
@@ -107,7 +108,7 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, by_face: bool) -> Cell:
     -------
     dict
         `number` and `outcome`; `time` of the inversion in s, where it lasts; whether the other
-        side was to run it (`seen`), found the same inversion or face (`alike`), and how far off
+        side was to run it (`seen`), found the same outcome or face (`alike`), and how far off
         (`difference` in rad); `seconds` of processor time.
     """
     scenario = sweep.scenario
@@ -117,7 +118,8 @@ def cell(sweep: Sweep, row: Mapping[str, Any], *, by_face: bool) -> Cell:
     if by_face:
         alike = (row.get("face_end") or 0.0) * (row.get("other_face_end") or 0.0) > 0.0
     else:
-        alike = row.get("inversion") == row.get("other_inversion")
+        other = {name: row.get(f"other_{name}") for name in ("inversion", "ending")}
+        alike = outcome == became(scenario, {"status": DONE, **other}, by_face=False)
     seen = row.get("other_inversion") is not None
     return {
         "number": row["number"],
@@ -140,10 +142,12 @@ def became(scenario: Scenario, row: Mapping[str, Any], *, by_face: bool) -> str:
         return "refused" if row["status"] == "refused" and not by_face else "failed"
     if by_face:
         barrier = scenario.weight * _least_upright_height(scenario.disk)
+        # Under the weight the contact gives way.
+        barrier -= 0.5 * scenario.weight**2 / scenario.penalty_contact.stiffness
         if float(row["energy_end"] or np.inf) >= barrier and row["ending"] != "flat":
             return "not decided"
         return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
-    if row["inversion"] in ("inverted", "lost", "not decided"):
+    if row["inversion"] in ("inverted", "lost", "not decided", WITNESS_FAILED):
         return str(row["inversion"])
     return {"contact would pull": "pulls", "flat": "flat"}.get(str(row["ending"]), "not inverted")
 

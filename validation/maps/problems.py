@@ -15,6 +15,7 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 import analysis
+import mbs_models
 from analysis import MODELS, Scenario
 from analysis.problem.checks import Array, whole, within
 from analysis.problem.scenario import require_level
@@ -26,9 +27,6 @@ from validation.sweeps.sweep import Sweep
 
 THEORY_SAMPLES = 31
 """Places along the vertical axis at which critical speeds are worked out."""
-
-ENGINE_STEP = 5e-3
-"""Step in s of the engine in maps of Model 1."""
 
 DISTANCES = (0.04, 0.04 / 4, 0.04 / 16, 0.04 / 64)
 """Between the two starts of a pair, as parts of the width of a map."""
@@ -138,23 +136,21 @@ def quickest_plan(
     """Way to run the cases of a map in the least time; its witnesses see to the error.
 
     Compiled, an ideal contact runs with Taylor's method to 1e-6 rad in batches; its witnesses,
-    which would take most of the time, run to 1e-3 rad, those of Model 1 at a step of 5 ms.
-    Otherwise Model 1 of a round disk runs on the engine's contact tree at that step, to some
-    1e-7 rad; Model 4 as the reduced system; everything else with the in-house equations. Each runs
-    until `end` and within a `time_limit`, both in s, as a `Plan` has them.
+    which would take most of the time, run to 1e-3 rad. Otherwise Model 1 runs in the engine where
+    its contact tree takes it, Model 4 as the reduced system, everything else with the in-house
+    equations. Each runs until `end` and within a `time_limit`, both in s, as a `Plan` has them.
     """
     how: dict[str, Any] = {"witnesses": witnesses, **limits}
     if scenario.contact is not None:
         return Plan(to_rest=True, spacing=1e-2, local_tolerance=1e-6, **how)
-    on_tree = scenario.model == 1 and scenario.disk.is_round_disk
-    if on_tree and not compiled:
-        return Plan(source="engine", step=ENGINE_STEP, **how)
     formulation = "reduced" if "reduced" in analysis.formulations(scenario) else None
     if compiled:
-        of_tree = {"witness_step": ENGINE_STEP}
-        how |= of_tree if on_tree else {"witness_tolerance": 1e-3}
-        return Plan(formulation=formulation, method="taylor", tolerance=1e-6, **how)
-    return Plan(formulation=formulation, local_tolerance=1e-6, **how)
+        how |= {"method": "taylor", "tolerance": 1e-6, "witness_tolerance": 1e-3}
+        return Plan(formulation=formulation, **how)
+    how["local_tolerance"] = 1e-6
+    if "contact-tree" in mbs_models.formulations(scenario):
+        return Plan(source="engine", formulation="contact-tree", **how)
+    return Plan(formulation=formulation, **how)
 
 
 def critical_points(sweep: Sweep) -> dict[str, Array]:

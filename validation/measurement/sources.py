@@ -119,9 +119,11 @@ def _file(module: str) -> Path | None:
 
 @cache
 def _text(path: Path, _changed: int) -> str:
-    tree = ast.parse(path.read_bytes())
-    for node in ast.walk(tree):
-        documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
-            del node.body[0]
-    return ast.dump(tree)
+    return ast.dump(_Undocumented().visit(ast.parse(path.read_bytes())))
+
+
+class _Undocumented(ast.NodeTransformer):
+    """Takes docstrings away, those behind constants as well."""
+
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
+        return None if isinstance(node.value, ast.Constant) else node

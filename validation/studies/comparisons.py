@@ -279,13 +279,13 @@ def _motion(scene: Scene, end: float) -> Found:
     integrator, *_ = mbs_models.integrators(scene)
     stepped: dict[str, Any] = {"formulation": scene.built_as, "integrator": integrator}
     stepped["tolerance"] = ANGLE_LIMIT
-    times, inhouse = _comparable(scene.scenario, end, stepped)
+    times, inhouse, cut = _comparable(scene.scenario, end, stepped)
     try:
         engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
     except FlatError as error:
         if np.sin(inhouse.coordinates[:, 4]).min() > MAY_FAIL_BELOW:
             return inf, f"a run fails: {error}", None
-        times = _times(0.8 * error.time)
+        times, cut = _before_flat(error.time)
         inhouse = reference(scene.scenario, times)
         engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
     for each in (engine, inhouse):
@@ -296,23 +296,30 @@ def _motion(scene: Scene, end: float) -> Found:
         endings = (str(each.ending or "runs through") for each in (engine, inhouse))
         return inf, "engine {}; in-house {}".format(*endings), None
     where, last = f", where {reason}" if reason else "", float(engine.times[-1])
-    return deviation(engine, inhouse), f"over {last:.4g} s{where}", last
+    return deviation(engine, inhouse), f"over {last:.4g} s{where}{cut}", last
 
 
 def _comparable(
     scenario: Scenario, end: float, stepped: Mapping[str, Any]
-) -> tuple[tuple[float, ...], Trajectory]:
-    """Times in s as far as `end` if disk and patience allow, and the in-house motion there."""
+) -> tuple[tuple[float, ...], Trajectory, str]:
+    """Times in s as far as `end` if disk and patience allow, the in-house motion, what cut it."""
     efforts = (run_effort(scenario, _times(end), **how) for how in (stepped, IN_HOUSE))
     longest = max(efforts, key=lambda effort: effort.seconds)
     if longest.seconds > 100.0 * PATIENCE:
         raise ValueError(f"a motion takes {longest}")
+    is_cut = longest.seconds > PATIENCE
+    cut = f": over {end:.4g} s it takes {longest}" if is_cut else ""
     times = _times(end * min(1.0, PATIENCE / longest.seconds))
     inhouse = reference(scenario, times)
     if inhouse.ending is not None and inhouse.ending.reason == FLAT:
-        times = _times(0.8 * inhouse.ending.time)
+        times, cut = _before_flat(inhouse.ending.time)
         inhouse = reference(scenario, times)
-    return times, inhouse
+    return times, inhouse, cut
+
+
+def _before_flat(moment: float) -> tuple[tuple[float, ...], str]:
+    """Times in s up to well before a disk lies flat, or nearly so, and what to say of it."""
+    return _times(0.8 * moment), f", as the disk lies flat at {moment:.4g} s"
 
 
 def _times(end: float) -> tuple[float, ...]:

@@ -155,7 +155,7 @@ STUDY = Study(
         "outcome": "of the side that runs the map",
         "time": "of the inversion in s, where it lasts",
         "seen": "whether the other side was to run it, too",
-        "alike": "whether it found the same inversion, or face that is up",
+        "alike": "whether it found the same outcome, or face that is up",
         "difference": "largest difference of β and γ between the sides in rad",
         "seconds": "processor time in s without the other side",
     },

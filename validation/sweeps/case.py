@@ -19,7 +19,7 @@ from validation.sweeps.sweep import Sweep
 
 COLUMNS: Mapping[str, str | None] = {
     **OUTCOMES,
-    "other_inversion": None,
+    **dict.fromkeys(("other_inversion", "other_ending")),
     "other_face_end": "",
     "other_error_estimate": "rad",
     "other_seconds": "s",
@@ -136,6 +136,7 @@ def _told_by_witness(plan: Plan, motion: StoredRun) -> Row:
         return {"other_inversion": WITNESS_FAILED, "reason": found["reason"]}
     return {
         "other_inversion": found["inversion"],
+        "other_ending": found["ending"],
         "other_face_end": found["face_end"],
         "other_error_estimate": found["error_estimate"],
         "other_seconds": seconds,

@@ -24,7 +24,7 @@ from validation.sweeps.case import COLUMNS, WITNESS_FAILED, CaseRow
 from validation.sweeps.plan import TIME
 from validation.sweeps.sweep import Sweep
 
-FORMAT = 2
+FORMAT = 3
 """Of the stores written and read here."""
 
 APPLICATION = 0x74697070

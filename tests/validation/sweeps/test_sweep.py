@@ -242,9 +242,9 @@ def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(
     assert found[0] == found[1] != found[2]
     found = []
     for text in (
-        "def double(x):\n    return 2 * x\n",
-        "# noted\ndef double(x):\n    'Twice.'\n    return (2 *\n      x)\n",
-        "def double(x): return 2.0 * x\n",
+        "TWO = 2\ndef double(x):\n    return TWO * x\n",
+        "# noted\nTWO = 2\n'Two.'\ndef double(x):\n    'Twice.'\n    return (TWO *\n      x)\n",
+        "TWO = 2.0\ndef double(x): return TWO * x\n",
     ):
         Path("law.py").write_text(text)
         found.append(digest([Path("law.py")]))
@@ -253,7 +253,7 @@ def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(
 
 DAMAGES: dict[str | bytes, str] = {
     b"no database " * 1000: "is no readable store",
-    "UPDATE sweep SET value = '1' WHERE name = 'format'": "has format 1, this version reads 2",
+    "UPDATE sweep SET value = '1' WHERE name = 'format'": "has format 1, this version reads 3",
     "PRAGMA application_id = 0": "is no store of a sweep, but another SQLite file",
     "UPDATE sweep SET value = replace(hex(zeroblob(50000)), '0', '[') WHERE name = 'sweep'": (
         "is no readable store"
