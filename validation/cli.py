@@ -122,8 +122,13 @@ def _text_beside(given: Mapping[str, Any]) -> Iterator[None]:
     if taking and len(taking) + bool(given.get("json")) > 1:
         fault = "must lead elsewhere: standard output takes one file, or JSON"
         raise ArgumentError(taking[-1], fault)
-    with redirect_stdout(sys.stderr if taking else sys.stdout):
-        yield
+    beside = StringIO()
+    try:
+        with redirect_stdout(beside if taking else sys.stdout):
+            yield
+    finally:
+        if text := beside.getvalue().rstrip():
+            _complain(text)
 
 
 def _deliver(text: str) -> bool:

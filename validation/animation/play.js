@@ -32,7 +32,22 @@ function spunDisk(settings, equations, chosen) {
     if (!(derivative(state)[12] > 0)) ending = "the table would have to hold the disk down";
     else if (!(Math.sin(state[4]) > 0.02)) ending = "the disk lies nearly flat";
   }
-  return { disk, times, columns, ending };
+  return { disk, times, columns, ending, ...turnedOver(settings, disk.shape, times, columns) };
+}
+
+// Since when the centre of gravity is up, whether it has stayed up, and until when, in s.
+function turnedOver(settings, shape, times, columns) {
+  "use strict";
+  const motion = diskPoses({ times, columns, shape }), high = settings.reached * shape.cog[0];
+  let over = null, kept = false;
+  for (const t of times) {
+    const lift = motion(t).lift;
+    if (lift < 0 && kept) return { over, kept, until: t };
+    if (lift < 0) over = null;
+    else if (over === null && high > 0 && lift > high) over = t;
+    kept = over !== null && t - over >= settings.staying;
+  }
+  return { over, kept, until: null };
 }
 
 if (typeof document !== "undefined") {
@@ -46,13 +61,14 @@ if (typeof document !== "undefined") {
     inputs.forEach((input) => {
       input.closest("label").querySelector("output").textContent = +input.value;
     });
-    const { disk, times, columns, ending } = spunDisk(settings, diskEquations, chosen);
+    const found = spunDisk(settings, diskEquations, chosen);
+    const { disk, times, columns, ending, over, kept, until } = found;
     const data = { ...disk, times, columns, marks: [], speed: 0.2, slow: 0.1, slowUntil: null };
     if (replace) replace(data); else replace = diskPlayer(figure, data);
-    const e = disk.shape.cog[0], motion = diskPoses(data);
-    const over = times.find((t) => motion(t).lift > 0.9 * e);
-    told.textContent = (e === 0 ? "A disk without eccentricity has no upside." :
-      over === undefined ? "It does not turn over." : `Upside down after ${over.toFixed(2)} s.`) +
+    told.textContent = (disk.shape.cog[0] === 0 ? "A disk without eccentricity has no upside." :
+      over === null ? "It does not turn over and stay so." :
+      !kept ? `Up at ${over.toFixed(2)} s; whether it stays so is not decided.` :
+      `Upside down after ${over.toFixed(2)} s${until ? `, until ${until.toFixed(2)} s` : ""}.`) +
       (ending ? ` Ends at ${times[times.length - 1].toFixed(2)} s: ${ending}.` : "");
   };
   inputs.forEach((input) => input.addEventListener("input", spin));

@@ -12,6 +12,8 @@ from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.newton_euler import Structure
 from analysis.mechanics.recorded import NUMBERS, STATE, disk_of, numbers, recording
 from analysis.mechanics.recorder import Recorder, Symbol
+from analysis.motion.endings import REACHED
+from analysis.motion.inversion import STAYING
 from analysis.problem.elementary import cos, sin
 from validation.animation import player
 from validation.animation.body import shape
@@ -89,7 +91,13 @@ def page() -> player.Page:
         "play.html",
         title=TITLE,
         start=Start(),
-        settings={"columns": player.COLUMNS, "gamma": Start().gamma, "disks": disks},
+        settings={
+            "columns": player.COLUMNS,
+            "gamma": Start().gamma,
+            "disks": disks,
+            "reached": REACHED,
+            "staying": STAYING,
+        },
         equations=equations(),
     )
     return player.Page(title=TITLE, fragment=body, height=72.0)

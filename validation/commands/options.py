@@ -191,14 +191,15 @@ def announce_cases(command: str, cases: str, seconds: float, processes: int, mor
     say(f"tippedisk {command}: {cases}, roughly {time} on {processes} processes{more}")
 
 
-def parse_spins(texts: Sequence[str]) -> Array:
+def parse_spins(texts: Sequence[str], *, ends: bool = False) -> Array:
     """Spins in rad/s from values, lists and ranges in any order: each once, shape (n,).
 
     Parameters
     ----------
     texts : sequence of str
-        Each a value, values with commas between, or `first:last:number`; without a number the
-        ends alone.
+        Each a value, values with commas between, or `first:last:number`.
+    ends : bool
+        Whether first:last will do, since the ends alone are asked for.
 
     Raises
     ------
@@ -209,7 +210,7 @@ def parse_spins(texts: Sequence[str]) -> Array:
     for text in ",".join(texts).split(","):
         try:
             axis = axis_from("start.spin", text)
-            within("number", axis.size or 2, 2 if ":" in text else 1, MOST_SPINS)
+            within("number", axis.size or 2 * ends, 2 if ":" in text else 1, MOST_SPINS)
         except ValueError as error:
             fault = (
                 "must be a value or first:last:number, of different ends and at least 2 and at "

@@ -98,7 +98,7 @@ def critical(
         first:last:number.
     """
     scenario = problem.scenario(model=_MODELS.get(spectrum.get("system", "")))
-    spins, motion = parse_spins(spin), spectrum["motion"]
+    spins, motion = parse_spins(spin, ends=True), spectrum["motion"]
     ends = spin_interval((spins[0], spins[-1]), "spin")
     found = critical_speeds(scenario, ends, **spectrum)
     # Of other bodies the reduced system, Model 4 and a closed form know nothing; without friction

@@ -53,7 +53,7 @@ class _Lines(tqdm):  # type: ignore[misc] # it brings no types
     """A bar as lines for a file or a pipe, which are no place to draw over."""
 
     def __init__(self, reached: str, **how: Any) -> None:
-        self._reached = reached
+        self._reached, self._told = reached, 0.0
         super().__init__(**how, file=io.StringIO(), mininterval=EVERY, miniters=0)
 
     def display(self, msg: str | None = None, pos: int | None = None) -> bool:  # noqa: ARG002
@@ -67,8 +67,10 @@ class _Lines(tqdm):  # type: ignore[misc] # it brings no types
         parts = [f"{self.desc}: {line}" if self.desc else line, self.postfix]
         parts.append(f"after {duration(passed)}")
         done = n - self.initial
-        if total and done > _TELLING * (total - self.initial):
+        # A total that grows with what is done tells nothing, nor what has not moved.
+        if total and done > _TELLING * (total - self.initial) and self._told < n < total:
             parts.append(f"some {duration(passed * (total - n) / done)} to go")
+        self._told = n
         say(", ".join(part for part in parts if part))
         self.mininterval = max(EVERY, 0.1 * passed)
         return True

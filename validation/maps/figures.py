@@ -35,7 +35,7 @@ OUTCOMES = {
     "not inverted": ("#f2f2f2", "not inverted"),
     "flat": ("#c9c9c9", "falls flat"),
     "pulls": ("#8f8f8f", "the ideal contact would pull"),
-    "refused": ("#6b6b6b", "start refused, such as one that pulls"),
+    "refused": ("#3a3a3a", "start refused, such as one that pulls"),
     "lost": ("#d9a3c7", "inverted, and lost again"),
     "not decided": ("#e6b8a2", "not decided"),
     "failed": ("#d55e00", "run failed"),
@@ -56,6 +56,9 @@ MARKS: Any = {
 
 _WIDTH, _HEIGHT = 3.4, 3.4
 """Of a panel beside others in inches."""
+
+_MANY = 50
+"""Inverted cells from which on the latest ones go beyond the scale of colours."""
 
 _LINE = 34
 """Letters of a title beside others in a line."""
@@ -98,7 +101,11 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
     axes, spare = np.split(np.ravel(found), [len(panels)])
     times = [_times(panel) for panel in panels.values()]
     known = np.concatenate([each[np.isfinite(each)] for each in times])
-    norm = mpl.colors.Normalize(*(np.percentile(known, [0, 98]) if known.size else (0.0, 1.0)))
+    # Of many, a few late ones are not to take the colours of the others.
+    highest = 98 if known.size > _MANY else 100
+    norm = mpl.colors.Normalize(
+        *(np.percentile(known, [0, highest]) if known.size else (0.0, 1.0))
+    )
     for (title, panel), inverted, each in zip(panels.items(), times, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, each)
@@ -110,7 +117,8 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
         each.set_axis_off()
     if known.size:
         image = mpl.cm.ScalarMappable(norm, "viridis")
-        figure.colorbar(image, ax=axes.tolist(), label="time to inversion in s", extend="max")
+        extend = "max" if known.size > _MANY else "neither"
+        figure.colorbar(image, ax=axes.tolist(), label="time to inversion in s", extend=extend)
     present = {name for panel in panels.values() for name in panel.cells["outcome"]}
     shown: dict[str, Any] = {
         meaning: Patch(facecolor=colour, edgecolor="#999999")

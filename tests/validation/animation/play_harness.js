@@ -7,5 +7,4 @@ const scope = createContext({});
 const code = [...page.matchAll(/<script>(.*?)<\/script>/gs)].map((each) => each[1]).join("\n");
 new Script(`${code}\nvar found = (settings, chosen) => spunDisk(settings, diskEquations, chosen);`)
   .runInContext(scope);
-const { times, columns, ending } = scope.found(JSON.parse(settings), JSON.parse(process.argv[3]));
-console.log(JSON.stringify({ times, columns, ending }));
+console.log(JSON.stringify(scope.found(JSON.parse(settings), JSON.parse(process.argv[3]))));

@@ -342,6 +342,29 @@ def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -
 
 
 @needs_node
+@pytest.mark.parametrize(
+    ("spin", "hole"), [(30.0, 20), (32.0, 20), (36.0, 20), (40.0, 20), (40.0, 0)]
+)
+@pytest.mark.parametrize("coefficient", [0.1, 0.3])
+def test_page_says_what_an_inversion_is_everywhere_else(
+    spin: float, hole: int, coefficient: float
+) -> None:
+    found = spun(CHOICES[0] | {"spin": spin, "hole": hole, "coefficient": coefficient})
+    scenario = Scenario(
+        disk=Disk.ring(hole_distance=1e-3 * hole),
+        friction=SmoothCoulomb(coefficient=coefficient),
+        start=Start(spin=spin, beta=1.57),
+    )
+    inversion = simulate(scenario, np.linspace(0.0, 5.0, 1251), tolerance=1e-6).inversion
+    assert found["kept"] == (inversion.outcome in ("inverted", "lost"))
+    times = [(inversion.lost, found["until"])]
+    times += [(inversion.time, found["over"])] if found["kept"] else []
+    for expected, told in times:
+        assert (told is None) == (expected is None)
+        assert told is None or told == pytest.approx(not_none(expected), abs=8e-3)
+
+
+@needs_node
 def test_page_ends_where_the_table_would_have_to_hold_the_disk_down() -> None:
     chosen = {**CHOICES[0], "spin": 150.0}
     found = spun(chosen)

@@ -75,7 +75,7 @@ def test_critical_takes_a_body_without_a_closed_form() -> None:
 def test_spins_are_taken_in_any_order() -> None:
     call = "eigenvalues --system reduced --json --spin "
     expected = printed(call, "30.2 30.5 30.8")
-    for spins in ("30.5 30.8:30.2", "30.5,30.2,30.8,30.5"):
+    for spins in ("30.5 30.8:30.2:2", "30.5,30.2,30.8,30.5"):
         assert printed(call, spins) == expected
 
 

@@ -145,8 +145,8 @@ STREAMS = [
     (SIMULATE, ">/dev/full", 3, LOST),
     (SIMULATE, ">&-", 3, LOST),
     (SIMULATE, "| true; exit ${PIPESTATUS[0]}", 3, LOST),
-    (SIMULATE, "2>/dev/full", 0, ""),
-    (SIMULATE, "2>&-", 0, ""),
+    *((SIMULATE, streams, 0, "") for streams in ("2>/dev/full", "2>&-")),
+    (f"{WAYS['page.html']} -", ">page.html 2>/dev/full", 0, ""),
 ]
 
 

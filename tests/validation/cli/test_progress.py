@@ -48,6 +48,13 @@ def test_lines_tell_what_is_done_and_left_and_come_the_rarer_the_longer_it_takes
     assert steps[-1] > 5 * steps[0]
     # From less than a hundredth nothing is reckoned.
     assert [bool(match[2]) for match in found] == [number > 30 for number in done]
+    # Nor where the total grows with what is done, as of a family of motions.
+    with progress.bar(unit="motions") as shown:
+        for number in range(300):
+            shown.total = number + 1
+            shown.update()
+    assert "motions" in (said := capsys.readouterr().err)
+    assert "to go" not in said
     assert list(progress.counted(range(40), "runs")) == list(range(40))
     assert re.match(r"runs: \d+ of 40, after ", capsys.readouterr().err)
 

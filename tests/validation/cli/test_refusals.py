@@ -47,6 +47,7 @@ REFUSED = {
     "critical --spin 30": "--spin: spin must have lowest < highest spin, got 30 to 30",
     "simulate --csv - --plot -": "--plot: plot must lead elsewhere: standard output takes one",
     "simulate --json --csv -": "--csv: csv must lead elsewhere: standard output takes one",
+    EIGENVALUES + "0:50": "--spin: spin must be a value or first:last:number, of different ends",
     EIGENVALUES + "5:5:10": "--spin: spin must be a value or first:last:number, of diff",
     EIGENVALUES + "1 --formulation floating": "--formulation: formulation needs --source",
     "cycles --model 1": "--model: the reduced system is that of Model 4, got Model 1",

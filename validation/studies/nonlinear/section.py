@@ -126,8 +126,8 @@ def _bifurcations(
     figure = _family(cycles, hopf, connection, "amplitude")
     (axes,) = figure.axes
     low, high = axes.get_xlim()
-    for value, end in ((0.0, hopf.spin), (np.pi, high)):
-        axes.plot([low, end], [value, value], "--", color=COLOURS[figures.UNSTABLE])
+    for value, end, word in ((0.0, hopf.spin, "unstable"), (np.pi, high, None)):
+        axes.plot([low, end], [value] * 2, "--", color=COLOURS[figures.UNSTABLE], label=word)
     axes.plot([hopf.spin, high], [0.0, 0.0], color=COLOURS[figures.STABLE])
     axes.annotate("inverted spinning", (0.05 * high + 0.95 * low, 0.08))
     axes.annotate("noninverted spinning", (high, np.pi - 0.22), ha="right")
