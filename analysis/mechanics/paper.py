@@ -5,9 +5,9 @@ come from there. In the co-rotating coordinates, Eqs. (15)-(32),
 
 M(z) z'' - h(z, z') = f + w_N lambda_N + W_T lambda_T with z = (x, y, z, alpha, beta, gamma),
 
-with the constraints (66), (83), (84), (87), (88) on position, velocity and acceleration level,
-which together are the systems of index 1, (79), (80), (92). Appendix A has the same in inertial
-coordinates q = (x, y, z, alpha, beta, gamma), the position of G in the inertial frame.
+with the constraints (66), (83), (85), (87), (89), (90) on position, velocity and acceleration
+level, which together are the systems of index 1, (79), (80), (92). Appendix A has the same in
+inertial coordinates q = (x, y, z, alpha, beta, gamma), the position of G in the inertial frame.
 
 The linear full system, Eqs. (48)-(55), is M z'' + (D + G) z' + (K + N) z = 0 with z = (x, y,
 beta - pi/2, gamma -+ pi/2). The linear reduced system, Eqs. (111), (112), has the states (beta -
@@ -77,7 +77,7 @@ def mass_matrix(disk: Body, z: Vector) -> Array:
 
 
 def gyroscopic_forces(disk: Body, z: Vector, u: Vector) -> Array:
-    """Gyroscopic vector h, Eqs. (23)-(30), shape (6,).
+    """Gyroscopic vector h, Eqs. (23)-(29), shape (6,).
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def gyroscopic_forces(disk: Body, z: Vector, u: Vector) -> Array:
 
 
 def gravity_forces(scenario: Scenario, z: Vector) -> Array:
-    """Generalised gravitational force f, Eqs. (30) and (142), shape (6,), on a level table.
+    """Generalised gravitational force f, Eq. (30), shape (6,), on a level table.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def gravity_forces(scenario: Scenario, z: Vector) -> Array:
 
 
 def normal_direction(disk: Body, z: Vector) -> Array:
-    """Generalised direction w_N of the normal contact force, Eq. (31), shape (6,)."""
+    """Generalised direction w_N of the normal contact force, Eqs. (31) and (142), shape (6,)."""
     return np.array((0.0, 0.0, 1.0, 0.0, -disk.radius * cos(z[4]), 0.0))
 
 
@@ -449,7 +449,7 @@ def critical_speed(scenario: Scenario, motion: Motion = "inverted") -> CriticalS
     """Critical spinning speed of the reduced system in closed form, Eqs. (126), (127).
 
     It is exact for every positive friction and depends neither on the friction coefficient nor
-    on the smoothing: Eqs. (129), (130) contain them as a common factor only.
+    on the smoothing: Eq. (129) contains them as a common factor, and Eq. (130) not at all.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Type of the Hopf bifurcation of inverted spinning.
 
 The critical pair does not slip: its eigenvector v of A(Omega_crit) solves the system without
-friction, too (Eqs. (129), (130) have friction as a common factor). Slip is therefore of third
-order in the amplitude, and the force law enters the normal form by its gradient alone. Its kink in
-the second derivative, which leaves no classical Lyapunov coefficient to be computed for it, comes
-in two orders later, and the coefficient of a smooth law of the same gradient holds.
+friction, too (Eq. (129) has friction as a common factor, Eq. (130) has none). Slip is therefore
+of third order in the amplitude, and the force law enters the normal form by its gradient alone.
+Its kink in the second derivative, which leaves no classical Lyapunov coefficient to be computed
+for it, comes in two orders later, and the coefficient of a smooth law of the same gradient holds.
 
 Since the flow is odd about inverted spinning, its quadratic terms vanish. Notation as in
 Y. A. Kuznetsov, "Elements of Applied Bifurcation Theory": A q = i omega q, A^T p = -i omega p,

@@ -59,7 +59,7 @@ def test_convergence_holds_from_half_a_second_on_or_is_no_convergence(
     levels = motion.measured(inversion.motions(inversions)).iloc[1:]
     for settled, reached, told in ((0.5, 0.4, "yes"), (inf, 0.5, "partly"), (0.6, 0.6, "no")):
         contact = levels.iloc[:1].assign(settled=settled, reached=reached)
-        judged = motion.judge(pd.concat([contact, levels]), np.zeros(2), levels)
+        judged = motion.judge(pd.concat([contact, levels]), np.zeros(2), np.zeros((3, 2)), levels)
         assert judged["converges"]["verdict"] == told
 
 

@@ -27,6 +27,9 @@ LATER = 2.0
 LONG = 20.0
 """End in s of the runs that show for how long it is."""
 
+STRAIGHT = 1.0
+"""Time in s within which alpha is said to grow almost linearly, during the inversion."""
+
 
 # --- Measures of a motion -----------------------------------------------------------------------
 
@@ -52,6 +55,8 @@ def measures(run: Trajectory) -> Row:
         for each in (run.cog_velocities, slip)
     )
     end = run.inversion.lost or times[-1]
+    early, alpha = times[times <= STRAIGHT], run.coordinate("alpha")[times <= STRAIGHT]
+    line = np.polyval(np.polyfit(early, alpha, 1), early)
     return {
         "inverted": run.inversion_time,
         "short": UPRIGHT - gamma[half],
@@ -59,6 +64,8 @@ def measures(run: Trajectory) -> Row:
         "settled": first(times, np.logical_and.accumulate(near[::-1])[::-1]),
         "beyond": np.max(gamma) - UPRIGHT,
         "tilt": np.max(np.abs(run.coordinate("beta") - UPRIGHT)),
+        "bent": np.max(np.abs(alpha - line)),
+        "turned": alpha[-1] - alpha[0],
         "turns": int(np.sum(beta_rate[1:] * beta_rate[:-1] < 0.0)),
         "least_force": np.min(force),
         "most_force": np.max(force),
@@ -108,12 +115,25 @@ def change(runs: inversion.Runs) -> Array:
     return np.abs(inversion.changes_by_load(runs)[:, 4:]).max(axis=0)
 
 
-def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, Row]:
-    """All statements on the motion from Table 3, from `measured`, `change` and `LONG_RUNS`."""
+def between_models(runs: inversion.Runs) -> Array:
+    """Largest differences of beta and gamma of Models 2 to 4 from Model 1 in rad, shape (3, 2)."""
+    first, *others = (runs[name, "engine"].coordinates[:, 4:] for name in inversion.NAMES)
+    return np.array([np.abs(each - first).max(axis=0) for each in others])
+
+
+def judge(
+    found: pd.DataFrame, change: Array, between: Array, longs: pd.DataFrame
+) -> dict[str, Row]:
+    """All statements on the motion from Table 3.
+
+    From `measured`, `change`, `between_models` and `LONG_RUNS`.
+    """
     contact, levels, long = found.iloc[0], found.iloc[1:], longs.iloc[0]
-    turns, beyond, settled = (
-        each.tolist() for each in (levels["turns"], levels["beyond"], longs["settled"])
+    turns, beyond, settled, inverted = (
+        levels[name].tolist() for name in ("turns", "beyond", "settled", "inverted")
     )
+    like = [bool(np.all(each <= NEAR)) for each in between]
+    same = np.isfinite(np.array(inverted, dtype=float))
     in_time = [contact[name] <= inversion.PRINTED_TIME for name in ("settled", "reached")]
     off = (levels["spin"][:3] - inversion.PRINTED_SPIN).abs() > CONSTANT
     share = (levels["risen"] / levels["lost"])[:3].min()
@@ -130,7 +150,11 @@ def judge(found: pd.DataFrame, change: Array, longs: pd.DataFrame) -> dict[str, 
         "faster": {"verdict": grade(yes=falls(settled), partly=max(settled[1:]) < settled[0])},
         "tilts": within(levels["tilt"].max(), 0.1, 0.5),
         "spin": within(off.sum(), 0, 2),
-        "constant": within(np.isfinite(longs["constant_until"][:3]).sum(), 0, 2),
+        "constant": within((longs["constant_until"][:3] <= inversion.END).sum(), 0, 2),
+        "similar": {"verdict": grade(yes=like[0], partly=bool(same[:2].all()))},
+        "preserved": {"verdict": grade(yes=all(like), partly=bool(same.all()))},
+        "linear": within(levels["bent"].iloc[0] / levels["turned"].iloc[0], 0.05, 0.2),
+        "repelled": {"verdict": grade(yes=bool(long["end"] < LONG))},
         "potential": within(1.0 - share, 0.1, 0.75),
     }
 

@@ -3,7 +3,7 @@
 from collections import Counter
 
 from validation.studies import inversion
-from validation.studies.claims import equations, motion, pure_rolling, starts
+from validation.studies.claims import equations, linear, motion, pure_rolling, starts
 from validation.study import Content, Rows, grade
 
 TITLE = "What the paper says"
@@ -24,13 +24,18 @@ def present(rows: Rows) -> Content:
     shares, rolled = starts.shares(rows["random-starts"]), rows["pure-rolling"]
     least, engine = rows["least-spins"], rows["random-starts-engine"]
     loss = equations.loss()
-    judgements = motion.judge(measured, change, longs) | {
-        "attraction": starts.judge_attraction(shares),
-        "singular": equations.judge_loss(loss),
-        "rolling": pure_rolling.judge(rolled),
-        "orders": equations.judge_orders(equations.exponents()),
-        "supercritical": starts.judge_least_spins(least),
-    }
+    between = motion.between_models(runs)
+    judgements = (
+        motion.judge(measured, change, between, longs)
+        | linear.judge()
+        | {
+            "attraction": starts.judge_attraction(shares),
+            "singular": equations.judge_loss(loss),
+            "rolling": pure_rolling.judge(rolled),
+            "orders": equations.judge_orders(equations.exponents()),
+            "supercritical": starts.judge_least_spins(least),
+        }
+    )
     told = shares.set_index(["starts", "model"])[[starts.INVERTED, starts.UNKNOWN]]
     counted = Counter(each["verdict"] for each in judgements.values())
     return Content(
@@ -39,6 +44,7 @@ def present(rows: Rows) -> Content:
             "contact": measured.iloc[0],
             "levels": measured.iloc[1:],
             "change": change,
+            "between": between,
             "longs": longs,
             "long": longs.iloc[0],
             "counted": counted,
