@@ -13,6 +13,9 @@ from analysis.problem.checks import Array
 Numbers = npt.NDArray[Any]
 """Of rows or of columns."""
 
+Sampled = tuple[Array, Array, Array]
+"""Times, values and rates, a quantity in each row."""
+
 Polynomials = Callable[[Array], tuple[Array, Array]]
 """From times, shape (..., m), to values and slopes there, shape (..., m, k)."""
 
@@ -155,7 +158,7 @@ def _around(
 
 def with_extremes(
     times: Array, values: Array, rates: Array, low: float, high: float
-) -> tuple[Numbers, tuple[Array, Array, Array]]:
+) -> tuple[Numbers, Sampled, Sampled]:
     """Samples of the quantities that between two of them go beyond a level which both keep to.
 
     Parameters
@@ -171,6 +174,8 @@ def with_extremes(
         Of those quantities.
     times, values, rates : ndarray, shape (j, m)
         Their samples, with these extremes, and the last one repeated again.
+    times, values, rates : ndarray, shape (j, m)
+        The same with the extremes by polynomials through two samples fewer.
     """
     first, last, width = values[:, :-1], values[:, 1:], np.diff(times, axis=1)
     # An arc lies within its tangents.
@@ -185,25 +190,30 @@ def with_extremes(
     part = 2.0 * np.abs(a) / (np.sqrt(b * b - 4.0 * a * c) - np.sign(a) * b)
     cubic = first[rows, columns] + part * (a + part * (b / 2.0 + part * c / 3.0))
     wanted = times[rows, columns] + part * width
-    found, slopes = np.empty((2, rows.size))
+    found = np.empty((2, 2, rows.size))
     around = _around(times[rows], values[rows], rates[rows], columns + 1)
-    for some, (polynomial, *_), _, _ in around if rows.size else ():
-        value, slope = polynomial(wanted[some])
-        found[some], slopes[some] = value[:, 0], slope[:, 0]
+    for some, polynomials, _, _ in around if rows.size else ():
+        told = [polynomial(wanted[some]) for polynomial in polynomials[:2]]
+        found[:, :, some] = np.array(told)[..., 0]
     # Around an impact, the polynomial of more samples may tell anything.
-    both = np.minimum(cubic, found) >= high, np.maximum(cubic, found) < low
+    values_there = found[0, 0]
+    both = np.minimum(cubic, values_there) >= high, np.maximum(cubic, values_there) < low
     is_so = np.where(a > 0.0, *both)
-    rows, more = rows[is_so], np.array((wanted, found, slopes))[:, is_so]
+    rows, wanted, found = rows[is_so], wanted[is_so], found[..., is_so]
     chosen, place, counts = np.unique(rows, return_inverse=True, return_counts=True)
     numbers = np.arange(rows.size) - np.searchsorted(rows, rows)
-    whole = []
-    for each, new in zip((times, values, rates), more, strict=True):
-        room = np.repeat(each[chosen, -1:], np.max(counts, initial=0), axis=1)
-        room[place, numbers] = new
-        whole.append(np.hstack((each[chosen], room)))
-    order = np.argsort(whole[0], axis=1, kind="stable")
-    told, along, turning = (np.take_along_axis(each, order, axis=1) for each in whole)
-    return chosen, (told, along, turning)
+
+    def whole(more: Array) -> Sampled:
+        held = []
+        for each, new in zip((times, values, rates), (wanted, *more), strict=True):
+            room = np.repeat(each[chosen, -1:], np.max(counts, initial=0), axis=1)
+            room[place, numbers] = new
+            held.append(np.hstack((each[chosen], room)))
+        order = np.argsort(held[0], axis=1, kind="stable")
+        told, along, turning = (np.take_along_axis(each, order, axis=1) for each in held)
+        return told, along, turning
+
+    return chosen, whole(found[0]), whole(found[1])
 
 
 def extremes(times: Array, values: Array, rates: Array) -> tuple[Array, Array]:

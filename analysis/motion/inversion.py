@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.motion.endings import REACHED
-from analysis.motion.interpolation import Numbers, crossings, extremes, with_extremes
+from analysis.motion.interpolation import CAUTION, Numbers, crossings, extremes, with_extremes
 from analysis.problem.checks import Array
 
 STAYING = 1.0
@@ -107,9 +107,13 @@ def inversions(
     """
     found = _judged(times, cog_directions, rates, eccentricities)
     # What comes up or down between two samples counts as well.
-    rows, samples = with_extremes(times, cog_directions, rates, 0.0, REACHED)
+    rows, *both = with_extremes(times, cog_directions, rates, 0.0, REACHED)
     if rows.size:
-        again = _judged(*samples, eccentricities[rows])
+        again, other = (_judged(*samples, eccentricities[rows]) for samples in both)
+        for error, one, two in zip(again[3:], again[1:3], other[1:3], strict=True):
+            # Where the other polynomials tell of none, it may have been at any time between two.
+            apart = np.nan_to_num(CAUTION * np.abs(one - two), nan=float(np.diff(times).max()))
+            error[:] = np.maximum(error, np.where(np.isnan(one), np.nan, apart))
         for each, new in zip(found, again, strict=True):
             each[rows] = new
     return Inversions(*found)
@@ -184,7 +188,11 @@ class _Motions(NamedTuple):
         Only samples that are far apart are looked between: by cubic polynomials, with a margin.
         """
         errors = np.zeros(rows.size)
-        coarse = np.max(np.abs(np.diff(self.directions[rows], axis=1)), axis=1) > _COARSE
+        widths, speeds = np.diff(self.times[rows], axis=1), np.abs(self.rates[rows])
+        # Between two samples that are alike it may have been elsewhere, at this speed.
+        moved = np.abs(np.diff(self.directions[rows], axis=1))
+        moved = np.maximum(moved, widths * np.maximum(speeds[:, :-1], speeds[:, 1:]))
+        coarse = np.max(moved, axis=1) > _COARSE
         if not coarse.any():
             return errors
         times, directions, rates = (each[rows[coarse]] for each in self)

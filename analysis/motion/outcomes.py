@@ -61,7 +61,8 @@ rolling_from, flat_from, rest_from
 ending, end
     Why the motion ended early, and when it ended.
 error_estimate, seconds
-    Of the run; processor time, of members that ran together the mean.
+    Of the run, to rest as `SpatialMotion.deviation` has it; processor time, of members that ran
+    together the mean.
 """
 
 

@@ -64,7 +64,10 @@ def _from_here_on(times: Array, condition: Flags) -> float | None:
     return float(times[broken[-1] + 1 if broken.size else 0])
 
 
-_WITH_RATES = ("times", "positions", "quaternions", "velocities", "angular_velocities")
+_WITH_POSE = (
+    *("times", "positions", "quaternions", "velocities", "angular_velocities"),
+    "contact_points",
+)
 
 SAME_TIME = 1e-12
 """In s; times of one sample differ by rounding."""
@@ -244,8 +247,11 @@ class SpatialMotion(SampledMotion):
         turned: Array = 2.0 * np.linalg.norm(error[:, 3:], axis=1)
         length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
         quaternion = values[:, 3:] / length
+        rotations = frames.rotations(quaternion)
+        seen = self._lowest(rotations[:, 2])
         found = {
             "positions": values[:, :3],
+            "contact_points": values[:, :3] + np.einsum("nij,nj->ni", rotations, seen),
             "quaternions": quaternion,
             "velocities": rates[:, :3],
             "angular_velocities": frames.angular_velocities(quaternion, rates[:, 3:] / length),
@@ -257,7 +263,7 @@ class SpatialMotion(SampledMotion):
         within = rest is not None and wanted[0] <= rest <= wanted[-1]
         found: dict[str, Any] = {"rest_time": rest if within else None}
         for name in filled(SpatialMotion):
-            if name not in _WITH_RATES:
+            if name not in _WITH_POSE:
                 # Impacts make these jump.
                 found[name] = np.apply_along_axis(
                     lambda values: np.interp(wanted, self.times, values), 0, getattr(self, name)

@@ -124,6 +124,14 @@ class Trajectories(InCoordinates):
         return self._kinematics[1]
 
     @cached_property
+    def normal_force(self) -> Array:
+        """Normal contact force lambda_N in N, shape (m, n)."""
+        found = np.full(self.coordinates.shape[:2], np.nan)
+        for rows, samples in self.blocks():
+            found[rows] = samples.normal_force[:, :-1]
+        return np.where(self.times > self.ends[:, None], np.nan, found)
+
+    @cached_property
     def inversions(self) -> Inversions:
         """What became of the inversion of each member; see `Trajectory.inversion`."""
         outcomes = np.full(len(self), "not inverted", dtype=object)

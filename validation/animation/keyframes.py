@@ -9,6 +9,12 @@ from analysis.problem.checks import Array, ToleranceError, within
 from analysis.problem.limits import MOST_KEYFRAMES
 from analysis.problem.names import ArgumentError
 
+SHORT = 5.0
+"""Longest motion in s that is played slowly from begin to end."""
+
+SLOW = 0.1
+"""Speed at which the eye can follow a disk that turns six times a second."""
+
 _TURN_BETWEEN = 0.2
 """Angle in rad the disk may turn between keyframes."""
 

@@ -16,7 +16,7 @@ from analysis import Body, StoredRun
 from analysis.problem.checks import Array, within
 from analysis.problem.limits import PLAYBACK_SPEEDS, SLOWEST_FRAMES, WIDEST_PICTURE
 from validation.animation.body import LOOK, Shape, circle, in_sight, outline, shape
-from validation.animation.keyframes import between
+from validation.animation.keyframes import SHORT, SLOW, between
 from validation.display.progress import counted
 
 MOST_FRAMES = 2000
@@ -154,7 +154,7 @@ def frame_times(
     begin, end : float
         Of the motion in s.
     speed : float, optional
-        1 for real time; by default a tenth for up to 4 s, real time for longer motions.
+        1 for real time; by default `SLOW` for motions up to `SHORT`, real time for longer ones.
     fps : float
         Frames per second, from `SLOWEST_FRAMES` to `FASTEST`.
 
@@ -165,7 +165,7 @@ def frame_times(
     """
     within("fps", fps, SLOWEST_FRAMES, FASTEST)
     if speed is None:
-        speed = 0.1 if end - begin <= 4.0 else 1.0
+        speed = SLOW if end - begin <= SHORT else 1.0
     shown = max(2, round(100.0 / fps))
     step = within("speed", speed, *PLAYBACK_SPEEDS) * shown / 100.0
     count = int(np.floor((end - begin) / step + 1e-9)) + 1

@@ -21,7 +21,7 @@ from analysis.problem.checks import within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
 from validation.animation.body import LOOK, shape
-from validation.animation.keyframes import keyframes, phases, source
+from validation.animation.keyframes import SHORT, SLOW, keyframes, phases, source
 
 COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "contactX", "contactY", "spin")
 """Of the data of a page: position of the geometric centre G in m, inertial; attitude of the body
@@ -31,12 +31,6 @@ the rate of alpha exists in every attitude."""
 
 DIGITS = 5
 """Decimal places of numbers in a page."""
-
-SHORT = 5.0
-"""Longest motion in s that is played slowly from begin to end."""
-
-SLOW = 0.1
-"""Speed at which the eye can follow a disk that turns six times a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -92,7 +92,7 @@ def animate(
     end
         In s (that of the motion).
     speed
-        1 for real time (0.1 until the disk is inverted).
+        1 for real time (0.1 until the disk is inverted; in a GIF of more than 5 s 1).
     fps
         GIF only: frames per second (20).
     width

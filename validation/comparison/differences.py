@@ -98,7 +98,8 @@ def difference_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
             notes.append(f"{name} is not compared: {refusal}.")
             continue
         if error:
-            notes.append(f"{name} is interpolated between its samples, to {error:.1e} rad.")
+            told = f"to {error:.1e} rad; forces and energies by cubic or straight lines"
+            notes.append(f"{name} is interpolated between its samples, {told}.")
         if times.size < first.times.size:
             notes.append(f"{name} is compared from {times[0]:g} to {times[-1]:g} s alone.")
         for quantity, values in first.to_dict().items():
@@ -136,18 +137,19 @@ def fields_table(runs: Sequence[tuple[str, StoredRun]]) -> Table:
             for fields, (_, run) in zip(flattened, runs, strict=True)
         ]
     rows: list[list[Cell]] = []
+    is_clear = True
     for name in dict.fromkeys(name for fields in flattened for name in fields):
         values = [fields.get(name) for fields in flattened]
         if len(set(values)) > 1:
-            texts = [show(value) for value in values]
-            is_clear = len(set(texts)) == len(set(values))
-            rows.append([name, *(texts if is_clear else map(repr, values))])
+            rows.append([name, *values])
+            is_clear &= len({show(value) for value in values}) == len(set(values))
     if rows and len(sources) > 1:
         rows.insert(0, ["source", *(str(run.source) for _, run in runs)])
     return Table(
         title="What differs",
         columns=("field", *(name for name, _ in runs)),
         rows=rows,
+        digits=6 if is_clear else 0,
     )
 
 

@@ -31,12 +31,15 @@ class Table:
         Cells; a float is shown with few digits but stored with all of them.
     note : str
         What to read from it.
+    digits : int
+        Significant digits of a float that are shown; 0 for all that tell it from others.
     """
 
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     note: str = ""
+    digits: int = 6
 
     @classmethod
     def of(cls, records: Sequence[Mapping[str, Cell]], title: str, note: str = "") -> "Table":
@@ -61,7 +64,9 @@ class Table:
         columns stand below the others, beside the first one again.
         """
         cells = zip(
-            self.columns, *([show(cell) for cell in row] for row in self.rows), strict=True
+            self.columns,
+            *([show(cell, self.digits) for cell in row] for row in self.rows),
+            strict=True,
         )
         first, *others = map(list, cells)
         blocks = [[first]]
@@ -110,12 +115,12 @@ def _wrapped(cell: str, width: int) -> list[str]:
 
 
 def show(cell: Cell, digits: int = 6) -> str:
-    """Short text of a cell, with so many significant digits."""
+    """Short text of a cell, with so many significant digits, or 0 for all."""
     if cell is None:
         return "–"
     if isinstance(cell, bool):
         return "yes" if cell else "NO"
-    if isinstance(cell, float):
+    if isinstance(cell, float) and digits:
         if 10.0**digits <= abs(cell) < 1e6:
             return f"{cell:.0f}"
         return f"{cell:.{digits}g}" if 1e-4 <= abs(cell) < 1e6 or cell == 0.0 else f"{cell:.2e}"

@@ -9,8 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
+from analysis import SpatialMotion, Trajectory
 from analysis.motion import files
 from analysis.motion.outcomes import Column, OutcomeTable
+from analysis.motion.quantities import quantities
 from analysis.problem.checks import Array, choice
 from analysis.problem.limits import check_storage
 from validation.sweeps.case import COLUMNS, NUMBERS
@@ -146,13 +148,20 @@ class Results(OutcomeTable):
                 # More may have come in since the rows were read.
                 for name, values in found.items() if number in rows else ():
                     kept[name][rows[number], : values.size] = values
-            held = held.assign({name: (("number", "sample"), kept[name]) for name in names})
+            told = quantities(SpatialMotion if plan.to_rest else Trajectory).values()
+            units = {name: unit for columns in told for name, unit in columns.items()}
+            series = {
+                name: (("number", "sample"), kept[name], {"units": units[name]}) for name in names
+            }
+            held = held.assign(series)
         if design.layout == "grid":
             data = {
                 name: ((*self.axes, *each.dims[1:]), self._gridded(each.values), each.attrs)
                 for name, each in held.data_vars.items()
             }
-            held = type(held)(data, coords={each.field: each.grid for each in design.axes})
+            axes = {each.field: (each.field, list(each.grid)) for each in design.axes}
+            coordinates = {name: (*each, held[name].attrs) for name, each in axes.items()}
+            held = type(held)(data, coords=coordinates)
         return held
 
 

@@ -198,7 +198,8 @@ def test_attitude_between_samples_is_that_of_a_run_sampled_there(falling: Spatia
     )
     rows = np.searchsorted(other.times, between.times - 1e-9)
     np.testing.assert_allclose(other.times[rows], between.times, atol=1e-9)
-    for name, tolerance in (("rotations", 2e-6), ("angular_velocities", 1e-3)):
+    named = (("rotations", 2e-6), ("angular_velocities", 1e-3), ("contact_points", 1e-7))
+    for name, tolerance in named:
         np.testing.assert_allclose(
             getattr(between, name), getattr(other, name)[rows], rtol=0.0, atol=tolerance
         )

@@ -48,7 +48,7 @@ def spins(*values: float, **fields: Any) -> Ensemble:
 
 QUANTITIES = (
     *("tilt", "cog_height", "cog_velocities", "cog_direction_rate"),
-    *("contact_points", "contact_speed"),
+    *("contact_points", "contact_speed", "normal_force"),
 )
 
 

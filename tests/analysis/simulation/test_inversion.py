@@ -155,6 +155,26 @@ def test_a_rise_or_a_fall_between_two_samples_counts(scenario: Scenario, ending:
     assert error < 1e-6
 
 
+@pytest.mark.parametrize(
+    ("start", "spacing"),
+    [
+        # It is up between the first two samples alone, which are nearly alike.
+        (Start(beta=1.18, gamma=2.08, spin=38.4), 0.15),
+        (Start(beta=2.034, gamma=1.174, spin=48.26), 0.05),
+        (Start(beta=2.034, gamma=1.174, spin=48.26), 0.1),
+    ],
+)
+def test_coarse_samples_tell_how_far_off_they_may_leave_the_time(
+    start: Start, spacing: float
+) -> None:
+    scenario = model(4, start=start)
+    fine, coarse = (
+        simulate(scenario, np.arange(0.0, 3.0001, each), tolerance=1e-8).inversion
+        for each in (1e-3, spacing)
+    )
+    assert abs(not_none(coarse.time) - not_none(fine.time)) < not_none(coarse.time_error)
+
+
 def test_staying_counts_from_the_rise_and_not_from_the_sample_behind_it() -> None:
     run = simulate(Scenario(), np.linspace(0.0, 1.49, 11), local_tolerance=1e-8)
     assert not_none(run.inversion_time) + STAYING < 1.49

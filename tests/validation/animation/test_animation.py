@@ -153,7 +153,7 @@ def test_speed_lets_the_inversion_be_seen() -> None:
     assert shown(lasting, speed=0.25) == (0.25, until)
     assert shown(lasting, begin=10.0) == (1.0, None)
     # A GIF has one speed: the steps between its frames of 0.05 s.
-    for end, speed in ((1.6, 0.1), (16.0, 1.0)):
+    for end, speed in ((5.0, 0.1), (5.1, 1.0)):
         moments, hundredths = drawing.frame_times(0.0, end)
         assert (hundredths, moments[1]) == (5, pytest.approx(0.05 * speed))
 

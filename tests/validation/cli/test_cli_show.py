@@ -108,7 +108,7 @@ def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
     names = [str(Path(folder) / "run.npz") for folder in ("one", "other")]
     assert [*found["runs"]] == names
     (row,) = (each for each in found["fields"] if each["field"] == "friction.coefficient")
-    assert [row[name] for name in names] == ["0.1", "0.2"]
+    assert [row[name] for name in names] == [0.1, 0.2]
 
 
 def test_problems_and_ways_that_differ_are_told_first() -> None:

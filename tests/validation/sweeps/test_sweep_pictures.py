@@ -160,7 +160,12 @@ def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_n
     with pytest.raises(ValueError, match="holds no series of case 1"):
         results.series(1)
     pytest.importorskip("xarray")
-    beta = results.to_xarray()["beta"]
+    cube = results.to_xarray()
+    units = {name: cube[name].attrs["units"] for name in (TIME, *KEEP, "start.spin", "end")}
+    assert units == {TIME: "s", "beta": "rad", "normal_force": "N", "start.spin": "rad/s"} | {
+        "end": "s"
+    }
+    beta = cube["beta"]
     assert beta.dims == ("start.spin", "friction.coefficient", "sample")
     assert beta.shape == (2, 2, 11)
     np.testing.assert_array_equal(beta[1, 0], found["beta"])
