@@ -149,7 +149,9 @@ def until_ending(
         if watch.is_out_of_time:
             return TIME_LIMIT, moments[:size], records[:size]
         try:
-            reason, later, last = _located(records[suspect.row], end, motion, work, allow_pulling)
+            reason, later, last = _located(
+                records[suspect.row], end, motion, work, watch, allow_pulling=allow_pulling
+            )
         except EngineError as error:
             # Where a condition is known to be negative, an ending must not be passed over.
             if suspect.reason:
@@ -166,11 +168,17 @@ def until_ending(
 
 
 def _located(
-    record: Array, end: float, motion: Stepped, work: Counter[str], allow_pulling: bool
+    record: Array,
+    end: float,
+    motion: Stepped,
+    work: Counter[str],
+    watch: Watch,
+    *,
+    allow_pulling: bool,
 ) -> tuple[str | None, float, Array]:
     """Why a motion ends first within `end` s of a record, if it does; time and record there."""
     # On a stiff contact a search may be endless, and a run that broke off has then no ending.
-    watch, times = Watch(most=MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
+    watch, times = watch.part(MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
     with stepping(motion.system):
         problem = motion.starting_at(record)
         if pulls_at_start(problem, allow_pulling=True) and not allow_pulling:

@@ -1,6 +1,6 @@
 """Equations of motion and constraints, read from the engine in any state and solved."""
 
-from math import sin
+from math import inf, sin
 
 import exudyn as exu
 import numpy as np
@@ -24,7 +24,7 @@ _MET = 1e-9
 _PART = 1e-6
 """Part of a contact force over which friction is differentiated by it."""
 
-_SECANTS = 30
+_SECANTS = 60
 """Most steps towards a contact force that friction is not in proportion to,"""
 
 _BALANCED = 1e-14
@@ -137,7 +137,8 @@ class Probe:
         """Solution with friction under the contact force that itself depends on it.
 
         A contact that pulls rubs with no load. Where friction is not in proportion to its load, by
-        secants from the load without friction: the excess of the contact force is to vanish.
+        secants from the load without friction, or towards the middle of the loads that are known
+        to be too small and too large: the excess of the contact force is to vanish.
 
         Parameters
         ----------
@@ -169,20 +170,20 @@ class Probe:
             found = inverse @ right
             return found, -float(found[row]) - load
 
-        (without, less), load = under(0.0), 0.0
+        (without, less), before = under(0.0), 0.0
         if less <= 0.0:
             return without
-        step = less
+        low, high, load = 0.0, inf, less
         for _ in range(_SECANTS):
-            load += step
             solution, more = under(load)
             # Of a contact that lets go, the force is small and not the sizes that cancel in it.
             if abs(more) <= _BALANCED * float(parts @ np.abs(right)):
                 return solution
-            if more == less:
-                break
-            step *= more / (less - more)
-            step, less = max(step, -0.9 * load), more
+            low, high = (load, high) if more > 0.0 else (low, load)
+            found = load + (load - before) * more / (less - more) if more != less else inf
+            before, less = load, more
+            # With a force that at first grows faster than its load, secants lead away.
+            load = found if low < found < high else min(2.0 * load, 0.5 * (low + high))
         raise SingularError(
             "the engine's equations of motion have no contact force under which friction calls "
             f"for itself: {more:.3g} N are left under {load:.6g} N"

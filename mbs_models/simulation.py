@@ -22,6 +22,7 @@ from analysis.problem.choices import IntegratorName
 from analysis.problem.friction import check_slipping
 from analysis.problem.limits import DEFAULT_TOLERANCE
 from analysis.problem.scenario import Scenario
+from analysis.problem.start import FlatError
 from analysis.solve.stepping import Run, integrate, pulls_at_start
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter
 from analysis.solve.watch import Progress, Watch
@@ -193,6 +194,7 @@ def _check_reachable(scene: Scene, times: Array, tolerance: float) -> None:
 
 def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
     """The motion by the first of some integrators that leads there."""
+    failed: Exception | None = None
     for number, integrator in enumerate(integrators, start=1):
         is_last = number == len(integrators)
         try:
@@ -205,15 +207,22 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
             return _trajectory(call, integrator, run, step)
         except HopelessError:
             pass
+        except FlatError:
+            # Of fixed steps, which nobody may have asked for.
+            if failed is None:
+                raise
+            raise failed from None
         except (EngineError, ToleranceError, TimeLimitError) as error:
             if isinstance(error.__cause__, SingularError):
                 # By every way alike.
                 raise
             may_go_on, is_late = integrator.steps_accelerations, isinstance(error, TimeLimitError)
+            leaning, scene = call.watch.flattest[1], call.motion.scene
+            hint = advice(scene, integrators[0], leaning, is_late=is_late)
+            told = type(error)(f"{error}; {hint}")
             if is_last or is_late or not may_go_on:
-                leaning, scene = call.watch.flattest[1], call.motion.scene
-                hint = advice(scene, integrators[0], leaning, is_late=is_late)
-                raise type(error)(f"{error}; {hint}") from error
+                raise told from error
+            failed = failed or told
     raise AssertionError("the last way has come to nothing without saying so")
 
 

@@ -29,6 +29,10 @@ from mbs_models.solving import EngineError
 PLACE, RATES, NORMAL_FORCE = slice(0, 6), slice(6, 12), 12
 """Columns of samples,"""
 
+RIPPLING = 1e-5
+"""Shortest over longest step below which constraint forces of GeneralizedAlpha, which carries them
+on from step to step, are those of another motion."""
+
 BETA, TURNING = 4, [3, 5]
 """and of angles among the coordinates; the turning ones are alpha and gamma."""
 
@@ -192,6 +196,12 @@ def _grid(
     finer, steps = np.array([fineness(each) for each in np.diff(call.times).tolist()]).T
     sampled = np.append(0, np.cumsum(finer))
     moments = np.interp(np.arange(sampled[-1] + 1), sampled, call.times)
+    lengths = np.diff(call.times) / (finer * steps)
+    if integrator.name == "GeneralizedAlpha" and lengths.min() < RIPPLING * lengths.max():
+        raise ValueError(
+            f"times ask for steps of {lengths.min():.2g} and {lengths.max():.2g} s, which differ "
+            "too much for GeneralizedAlpha: take even times, or another integrator"
+        )
     return moments, np.repeat(steps, finer), sampled
 
 

@@ -180,40 +180,43 @@ def integrate(
     ValueError
         If the contact would have to pull at the start and must not.
     """
-    begin = time.thread_time()
+    begin, first = time.thread_time(), float(times[0])
+    # Late on the clock, SciPy's least step is longer than a motion may need.
+    span = times - first
     problem = replace(problem, longest_step=step_fraction * problem.longest_step)
     pulls_at_start(problem, allow_pulling=allow_pulling)
-    lookout = Lookout(problem.endings, problem.start, float(times[0]), allow_pulling)
+    lookout = Lookout(problem.endings, problem.start, 0.0, allow_pulling)
     started: list[Any] = []
     first_part = step_fraction * local_tolerance**TIGHTER
     solver = _made_by(problem, method, local_tolerance, first_part, started)
     ended: str | None = None
     states, row, begun = [problem.start], 1, watch.steps
-    for step in _steps(solver, problem, times):
+    for step in _steps(solver, problem, span[-1], first):
         watch.steps += 1
         if not watch.steps_left:
             if problem.angles:
                 beta, _ = step.last[..., problem.angles]
-                watch.flattest = step.end, asin(sin(beta))
+                watch.flattest = first + step.end, asin(sin(beta))
             raise watch.given_up(method)
         ended = lookout.ending(step)
-        count = int(np.searchsorted(times, step.end, side="right"))
-        states += step.states(times[row:count])
+        count = int(np.searchsorted(span, step.end, side="right"))
+        states += step.states(span[row:count])
         row = count
-        if ended is None and watch.is_over(step.end, times[-1]) and row < times.size:
+        if ended is None and watch.is_over(first + step.end, times[-1]) and row < times.size:
             ended = TIME_LIMIT
         if ended is not None:
             break
     reached = times[:row]
-    if ended is not None and step.end > reached[-1]:
-        reached = np.append(reached, step.end)
+    if ended is not None and first + step.end > reached[-1]:
+        reached = np.append(reached, first + step.end)
         states.append(step.last)
+    pulling = lookout.pulling(reached[-1] - first)
     return Run(
         reached,
         np.array(states),
         sum(_evaluations(problem, each) for each in started),
         ended,
-        lookout.pulling(reached[-1]),
+        tuple((first + since, first + until) for since, until in pulling),
         watch.steps - begun,
         time.thread_time() - begin,
     )
@@ -260,7 +263,7 @@ def _made_by(
 
 
 def _steps(
-    started: Callable[..., Any], problem: InitialValueProblem, times: Array
+    started: Callable[..., Any], problem: InitialValueProblem, end: float, clock: float
 ) -> Iterator[Step]:
     """Steps of a run, none of which goes across a kink of friction.
 
@@ -272,7 +275,10 @@ def _steps(
     started : callable
         See `_made_by`.
     problem : InitialValueProblem
-    times : ndarray, shape (n,)
+    end : float
+        In s from the start.
+    clock : float
+        Time of the start in s.
 
     Raises
     ------
@@ -280,23 +286,23 @@ def _steps(
         If the solver fails, or stalls with steps too short to move its time.
     """
     slip = problem.slip or (lambda _: 0.0)
-    solver, before = started(times[0], problem.start, times[-1]), slip(problem.start)
+    solver, before = started(0.0, problem.start, end), slip(problem.start)
     stride, equal = 0.0, 0
     while solver.status == "running":
         if equal == STALLED and isinstance(solver, solvers.LSODA):
             if not stride:
-                raise _stopped(solver, "its steps have come down to rounding")
-            solver, equal = started(solver.t, solver.y, times[-1]), 0
+                raise _stopped(solver, clock, "its steps have come down to rounding")
+            solver, equal = started(solver.t, solver.y, end), 0
         state = solver.y.copy()
-        step = _step(solver)
+        step = _step(solver, clock)
         after = slip(step.last)
         turn = _turn(slip, before, step, after)
         if step.begin < turn < step.end:
             upto = started(step.begin, state, turn, first_step=turn - step.begin)
             while upto.status == "running":
-                yield _step(upto)
-            length = min(step.end - step.begin, times[-1] - turn)
-            solver = started(turn, upto.y, times[-1], first_step=length)
+                yield _step(upto, clock)
+            length = min(step.end - step.begin, end - turn)
+            solver = started(turn, upto.y, end, first_step=length)
             before = slip(upto.y)
         else:
             yield step
@@ -313,12 +319,12 @@ def _turn(slip: Callable[[Array], float], before: float, step: Step, after: floa
     return float(brentq(lambda time: slip(step.path(time)), step.begin, step.end))
 
 
-def _step(solver: Any) -> Step:
+def _step(solver: Any, clock: float) -> Step:
     # Without a finite derivative, SciPy would look for a first step for ever.
     lost = isnan(getattr(solver, "h_abs", 0.0))
     message = None if lost else _taken(solver)
     if lost or solver.status == "failed" or not isfinite(solver.y.sum()):
-        raise _stopped(solver, message or "the state is no longer finite")
+        raise _stopped(solver, clock, message or "the state is no longer finite")
     return Step(solver)
 
 
@@ -336,8 +342,8 @@ def _taken(solver: Any) -> str | None:
     return solver.step()
 
 
-def _stopped(solver: Any, why: str) -> SolverError:
-    return SolverError(f"{type(solver).__name__} stopped after t = {solver.t:g} s: {why}")
+def _stopped(solver: Any, clock: float, why: str) -> SolverError:
+    return SolverError(f"{type(solver).__name__} stopped after t = {clock + solver.t:g} s: {why}")
 
 
 def _evaluations(problem: InitialValueProblem, solver: Any) -> int:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import cached_property, partial
 from itertools import pairwise
 from math import inf
@@ -84,6 +85,12 @@ class Watch:
             f"{self.steps:.1e} steps, far more than expected; ask for a larger tolerance or an "
             "earlier end, or give a time limit, up to which it goes on"
         )
+
+    def part(self, most: int) -> "Watch":
+        """A watch over what may take so many steps of its own within the same time limit."""
+        found = copy(self)
+        vars(found).update(steps=0, _most=most, _progress=None)
+        return found
 
     def is_over(self, reached: float, end: float) -> bool:
         """Tell how far a run is; returns whether it has to stop."""

@@ -23,6 +23,7 @@ from analysis import (
     Level,
     Load,
     PenaltyContact,
+    PowerLawCoulomb,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -248,6 +249,20 @@ def test_accelerations_near_a_flat_disk(level: Level, side: str, tilt: float, sp
             one, other = mbs_models.acceleration(Scene(scenario, formulation))
             np.testing.assert_allclose(one, moving, rtol=0.0, atol=1e-10 / tilt**2 * scale)
             np.testing.assert_allclose(other, forces, rtol=0.0, atol=1e-7 * most)
+
+
+def test_contact_force_is_found_where_friction_grows_less_than_in_proportion_to_it() -> None:
+    # From no load on, the force that friction calls for at first grows faster than its load.
+    law = PowerLawCoulomb(
+        coefficient=0.5, smoothing=1e-3, reference_load=7.0, exponent=0.5, load="contact"
+    )
+    start = Start(beta=1.0, gamma=0.0, spin=-5.0, gamma_rate=30.0, beta_rate=-20.0)
+    scenario = Scenario(friction=law, start=start)
+    state = scenario.initial_state
+    right = accelerations(scenario, state.coordinates, state.rates)
+    found = mbs_models.acceleration(scenario, state)
+    for one, other in zip(found, right, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
 
 
 def test_slip_is_the_velocity_of_the_disk_where_it_touches_the_table() -> None:

@@ -29,12 +29,13 @@ from analysis import (
     Start,
     Table,
     TimeLimitError,
+    ToleranceError,
 )
 from analysis.mechanics.recorded import accelerations
 from analysis.problem.checks import Array
 from analysis.problem.start import FlatError, State
 from analysis.problem.variations import changed
-from mbs_models import EngineError, Integrator, Scene
+from mbs_models import EngineError, Integrator, Scene, simulation
 from mbs_models.effort import ways
 from mbs_models.extrapolation import Ladder, apart
 from mbs_models.inventory import inventory
@@ -206,6 +207,21 @@ def test_a_tolerance_that_is_not_met_proposes_another_way(way: str) -> None:
         mbs_models.simulate(
             PROPOSED[way], np.linspace(0.0, 99.0, 991), tolerance=1e-9, time_limit=0.05
         )
+
+
+def test_the_way_that_was_tried_first_is_told_where_the_last_one_comes_to_lie_flat(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fails(error: Exception) -> Any:
+        def way(*_: object, **_how: object) -> None:
+            raise error
+
+        return way
+
+    monkeypatch.setattr(simulation, "_stepped", fails(ToleranceError("far off")))
+    monkeypatch.setattr(simulation, "extrapolated", fails(FlatError("flat", 0.1)))
+    with pytest.raises(ToleranceError, match="far off; try "):
+        mbs_models.simulate(scene_of(3), [0.0, 0.1], tolerance=1e-6)
 
 
 def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digits() -> None:

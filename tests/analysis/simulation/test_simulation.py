@@ -184,6 +184,29 @@ def test_jacobian_is_that_of_differences(formulation: str, scenario: Scenario) -
 
 
 @pytest.mark.parametrize("simulated", [simulate, mbs_models.simulate])
+@pytest.mark.parametrize("late", [-3.0, 1e5])
+def test_a_motion_is_the_same_at_any_time_on_the_clock(
+    simulated: Callable[..., Trajectory], late: float
+) -> None:
+    dropped = Scenario(
+        contact=PenaltyContact.damped(1e5, STEEL_DISK),
+        start=Start(height=1e-3, beta=1.0, spin=5.0),
+    )
+    pulled = Scenario(start=Start(spin=200.0))
+    for scenario, how in (
+        (dropped, {}), (Scenario(), {"stop_when": "inverted"}), (pulled, {"allow_pulling": True})
+    ):  # fmt: skip
+        times = np.array([0.0, 0.05, 0.5]) if scenario.contact is None else np.array([0.0, 0.05])
+        runs = [simulated(scenario, each + times, tolerance=1e-8, **how) for each in (0.0, late)]
+        first, second = runs
+        np.testing.assert_allclose(second.times - late, first.times, atol=1e-10)
+        np.testing.assert_allclose(second.coordinates, first.coordinates, atol=1e-7)
+        assert (second.ending and second.ending.reason) == (first.ending and first.ending.reason)
+        shifted = [[each - late for each in pair] for pair in second.pulling]
+        np.testing.assert_allclose(shifted, first.pulling, atol=1e-9)
+
+
+@pytest.mark.parametrize("simulated", [simulate, mbs_models.simulate])
 @pytest.mark.parametrize("smoothing", mostly_slow([1e-9, 1e-12], [1e-9]))
 @pytest.mark.parametrize("contact", [None, PenaltyContact(stiffness=1e5, damping=10.0)])
 def test_steps_of_runs_to_a_tolerance_resolve_the_slip_over_which_friction_sets_in(

@@ -78,7 +78,7 @@ def test_all_holds_and_only_a_critical_speed_that_differs_is_not_the_printed_one
 ) -> None:
     content, table = present(rows), rows["critical-speeds"]
     assert not failing(content.checks)
-    assert content.numbers["answers"] == {"critical": "yes", "hopf": "no", "unstable": "partly"}
+    assert content.numbers["answers"] == {"critical": "yes", "hopf": "no", "unstable": "yes"}
     assert content.numbers["stable"] == "nowhere"
     at = table.isin([measured.COMPUTED]).any(axis=1).idxmax()
     for wrong in (1e-4, nan):
