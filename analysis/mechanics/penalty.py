@@ -1,6 +1,6 @@
 """A body on a table that yields, for numbers of any kind, and its equations as code."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from math import pi
@@ -90,12 +90,8 @@ class YieldingTable:
 
     def touch(self, moving: Moving) -> Touch:
         """Contact in this state."""
+        point, gap, (slip_x, slip_y, gap_rate) = _nearest(self.scenario, moving)
         up = moving.frame.up
-        x, y, z = self._lowest(up)
-        point = (x - self.scenario.disk.eccentricity, y, z)
-        ways = at_point(point, moving.frame)
-        slip_x, slip_y, gap_rate = (way.along(moving.velocity, moving.angular) for way in ways)
-        gap = moving.position[2] + dot(point, up)
         # In axes of the body the vertical turns backwards.
         contour = self._carried(up, cross(up, moving.angular))
         force = self.normal_force(gap, gap_rate)
@@ -226,6 +222,32 @@ def friction_of(*, is_simple: bool) -> Friction:
         return factor * along, factor * across
 
     return simple if is_simple else partial(pair, "force")
+
+
+def opening(scenario: Scenario) -> Callable[[Array], float]:
+    """Function of a state, shape (12,), that changes its sign where a contact opens or closes.
+
+    It closes where the disk touches the table, with the damper's force at once, and opens where
+    the force comes to nothing, before the spring does.
+    """
+    contact, weight = scenario.penalty_contact, scenario.weight
+
+    def force(state: Array) -> float:
+        _, gap, (*_, gap_rate) = _nearest(scenario, EulerAngles.moving(state.tolist()))
+        spring = -contact.stiffness * gap
+        return float(min(spring, spring - contact.damping * gap_rate)) / weight
+
+    return force
+
+
+def _nearest(scenario: Any, moving: Moving) -> tuple[Vector, Any, Iterator[Any]]:
+    """Lowest point seen from S in m, its height, and slip along, slip across and rate of that."""
+    up, disk = moving.frame.up, scenario.disk
+    x, y, z = disk.lowest_point(up, scenario.half_thickness)
+    point = (x - disk.eccentricity, y, z)
+    ways = at_point(point, moving.frame)
+    along = (way.along(moving.velocity, moving.angular) for way in ways)
+    return point, moving.position[2] + dot(point, up), along
 
 
 def contact_functions(scenario: Scenario) -> Functions:

@@ -11,7 +11,7 @@ import numpy as np
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
-from analysis.mechanics.penalty import Solver
+from analysis.mechanics.penalty import Solver, opening
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, choice, instance
 from analysis.problem.choices import FORMULATIONS, Formulation
@@ -122,6 +122,10 @@ def _full(
     def slip(state: Array) -> float:
         return float(velocity_residuals(slips, scenario.disk, state.tolist())[0])
 
+    kink: Callable[[Array], float] | None = slip if scenario.rubs and len(slips) == 1 else None
+    if scenario.contact is not None and not scenario.contact.bilateral:
+        kink = opening(scenario)
+
     def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
         coordinates, rates = _in_rows(paper_of(scenario.disk, states.T))
         # The first sample is the start itself, without the rounding on the way to it and back.
@@ -138,7 +142,7 @@ def _full(
             **of_states(conditions, lambda state: paper_of(scenario.disk, state.tolist())),
         },
         slice(4, 6),
-        slip if scenario.rubs and len(slips) == 1 else None,
+        kink,
         jacobian=partial(recorded.jacobian, scenario),
     )
     return problem, expand

@@ -22,7 +22,7 @@ from analysis.problem.choices import Method
 from analysis.solve.watch import Lookout, StateFunction, Step, Watch
 
 STILL = 1e-9
-"""Slip in m/s that has no sign."""
+"""What has no sign, of a slip in m/s or a force over the weight."""
 
 STALLED = 300
 """Equal steps, shorter than the longest there are, after which LSODA is begun anew: where the
@@ -69,9 +69,9 @@ class InitialValueProblem:
         `CONTACT_WOULD_PULL` the normal force in N of a contact that must not.
     angles : slice or sequence of int
         Columns of a state that hold beta and gamma in rad; errors are judged by them.
-    slip : callable, optional
-        From a state to the slip in the one direction there is, in m/s; friction has a kink where
-        that changes its sign.
+    kink : callable, optional
+        From a state to a number near 1 or less; forces have a kink or jump where it changes its
+        sign: the slip in m/s in the one direction there is, or what presses on a contact.
     difference : float
         Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
         right-hand side; friction may bend within less than usual.
@@ -87,7 +87,7 @@ class InitialValueProblem:
     longest_step: float
     endings: Mapping[str, StateFunction] = field(default_factory=dict)
     angles: slice | Sequence[int] = ()
-    slip: Callable[[Array], float] | None = None
+    kink: Callable[[Array], float] | None = None
     difference: float = 1e-8
     absolute: float | Array = 1.0
     jacobian: Callable[[], Callable[[Array], Array]] | None = None
@@ -265,7 +265,7 @@ def _made_by(
 def _steps(
     started: Callable[..., Any], problem: InitialValueProblem, end: float, clock: float
 ) -> Iterator[Step]:
-    """Steps of a run, none of which goes across a kink of friction.
+    """Steps of a run, none of which goes across a kink of the forces.
 
     A step that does is taken again up to there: its error would be larger than it shows. LSODA
     is begun anew where it has stalled.
@@ -285,9 +285,9 @@ def _steps(
     SolverError
         If the solver fails, or stalls with steps too short to move its time.
     """
-    slip = problem.slip or (lambda _: 0.0)
-    solver, before = started(0.0, problem.start, end), slip(problem.start)
-    stride, equal = 0.0, 0
+    kink = problem.kink or (lambda _: 0.0)
+    solver, before = started(0.0, problem.start, end), kink(problem.start)
+    stride, equal, length = 0.0, 0, end
     while solver.status == "running":
         if equal == STALLED and isinstance(solver, solvers.LSODA):
             if not stride:
@@ -295,28 +295,28 @@ def _steps(
             solver, equal = started(solver.t, solver.y, end), 0
         state = solver.y.copy()
         step = _step(solver, clock)
-        after = slip(step.last)
-        turn = _turn(slip, before, step, after)
+        after = kink(step.last)
+        turn = _turn(kink, before, step, after)
         if step.begin < turn < step.end:
-            upto = started(step.begin, state, turn, first_step=turn - step.begin)
-            while upto.status == "running":
-                yield _step(upto, clock)
-            length = min(step.end - step.begin, end - turn)
-            solver = started(turn, upto.y, end, first_step=length)
-            before = slip(upto.y)
-        else:
-            yield step
-            before = after
-            # As long as the one before, to a hundredth, and not held by the longest step.
-            same = abs(solver.step_size - stride) <= 0.01 * stride < 0.009 * problem.longest_step
-            stride, equal = solver.step_size, equal + 1 if same else 0
+            # By a step that goes across, it is not told exactly: one up to there may do so, too.
+            length = max(step.end - step.begin, length if solver.t_bound < end else 0.0)
+            solver = started(step.begin, state, turn, first_step=turn - step.begin)
+            continue
+        yield step
+        before = after
+        # As long as the one before, to a hundredth, and not held by the longest step.
+        same = abs(solver.step_size - stride) <= 0.01 * stride < 0.009 * problem.longest_step
+        stride, equal = solver.step_size, equal + 1 if same else 0
+        if solver.status == "finished" and step.end < end:
+            first = min(length, end - step.end)
+            solver = started(step.end, solver.y, end, first_step=first)
 
 
-def _turn(slip: Callable[[Array], float], before: float, step: Step, after: float) -> float:
-    """Time at which slip changes its sign within a step, or its end."""
+def _turn(kink: Callable[[Array], float], before: float, step: Step, after: float) -> float:
+    """Time at which a kink lies within a step, or its end."""
     if before * after >= 0.0 or min(abs(before), abs(after)) <= STILL:
         return step.end
-    return float(brentq(lambda time: slip(step.path(time)), step.begin, step.end))
+    return float(brentq(lambda time: kink(step.path(time)), step.begin, step.end))
 
 
 def _step(solver: Any, clock: float) -> Step:
