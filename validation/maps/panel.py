@@ -142,8 +142,9 @@ def became(scenario: Scenario, row: Mapping[str, Any], *, by_face: bool) -> str:
         return "refused" if row["status"] == "refused" and not by_face else "failed"
     if by_face:
         barrier = scenario.weight * _least_upright_height(scenario.disk)
-        # Under the weight the contact gives way.
-        barrier -= 0.5 * scenario.weight**2 / scenario.penalty_contact.stiffness
+        if scenario.contact is not None:
+            # It gives way under the weight.
+            barrier -= 0.5 * scenario.weight**2 / scenario.penalty_contact.stiffness
         if float(row["energy_end"] or np.inf) >= barrier and row["ending"] != "flat":
             return "not decided"
         return "upper face" if float(row["face_end"] or 0.0) > 0.0 else "lower face"
