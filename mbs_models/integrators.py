@@ -19,7 +19,7 @@ from analysis.problem.choices import (
 )
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
-from analysis.solve.effort import longest_step
+from analysis.solve.effort import turning_time
 from mbs_models.scene import CLASSES, Scene
 
 EXPLICIT: tuple[IntegratorName, ...] = ("RK67", "RK44", "DOPRI5")
@@ -73,7 +73,7 @@ class Newton:
     """
 
     modified: bool = True
-    relative: float = 1e-14
+    relative: float = 1e-13
     absolute: float | None = None
 
     def __post_init__(self) -> None:
@@ -163,7 +163,7 @@ class Integrator:
 
     def first_step(self, scenario: Scenario) -> float:
         """First step in s of a run to a tolerance, some 5 or 10 ms for the paper's disk."""
-        return (0.15 if self.implicit else 0.3) * longest_step(scenario)
+        return (0.15 if self.implicit else 0.3) * turning_time(scenario)
 
     def settings(self) -> dict[str, str | float | int | None]:
         """Name and options, as they go with a trajectory."""

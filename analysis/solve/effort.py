@@ -64,9 +64,14 @@ def longest_step(scenario: Scenario) -> float:
     On an unstable equilibrium nothing but rounding moves, and steps without a bound would grow
     past the time in which a deviation does.
     """
-    fall = 0.5 * sqrt(scenario.disk.radius / scenario.table.gravity)
     swing = inf if scenario.contact is None else contact_time(scenario)
-    return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3), swing)
+    return min(turning_time(scenario), swing)
+
+
+def turning_time(scenario: Scenario) -> float:
+    """Time in s in which a disk falls by some part, or turns by 2 rad."""
+    fall = 0.5 * sqrt(scenario.disk.radius / scenario.table.gravity)
+    return min(fall, 2.0 / max(abs(scenario.initial_state.rates[3]), 1e-3))
 
 
 def contact_time(scenario: Scenario) -> float:
