@@ -191,7 +191,7 @@ def test_all_statements_are_judged_and_the_front_says_how_many_hold(rows: Rows) 
     content = claims.present(rows)
     assert not failing(content.checks)
     counted, judged, contact = (content.numbers[name] for name in ("counted", "c", "contact"))
-    assert sum(counted.values()) == len(judged) == 18
+    assert sum(counted.values()) == len(judged) == 26
     figure_7 = [judged[name]["verdict"] for name in ("converges", "tilt", "force", "loads")]
     assert figure_7 == ["no", "partly", "yes", "partly"]
     assert [contact["short"], contact["beyond"]] == pytest.approx([0.282, 0.663], abs=1e-3)
