@@ -27,8 +27,8 @@ MUTED = 1e-100
 largest number there is, theirs among them, such as the force of a heavy disk."""
 
 COOLDOWN = 1e-9
-"""Time in s after an event in which it is no other one; heyoka would guess it from their size."""
-# By the largest of them, that would be so long that a kink may lie within.
+"""Time in s after an event in which it is no other one; heyoka would guess it from the size of the
+largest number there is, so long that a kink may lie within."""
 
 COMPACT = False
 """Whether to compile in a quarter of the time for runs that take two to four times as long."""

@@ -55,8 +55,9 @@ def measures(run: Trajectory) -> Row:
         for each in (run.cog_velocities, slip)
     )
     end = run.inversion.lost or times[-1]
-    early, alpha = times[times <= STRAIGHT], run.coordinate("alpha")[times <= STRAIGHT]
-    line = np.polyval(np.polyfit(early, alpha, 1), early)
+    early = times <= STRAIGHT
+    alpha = run.coordinate("alpha")[early]
+    line = np.polyval(np.polyfit(times[early], alpha, 1), times[early])
     return {
         "inverted": run.inversion_time,
         "short": UPRIGHT - gamma[half],
