@@ -36,4 +36,6 @@ class Assembly:
     @cached_property
     def table(self) -> int:
         """Number of the ground object, added when it is first asked for."""
-        return self.add(items.ObjectGround(), "the table, which what holds the disk refers to")
+        return self.add(
+            items.ObjectGround(), "the table, which all that acts on the disk refers to"
+        )

@@ -128,34 +128,14 @@ def sensor_per_quantity(model: Model) -> None:
 
 def ten_markers(model: Model) -> None:
     """Ten markers that nothing refers to."""
-    table = model.system.AddObject(items.ObjectGround())
     for _ in range(10):
-        model.system.AddMarker(items.MarkerBodyRigid(bodyNumber=table))
+        model.system.AddMarker(items.MarkerBodyRigid(bodyNumber=model.assembly.table))
 
 
 def second_body(model: Model) -> None:
     """A free rotating mass, unconnected: two more states to integrate."""
     node = model.system.AddNode(items.Node1D(referenceCoordinates=[0.0]))
     model.system.AddObject(items.ObjectRotationalMass1D(nodeNumber=node, inertia=1.0))
-
-
-def six_axes(model: Model) -> None:
-    """The centre of gravity held by a joint with six axes instead of one with three.
-
-    The spherical joint is switched off and a generic one does its work.
-    """
-    system = model.system
-    data = system.systemData
-    old = next(
-        number
-        for number in range(data.NumberOfObjects())
-        if system.GetObject(number)["objectType"] == "JointSpherical"
-    )
-    markers = system.GetObject(old)["markerNumbers"]
-    system.SetObjectParameter(old, "activeConnector", False)
-    system.AddObject(
-        items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 0])
-    )
 
 
 BALLAST: dict[str, Ballast] = {

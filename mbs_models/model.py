@@ -133,9 +133,11 @@ class Model(ABC):
 
     def _add_forces(self) -> None:
         """Add friction, or a penalty contact with all that goes with it."""
-        if self.scenario.contact is not None:
-            self.act(self._contact_force(), "penalty contact with friction and losses")
-        elif self.scenario.rubs:
+        scenario = self.scenario
+        if scenario.contact is not None:
+            takes = " and friction" * scenario.rubs + " and losses" * scenario.dissipation.is_on
+            self.act(self._contact_force(), f"penalty contact{takes}")
+        elif scenario.rubs:
             self.act(self.friction(self._load()), "friction")
 
     def _load(self) -> Load:

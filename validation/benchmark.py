@@ -1,10 +1,11 @@
 """Speed of single runs, sweeps and ensembles: `tippedisk benchmark`.
 
-Every time is the median processor time of repeats after a warm-up, in one thread; what is
-compared is called in turns. Single runs are whole calls of a `simulate` function for Table 3 over
-2 s, sampled every 0.01 s; errors are the largest in beta and gamma over all samples, against
-DOP853 with a local tolerance of 3e-14, which differs by less than 1e-12 rad from Radau. What a run
-may take grows with what this machine takes for plain arithmetic.
+Every time is the median of repeats after a warm-up, of processor time but for single compiled
+runs; the way to rest is gone once. What is compared is called in turns. Single runs are whole
+calls of a `simulate` function for Table 3 over 2 s, sampled every 0.01 s; errors are the largest
+in beta and gamma over all samples, against DOP853 with a local tolerance of 3e-14, which differs
+by less than 1e-12 rad from Radau. What a run may take grows with what this machine takes for
+plain arithmetic.
 """
 
 import time

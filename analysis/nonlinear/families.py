@@ -43,8 +43,9 @@ from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Progress
 
-AMPLITUDES: Array = np.linspace(0.1, 3.0, 30)
-"""Amplitudes in rad from near the Hopf point; further ones close in on the connection."""
+AMPLITUDES: Array = np.append(0.03, np.linspace(0.1, 3.0, 30))
+"""Amplitudes in rad from near the Hopf point, where its family may fold at once; further ones
+close in on the connection."""
 
 BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 4.5, 90)))
 """Amplitudes in rad beyond that of the bifurcation, at which cycles without symmetry are looked
@@ -57,6 +58,9 @@ TILTS: Array = np.concatenate(
 
 _SAME_END = 1e-6
 """Distance in rad from the connection at which a family ends."""
+
+_CLOSING = 16
+"""Amplitudes between the last of `AMPLITUDES` and that."""
 
 _FIRST = 0.05
 """How much larger in rad than at the bifurcation the first cycle without symmetry is."""
@@ -105,22 +109,28 @@ def cycle_family(
     if progress is not None:
         function("progress", progress)
     flow.require_cycles(scenario, STEEPEST)
-    wanted = (*_amplitudes(scenario),) if amplitudes is None else amplitudes
-    wanted = _rising("amplitudes", wanted, 0.0, 2.0 * np.pi, "between 0 and 2 pi")
-    found = onward(hopf_cycle(scenario), wanted.tolist(), through_folds=amplitudes is None)
-    return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=wanted.size)
+    values, count = _amplitudes(scenario), AMPLITUDES.size + _CLOSING
+    if amplitudes is not None:
+        wanted = _rising("amplitudes", amplitudes, 0.0, 2.0 * np.pi, "between 0 and 2 pi")
+        values, count = iter(wanted.tolist()), wanted.size
+    found = onward(hopf_cycle(scenario), values, through_folds=amplitudes is None)
+    return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=count)
 
 
 def _amplitudes(scenario: Scenario) -> Iterator[float]:
-    """Those from the Hopf point to the connection, at pi if none is found.
+    """Those from the Hopf point to the connection, which is looked for when they come to it.
 
-    That is looked for when they come to it.
+    Raises
+    ------
+    NoCycleError
+        If none is found: nobody knows how far the family goes.
     """
     yield from AMPLITUDES.tolist()
-    last = float(np.pi)
-    with suppress(NoConnectionError):
+    try:
         last = heteroclinic_connection(scenario).last_amplitude
-    yield from (last - np.geomspace(0.1 + last - np.pi, _SAME_END, 16)).tolist()
+    except NoConnectionError as error:
+        raise NoCycleError(str(error)) from error
+    yield from (last - np.geomspace(0.1 + last - np.pi, _SAME_END, _CLOSING)).tolist()
 
 
 def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:

@@ -28,7 +28,7 @@ _BEND = 2.0
 """Steps by which a motion may lie beside where it was looked for: the family may turn sharply."""
 
 _MOST = 100
-"""Motions of a family beyond its first fold, at most."""
+"""Motions of a family that are followed through folds, at most."""
 
 _ARRIVED = 1e-7
 """Part of value and spin by which neighbours differ at a connection, where the period alone grows;
@@ -150,7 +150,7 @@ def onward(
             why = f"its period alone grows, towards a connection of {saddle} spinning with itself"
             break
     else:
-        why = f"it goes on, {_MOST} motions after its first fold"
+        why = f"it goes on, {_MOST} motions further"
     raise NoCycleError(f"at {last.value:.9g} rad and {last.spin:.9g} rad/s {why}")
 
 

@@ -11,6 +11,7 @@ saddle's gamma and upright, or wind about them (a saddle-focus, where friction i
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from math import sin
 from operator import attrgetter
 from typing import Any
@@ -25,7 +26,7 @@ from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, instance, turn_rate
 from analysis.problem.scenario import Scenario
-from analysis.solve.continuation import WIDEST, nearest_root
+from analysis.solve.continuation import WIDEST, roots_around
 from analysis.stability.linearisation import ComplexArray, eigenvectors
 
 _DEPARTURE = 1e-6
@@ -38,8 +39,9 @@ near the critical speed, where a motion about inverted spinning hardly grows or 
 _SETTLED = 1e-3
 """Distance in rad from inverted spinning at which a motion that has lasted so long has settled."""
 
-_NEAR = 1e-2
-"""Distance in rad from the saddle that motions on either side of a connection come within."""
+_ALIKE = 0.1
+"""Difference of gamma in rad up to which motions end alike, on either side of no connection: those
+beside one leave the saddle to different sides."""
 
 _TOLERANCE, _STIFF_TOLERANCE = 1e-12, 3e-11
 """Relative error of a step of a run, and of a stiff one, whose method makes smaller errors."""
@@ -258,25 +260,22 @@ def _connection(scenario: Scenario) -> Connection:
         return tried[spin].side * float(tried[spin].distances.min()) ** 2
 
     centre = critical_speed(scenario).spin
-    found = nearest_root(missed, centre)
-    if found is None:
+    for found in roots_around(missed, centre):
+        # The nearest ones on either side.
+        below, above = min(
+            (pair for pair in pairwise(sorted(tried)) if pair[0] <= found <= pair[1]),
+            key=lambda pair: tried[pair[0]].side * tried[pair[1]].side,
+        )
+        turning, going = sorted((tried[below], tried[above]), key=attrgetter("side"))
+        if abs(going.states[-1, 1] - turning.states[-1, 1]) > _ALIKE:
+            break
+    else:
         does = "turns back" if tried[centre].side < 0.0 else "goes over"
+        but = "" if len({each.side for each in tried.values()}) == 1 else ", or falls flat,"
         raise NoConnectionError(
             f"no heteroclinic connection between {centre * (1 - WIDEST):.6g} and "
-            f"{centre * (1 + WIDEST):.6g} rad/s: the motion from noninverted spinning {does} at "
-            "all spins tried"
-        )
-    # The nearest ones on either side.
-    lowest = tried[min(tried)].side
-    below = max(each for each in tried if tried[each].side == lowest)
-    above = min(each for each in tried if tried[each].side != lowest)
-    turning, going = sorted((tried[below], tried[above]), key=attrgetter("side"))
-    distance = max(turning.distances.min(), going.distances.min())
-    if distance > _NEAR:
-        raise NoConnectionError(
-            f"no heteroclinic connection at {found:.9g} rad/s, where the motion from noninverted "
-            "spinning begins to turn back or to go over: it comes no nearer to it again than "
-            f"{distance:.2g} rad"
+            f"{centre * (1 + WIDEST):.6g} rad/s: the motion from noninverted spinning {does}{but} "
+            "at all spins tried"
         )
     growing, slow, strong = saddle(scenario, found)[0].tolist()
     return Connection(

@@ -28,7 +28,8 @@ from analysis.stability.linearisation import ComplexArray, eigenvectors
 
 HopfKind = Literal["supercritical", "subcritical", "degenerate"]
 
-_NOTHING = 1e-9
+_NOTHING = 1e-10
+"""Part of the frequency below which a Lyapunov coefficient is none."""
 
 _SMALL = 1.05
 """Largest amplitude in rad of the cycles from which the growth is fitted."""
@@ -64,7 +65,7 @@ class HopfType:
     @property
     def kind(self) -> HopfKind:
         """Supercritical if the cycles are born stable."""
-        if abs(self.lyapunov) < _NOTHING:
+        if abs(self.lyapunov) < _NOTHING * self.frequency:
             return "degenerate"
         return "supercritical" if self.lyapunov < 0.0 else "subcritical"
 

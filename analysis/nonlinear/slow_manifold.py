@@ -22,7 +22,7 @@ from analysis.mechanics.reduced import acceleration_from
 from analysis.nonlinear import flow
 from analysis.problem.checks import Array
 from analysis.problem.scenario import Scenario
-from analysis.solve.continuation import nearest_root
+from analysis.solve.continuation import roots_around
 
 _NODES, _PRECISION = 80, 1e-13
 """Points of a quadrature, of which half would do, and relative error of one with peaks."""
@@ -192,7 +192,7 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         return gained / (abs(gained) + disk.radius / scenario.friction.gradient)
 
     critical = critical_speed(scenario).spin
-    spin = nearest_root(bounded, critical)
+    spin = next(roots_around(bounded, critical), None)
     # Either may be where friction cannot hold the disk, and then says so.
     gain(critical if spin is None else spin)
     if spin is None:

@@ -25,7 +25,10 @@ from analysis.simulation.trajectories import Trajectories
 
 _APART = 1e-3
 """Part of the energy at the start by which the work of a torque may differ between all samples and
-every other one: the rule has then erred by a fifteenth of that."""
+either half of them, every other one: the rule has then mostly erred by a fifteenth of that."""
+
+_FEWEST = 9
+"""Samples below which these agree by chance."""
 
 _AROUND = 6
 """Samples to either side that a value between two of them is told from."""
@@ -162,8 +165,8 @@ def _at(wanted: float, times: Array, values: Array) -> float:
 def _brought(samples: Samples, energy: Array) -> dict[str, Array]:
     """Work of those forces that keep a rate as it is, by Simpson's rule, each shape (k,).
 
-    It is no number where every other sample gives another one, by a part of the energy at the
-    start, shape (k,).
+    It is no number where half of the samples give another one, by a part of the energy at the
+    start, shape (k,), or where there are few.
     """
     constraints, found = samples.scenario.constraints, {}
     names = multiplier_names(constraints)
@@ -174,11 +177,12 @@ def _brought(samples: Samples, energy: Array) -> dict[str, Array]:
         power = samples.multipliers[..., names.index(name)] * rate
         work = found[f"brought_by_{name}"] = np.empty(len(counts))
         for count in np.unique(counts).tolist():
-            rows, every, last = counts == count, np.arange(count), count - 1
-            fine, coarse = (
+            rows, last = counts == count, count - 1
+            inner = np.arange(1, last)
+            sums = [
                 simpson(power[rows][:, some], x=samples.times[rows][:, some])
-                for some in (every, np.append(every[:last:2], last))
-            )
-            tells = (np.abs(fine - coarse) <= _APART * energy[rows]) & (count > 2)
-            work[rows] = np.where(tells, fine, np.nan)
+                for some in (np.r_[0, each, last] for each in (inner, inner[::2], inner[1::2]))
+            ]
+            tells = (np.ptp(sums, axis=0) <= _APART * energy[rows]) & (count >= _FEWEST)
+            work[rows] = np.where(tells, sums[0], np.nan)
     return found

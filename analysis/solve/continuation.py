@@ -3,7 +3,7 @@
 Periodic motions, whose unknowns are functions, are followed in `analysis.nonlinear.following`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -38,18 +38,18 @@ _STRAIGHT = 0.99
 """Cosine of the angle between neighbouring tangents of a curve, at least."""
 
 
-def nearest_root(function: Callable[[float], float], centre: float) -> float | None:
-    """Root of a function next to a centre to 1e-11, or None.
+def roots_around(function: Callable[[float], float], centre: float) -> Iterator[float]:
+    """Where a function changes its sign, to 1e-11, the nearest place to a centre first.
 
-    None is found if the function does not change its sign within half the centre to both sides.
+    It is looked at in steps, within half the centre to both sides.
     """
-    middle = function(centre)
+    seen = dict.fromkeys((-_SEARCH_STEP, _SEARCH_STEP), function(centre))
     for count in range(1, round(WIDEST / _SEARCH_STEP) + 1):
-        for way in (-_SEARCH_STEP, _SEARCH_STEP):
-            outer, inner = (centre * (1.0 + way * each) for each in (count, count - 1))
-            if function(outer) * middle <= 0.0:
-                return float(brentq(function, inner, outer, xtol=1e-11, rtol=1e-14))
-    return None
+        for way, before in seen.items():
+            inner, outer = (centre * (1.0 + way * each) for each in (count - 1, count))
+            seen[way] = function(outer)
+            if seen[way] * before <= 0.0:
+                yield float(brentq(function, inner, outer, xtol=1e-11, rtol=1e-14))
 
 
 class Curve(NamedTuple):

@@ -300,7 +300,7 @@ def _beyond_zero(at: Callable[[float], float], times: list[float]) -> float | No
         lambda time: sign * at(time),
         bounds=(times[0], times[2]),
         method="bounded",
-        options={"xatol": 1e-3 * (times[2] - times[0])},
+        options={"xatol": 1e-5 * (times[2] - times[0])},
     )
     found = float(least.x)
     return found if (at(found) < 0.0) != negative else None

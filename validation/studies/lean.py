@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
-from statistics import median
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from analysis import MODELS, Level, Scenario, SmoothCoulomb
 from analysis.problem.checks import Array
 from mbs_models import Formulation, Scene
 from mbs_models.integrators import find_integrator
-from mbs_models.inventory import BALLAST, Ballast, six_axes
+from mbs_models.inventory import BALLAST, Ballast
 from mbs_models.runs import run
 from mbs_models.scene import build
 from validation.comparison.limits import largest
@@ -28,19 +27,17 @@ PAIRS = 11
 SAME = 1e-9
 """Most that a part which a scene does not need may change of what is sampled, in SI units."""
 
-PARTS = BALLAST | {"six joint axes where three do": six_axes}
-
 
 def cases() -> dict[str, tuple[str, Scene]]:
     """Names of parts with scenes that do not need them, by both."""
     bare, tree, free = scene(1, "contact-tree"), scene(2, "euler-tree"), scene(2, "floating")
     smooth = SmoothCoulomb(coefficient=0.0)
-    friction, sensors, *others, axes = PARTS
+    friction, sensors, *others = BALLAST
     idle = [
         (friction, replace(each, scenario=replace(each.scenario, friction=smooth)))
         for each in (bare, tree, free)
     ]
-    idle += [(sensors, tree), *((part, free) for part in (sensors, *others)), (axes, tree)]
+    idle += [(sensors, tree), *((part, free) for part in (sensors, *others))]
     return {f"{part}: {scene_name(each)}": (part, each) for part, each in idle}
 
 
@@ -70,15 +67,13 @@ def timed(scene: Scene, *parts: Ballast) -> tuple[float, Array]:
 def price(case: tuple[str, Scene]) -> Iterator[Row]:
     """Times of the engine's runs with and without a part, in turns, and what the part changes."""
     part, scene = case
-    runs = in_turns(partial(timed, scene, PARTS[part]), partial(timed, scene), pairs=PAIRS)
+    runs = in_turns(partial(timed, scene, BALLAST[part]), partial(timed, scene), pairs=PAIRS)
     (carried, there), (left_out, here) = (zip(*same, strict=True) for same in runs)
     ratios = interval([a / b for a, b in zip(carried, left_out, strict=True)])
     price, least, most = (100.0 * (ratio - 1.0) for ratio in ratios)
     yield {
         "part carried": part,
         "scene": scene_name(scene),
-        "with in ms": 1e3 * median(carried),
-        "without in ms": 1e3 * median(left_out),
         "price in %": price,
         "from": least,
         "to": most,

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from analysis import ROUNDED_STEEL_DISK, Disk, Scenario, SmoothCoulomb
+from analysis import (
+    ROUNDED_STEEL_DISK,
+    Disk,
+    Scenario,
+    SmoothCoulomb,
+    Table,
+    TanhCoulomb,
+)
 from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
@@ -137,6 +144,42 @@ def test_a_connection_may_lie_far_below_the_critical_speed() -> None:
     falls = [fall(scenario, spin) for spin in (56.1063, 30.0, 29.471985041 + 1e-6, 29.47)]
     assert [way.side for way in falls] == [-1.0, -1.0, -1.0, 1.0]
     assert falls[2].distances.min() < 0.02 < falls[1].distances.min()
+
+
+ODD: dict[str, tuple[tuple[float, ...], tuple[float, float], float, float]] = {
+    # Nearer to the critical speed, motions that go over begin to fall flat.
+    "beyond a fall": (
+        (1.040817403, 0.2145438086, 0.006550906455, 0.07137841579, 0.1702697111, 0.1169874976),
+        (0.1915908193, 0.220027975),
+        16.50975476,
+        5.6335293,
+    ),
+    # Motions come near to it as slowly as the difference in spin to the power of 0.047.
+    "small saddle index": (
+        (0.00769624729, 0.2164542083, 1.0903589962e-4, 2.984811503e-6, 6.745662858e-7,
+         2.7815848e-6),
+        (0.4069870705, 0.04486668503),
+        0.1775623744,
+        13.9508499,
+    ),
+}  # fmt: skip
+"""Numbers of disk and friction, gravity, and spin by runs of other equations."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ODD)
+def test_connection_of_an_odd_disk_is_found(name: str) -> None:
+    numbers, (coefficient, smoothing), gravity, spin = ODD[name]
+    names = ("radius", "mass", "eccentricity", "inertia_x", "inertia_y", "inertia_z")
+    found = heteroclinic_connection(
+        model(
+            4,
+            disk=Disk(**dict(zip(names, numbers, strict=True))),
+            friction=TanhCoulomb(coefficient=coefficient, smoothing=smoothing),
+            table=Table(gravity=gravity),
+        )
+    )
+    assert found.spin == pytest.approx(spin, rel=1e-7)
 
 
 @pytest.mark.whole

@@ -183,6 +183,32 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     assert found.reason.endswith(" at a spin of 30.91 rad/s")
 
 
+def test_cycles_may_fold_right_beside_the_hopf_point() -> None:
+    disk = replace(PAPER.disk, eccentricity=0.0195)
+    scenario = replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.3))
+    begun = cycle_family(scenario, families.AMPLITUDES[:3])
+    assert [each.stable for each in begun.motions] == [False, True, True]
+    ((kind, fold, _),) = events(begun)
+    assert kind == "fold"
+    near = cycle_family(scenario, fold.value * np.array((0.9, 1.0, 1.1))).motions
+    assert fold.spin == pytest.approx(near[1].spin, abs=1e-11)
+    assert fold.spin > max(near[0].spin, near[2].spin) > begun.begins + 1e-4
+
+
+@pytest.mark.slow
+def test_cycles_go_on_beyond_pi_where_they_come_to_no_connection_near() -> None:
+    disk = replace(PAPER.disk, eccentricity=0.02)
+    found = cycle_family(replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.3)))
+    assert not_none(found.reason).endswith(" of noninverted spinning with itself")
+    # Closed by runs of other equations at 3.149 rad, which have a multiplier of 1.384.
+    at = int(np.searchsorted([each.value for each in found.motions], 3.149))
+    start = found.motions[at]
+    cycle = solve(start, start.place_with(value=3.149))
+    assert cycle.spin == pytest.approx(37.545483, abs=1e-6)
+    assert cycle.larger == pytest.approx(1.384, abs=5e-3)
+    assert [each.kind for each in events(found)][-3:] == ["symmetry-breaking", "fold", "fold"]
+
+
 @pytest.mark.slow
 def test_a_collocation_from_far_off_fails_instead_of_finding_something(family: Family) -> None:
     cycle = family.motions[1]

@@ -291,6 +291,16 @@ def test_work_that_the_samples_do_not_tell_is_left_empty() -> None:
     np.testing.assert_allclose(columns["taken_sliding"][known], 0.178233, atol=5e-5)
 
 
+def test_work_is_not_told_by_sums_that_agree_by_chance() -> None:
+    start = Start(spin=33.912082862, beta=1.051168439, gamma=1.983315193, beta_rate=1.493749797)
+    scenario = Scenario(constraints=TILTED[0], start=start)
+    motions = [simulate(scenario, np.linspace(0.0, 0.4, count)) for count in (3, 5, 7, 1001)]
+    taken = outcomes(motions).columns["taken_sliding"]
+    assert np.isfinite(taken).tolist() == [False] * 3 + [True]
+    # By power integrated along the motion, with other equations.
+    assert taken[-1] == pytest.approx(0.00505043, abs=1e-8)
+
+
 def test_budget_of_a_motion_to_rest_is_told_from_its_first_sample_to_its_last() -> None:
     motion = simulate_to_rest(Scenario.rest(), 0.05, spacing=0.01, local_tolerance=1e-9)
     (row,) = outcomes([motion]).rows()

@@ -85,7 +85,7 @@ def test_a_first_step_is_short_where_a_longer_one_leads_to_no_solution(method: M
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("half", [0.03, 0.01])
+@pytest.mark.parametrize("half", [0.03, 0.01, 3e-5])
 def test_short_dip_ends_a_motion_wherever_in_a_step_it_lies_and_so_does_the_end_of_a_rise(
     half: float, sign: float
 ) -> None:

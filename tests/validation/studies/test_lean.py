@@ -48,7 +48,7 @@ def test_price_is_that_of_the_part_and_a_change_of_the_motion_is_seen(
         table = pd.DataFrame([{"case": "a", **row, "change": 1e-12, "from": least}])
         content = lean.present({"lean": table})
         text = Section("lean", content, Path(lean.__file__).with_suffix(".md")).filled(vars(lean))
-        assert f"Of 1 parts, {said}" in text[1]
+        assert f"of 1 parts in these scenes, {said}" in text[1]
     for change, holds in ((1e-12, True), (1e-3, False), (np.nan, False)):
         table = pd.DataFrame([{"case": "a", **row, "change": change}])
         assert [check.holds for check in lean.present({"lean": table}).checks] == [holds]

@@ -60,7 +60,6 @@ def present(rows: Rows) -> Content:
             "followed": followed.set_index("case"),
             "law": law,
             "growth": np.log(passage.LOST / passage.SMALL),
-            "settling": passage.SETTLING,
             "stable": stable,
             "late": late,
             "answers": {
@@ -157,11 +156,9 @@ def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
         "case": "friction or disk",
         "spin": "spin in rad/s",
         "predicted": "first-order prediction",
-        "lacking": "difference over (ε/μ)²",
         **tables.SADDLE,
     }
-    lacking = (found.spin - found.predicted) * (found.coefficient / found.smoothing) ** 2
-    return found.assign(lacking=lacking)[[*heads]].rename(columns=heads)
+    return found[[*heads]].rename(columns=heads)
 
 
 # --- Checks -------------------------------------------------------------------------------------

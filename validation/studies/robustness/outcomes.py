@@ -217,9 +217,7 @@ UNFINISHED = ("too many steps", _NO_CONVERGENCE)
 _CAUSES = {
     "reference in doubt": "no reference is good enough",
     "not finished in the limit": UNFINISHED[0],
-    "lies nearly flat": "falls flat, where Euler angles end",
     "Newton's iteration did not converge": _NO_CONVERGENCE,
-    "was given up": UNFINISHED[0],
 }
 """Words of a verdict or message, and the cause they stand for; others stand for themselves."""
 

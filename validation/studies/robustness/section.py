@@ -102,6 +102,7 @@ def case_numbers(table: pd.DataFrame) -> dict[str, Any]:
         "ends": int(table["right"].sum()) - accurate,
         "without": int((~table["right"]).sum()),
         "broken": int(table["broken"].sum()),
+        "again": int(table["repeatable"].notna().sum()),
         "late": int(late.sum()),
         "stiff": int((late & (finest <= VERY_STIFF)).sum()),
         "tolerances": table["tolerance"],

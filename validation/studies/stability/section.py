@@ -43,9 +43,10 @@ def present(rows: Rows) -> Content:
             "corners": region[region.kind == "corner"],
             "inside": inside,
             "answers": _answers(found, stable),
+            "changes": len(variants) - 1,
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
-            "own": of_models[of_models.motion == "inverted"].groupby("is constrained")[OWN],
+            "own": values.groupby("is constrained")[OWN],
         },
         tables={
             "region": region.loc[region.kind != "curve"].drop(
