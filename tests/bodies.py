@@ -5,7 +5,14 @@ from typing import Any
 
 from analysis import Body, Disk
 from analysis.problem.elementary import sqrt
+from analysis.problem.quantities import SIX
 from validation.studies import crosscheck
+
+
+def of_six(*numbers: float, kind: type[Body] = Disk, **more: float) -> Any:
+    """A body by its radius, mass, eccentricity and moments of inertia about G, and more."""
+    return kind(**dict(zip(SIX, numbers, strict=True)), **more)
+
 
 COMPOSED, TIPPE_TOP = crosscheck.COMPOSED, crosscheck.TOP
 
@@ -27,17 +34,8 @@ class Egg(Body):
         return -(a * x) / height, -(b * y) / height, -(b * z) / height
 
 
-EGG = Egg(
-    radius=0.02,
-    mass=0.02,
-    eccentricity=0.003,
-    inertia_x=3.0e-6,
-    inertia_y=2.98e-6,
-    inertia_z=3.1e-6,
-    inertia_xy=1e-7,
-    inertia_xz=2e-7,
-    inertia_yz=-3e-7,
-)
+OWN: Any = {"kind": Egg, "inertia_xy": 1e-7, "inertia_xz": 2e-7, "inertia_yz": -3e-7}
+EGG = of_six(0.02, 0.02, 0.003, 3.0e-6, 2.98e-6, 3.1e-6, **OWN)
 
 BODIES: dict[str, Body] = {
     "composed": COMPOSED,

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from sympy import rot_ccw_axis1, rot_ccw_axis3
 
 from analysis import (
+    COORDINATES,
     MODELS,
     POSSIBLE_SETS,
     ConstraintSet,
@@ -22,6 +23,7 @@ from analysis import (
     Scenario,
     SmoothCoulomb,
     Start,
+    State,
     Table,
     Trajectory,
     multiplier_names,
@@ -167,6 +169,18 @@ def random_scenario(
     return scenario, np.array(state.coordinates), np.array(state.rates)
 
 
+def reaching(quantity: str, limit: float, sign: float = 1.0) -> Callable[[State], float]:
+    """Condition that ends a motion where a coordinate or rate comes up to a limit, or down: -1."""
+    field = "rates" if quantity.endswith("_rate") else "coordinates"
+    at = COORDINATES.index(quantity.removesuffix("_rate"))
+
+    def condition(state: State) -> float:
+        return sign * (limit - getattr(state, field)[at])
+
+    condition.__name__ = f"{quantity} {limit}"
+    return condition
+
+
 needs_heyoka = pytest.mark.skipif(
     find_spec("heyoka") is None, reason="heyoka has wheels for Linux alone"
 )
@@ -175,6 +189,8 @@ EITHER_METHOD = ("DOP853", pytest.param("taylor", marks=needs_heyoka))
 """Of either kind: pure and compiled."""
 
 all_sets = pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids="+".join)
+
+ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 
 TILTED: tuple[ConstraintSet, ...] = (
     ("contact", "held-tilt-rate"),

@@ -40,6 +40,14 @@ class Answering(FrictionLaw):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pushing(Answering):
+    """Law with any force."""
+
+    def force(self, along: Any, across: Any, load: Any) -> Any:
+        return self.says(along, across, load)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Own(FrictionLaw):
     """A good one, with a parameter of each kind: force = -strength * load * slip / sqrt(...)."""
 

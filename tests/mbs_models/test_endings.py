@@ -19,7 +19,7 @@ from mbs_models import FORMULATIONS, EngineError, Formulation, Scene
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Suspect, suspects, until_ending
 from mbs_models.solving import solving
-from tests.helpers import model, mostly_slow, not_none
+from tests.helpers import model, mostly_slow, not_none, reaching
 from tests.scenes import runner, scene_of
 from validation.comparison.references import reference
 from validation.studies.robustness.outcomes import is_broken, outcome, ways
@@ -59,20 +59,13 @@ def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
         assert (found[0], *found[1]) == (reason, 0.0)
 
 
-def faster(state: State) -> float:
-    return state.rates[3] - 20.0
-
-
-def slower(state: State) -> float:
-    return 20.0 - state.rates[3]
-
-
 INVERTED = Start(gamma=pi / 2 - 0.01, spin=40.0)
 SPINNING = Start(gamma=0.3, spin=20.0)
 
 
 @pytest.mark.parametrize(
-    ("start", "condition"), [(INVERTED, "inverted"), (SPINNING, faster), (SPINNING, slower)]
+    ("start", "condition"),
+    [(INVERTED, "inverted"), *((SPINNING, reaching("alpha_rate", 20.0, x)) for x in (-1.0, 1.0))],
 )
 @pytest.mark.parametrize("formulation", [*FORMULATIONS, "to rest"])
 def test_a_condition_that_holds_at_the_start_or_is_zero_there_waits_until_it_has_not(
@@ -139,19 +132,12 @@ def near(state: State) -> float:
     return (state.coordinates[3] - 40.0 * 0.045) ** 2 - (40.0 * 4e-4) ** 2
 
 
-def early(state: State) -> float:
-    return 1.0 - state.coordinates[3]
-
-
-def late(state: State) -> float:
-    return 1.01 - state.coordinates[3]
-
-
+EARLY, LATE = (reaching("alpha", limit) for limit in (1.0, 1.01))
 FIRST: dict[str, tuple[StopWhen, str, float]] = {
     # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
     "between steps alone": ([near], "near", 0.0446),
-    "earlier first": ([early, late], "early", 0.025),
-    "earlier last": ([late, early], "early", 0.025),
+    "earlier first": ([EARLY, LATE], "alpha 1.0", 0.025),
+    "earlier last": ([LATE, EARLY], "alpha 1.0", 0.025),
 }
 
 

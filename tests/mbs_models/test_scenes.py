@@ -39,7 +39,7 @@ from mbs_models.runs import run
 from mbs_models.scene import build
 from tests.bodies import BODIES, TIPPE_TOP
 from tests.calls import printed
-from tests.helpers import TILTED, model, random_scenario, slip
+from tests.helpers import ROLLING, TILTED, model, random_scenario, slip
 from tests.helpers import random_start as free_start
 from tests.scenes import scene_of
 from tests.wayward_law import Own
@@ -179,7 +179,6 @@ class Slanted(SmoothCoulomb):
 
 KINDS: list[type[FrictionLaw]] = [*LAWS.values(), Own]
 ON_CONTACT = [kind(load="contact") for kind in KINDS[1:]]
-ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 STEEP = Table(inclination=0.2, downhill=0.5)
 LOSSES = {"rolling_dry": 1e-3, "rolling_viscous": 1e-3, "pivoting": 1e-4}
 

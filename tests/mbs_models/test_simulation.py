@@ -41,7 +41,7 @@ from mbs_models.extrapolation import Ladder, apart
 from mbs_models.inventory import inventory
 from mbs_models.simulation import advice
 from tests.bodies import EGG, ELLIPSE
-from tests.helpers import model, mostly_slow, not_none
+from tests.helpers import model, mostly_slow, not_none, reaching
 from tests.scenes import LOADED, SHORT, TIMES, rest_scene, scene_of, truth
 from validation.comparison.differences import deviation, ending_error
 
@@ -53,14 +53,7 @@ def every(scenario: Scenario) -> list[Scene]:
     return [Scene(scenario, each) for each in mbs_models.formulations(scenario)]
 
 
-def turned(state: State) -> float:
-    return -17.0 - state.coordinates[3]
-
-
-def turning(state: State) -> float:
-    return 6 * pi + 1.2 - state.coordinates[5]
-
-
+TURNED, TURNING = reaching("alpha", -17.0), reaching("gamma", 6 * pi + 1.2)
 LONG, COARSE = np.linspace(0.0, 0.6, 121), np.linspace(0.0, 0.2, 5)
 UNEVEN = 8.0 + np.array([0.0, 0.003, 0.1, 0.1001, 0.13, 0.2])
 SLOPE = Table(inclination=radians(2.0), downhill=0.7)
@@ -98,8 +91,8 @@ FOLLOWED: list[tuple[Scene, Array, float, dict[str, Any]]] = [
       for scenario, times, tolerance in ((FAST, COARSE, 1e-4), (TUGGED, LONG[:40:4], 1e-8))
       for scene in every(scenario)),
     *((scene, LONG, 1e-8, {"stop_when": each}) for scene in every(WOUND)
-      for each in ("inverted", turned, turning)),
-    *((Scene(WOUND, each), LONG, 1e-5, STEPPED | {"stop_when": turned})
+      for each in ("inverted", TURNED, TURNING)),
+    *((Scene(WOUND, each), LONG, 1e-5, STEPPED | {"stop_when": TURNED})
       for each in ("floating", "floating-lie")),
     *((scene, LONG, 1e-6, how) for scenario in PULLED for scene in every(scenario)
       for how in (ACCELERATED, STEPPED)[: 2 if scene.formulation == "euler-tree" else 1]),
@@ -349,35 +342,30 @@ def test_nothing_of_a_call_stays_in_memory(call: str, monkeypatch: pytest.Monkey
     assert not any(model() for model in models)
 
 
-def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alone() -> None:
-    model = mbs_models.build(Scenario())
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.5, 500
-    settings.solution.file.write = settings.show.statistics = False
-    model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
-    coordinates, rates = model.decode(model.record()[None])
-    truth = analysis.simulate(model.scenario, [0.0, 0.5])
-    np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
-    np.testing.assert_allclose(rates[0], truth.rates[-1], rtol=0.0, atol=1e-5)
+ALONE: list[tuple[Scene, float, int, str]] = [
+    (Scene(), 0.5, 500, "RK44"),
+    *((scene_of(level, "floating-lie", friction=SmoothCoulomb(load=load)), 0.05, 400,
+       "TrapezoidalIndex2") for level in (2, 3, 4) for load in LOADS),
+]  # fmt: skip
+"""Scenes, ends in s, numbers of steps, and solvers of the engine."""
 
 
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("level", [2, 3, 4])
-def test_the_engines_own_solver_goes_on_from_what_is_settled(level: Level, load: Any) -> None:
-    scenario = Scenario(
-        constraints=analysis.MODELS[level], friction=replace(Scenario().friction, load=load)
-    )
-    model = mbs_models.build(Scene(scenario, "floating-lie"))
-    mbs_models.settle(model)
+@pytest.mark.parametrize(("scene", "end", "steps", "solver"), ALONE)
+def test_a_built_system_is_the_scenario_at_its_start_and_runs_in_the_engine_alone(
+    scene: Scene, end: float, steps: int, solver: str
+) -> None:
+    model = mbs_models.build(scene)
+    if scene.has_constraints:
+        mbs_models.settle(model)
     settings = exu.SimulationSettings()
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.05, 400
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, steps
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     settings.solution.file.write = settings.show.statistics = False
-    model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
-    record = model.record()[None]
-    state = coordinates, _ = model.decode(record)
-    truth = analysis.simulate(scenario, [0.0, 0.05])
-    np.testing.assert_allclose(coordinates[0], truth.coordinates[-1], rtol=0.0, atol=1e-7)
-    forces = model.multipliers(record, *state)[0]
-    np.testing.assert_allclose(forces, truth.multipliers[-1], rtol=0.0, atol=1e-5)
+    model.system.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, solver))
+    record, expected = model.record()[None], truth(scene.scenario, [0.0, end])
+    state = coordinates, rates = model.decode(record)
+    np.testing.assert_allclose(coordinates[0], expected.coordinates[-1], rtol=0.0, atol=1e-7)
+    found = (rates, model.multipliers(record, *state))
+    for each, right in zip(found, (expected.rates, expected.multipliers), strict=True):
+        np.testing.assert_allclose(each[0], right[-1], rtol=0.0, atol=1e-5)
     model.close()

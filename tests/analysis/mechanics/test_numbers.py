@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -14,7 +13,7 @@ from analysis.mechanics.dual import derivatives, of_duals, per_speed_and_slope
 from analysis.mechanics.recorder import Recorder, call
 from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
 from tests.helpers import assert_close, derivative, jacobian
-from tests.wayward_law import Own
+from tests.wayward_law import Answering, Pushing
 
 FORMULAS: dict[str, Callable[[Sequence[Any]], list[Any]]] = {
     "sums": lambda x: [-x[0] + 2.0 - x[1], 3.0 - (x[0] - x[1]), x[1] + 1.5],
@@ -33,39 +32,22 @@ def test_derivatives_are_those_of_the_formula(name: str) -> None:
     assert_close(derivatives(FORMULAS[name], place), slopes, relative=1e-11)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Elementary(Own):
-    """The same law in functions that take dual numbers."""
-
-    def per_speed(self, speed: float) -> float:
-        return self.strength / hypot(0.1 * self.order, speed)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Chosen(Own):
-    """The same law, of which NumPy makes an array without axes."""
-
-    def per_speed(self, speed: float) -> Any:
-        return np.where(speed < 1e9, self.strength / hypot(0.1 * self.order, speed), 0.0)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OfFloats(Own):
-    """A law whose force takes floats alone, from a slip on."""
-
-    IS_PROPORTIONAL = False
-
-    slip: float = 0.0
-
-    def force(self, along: Any, across: Any, load: Any) -> tuple[Any, Any]:
-        factor = -math.sqrt(load) if along > self.slip else -load
-        return factor * along, factor * across
+FLOATS, DUALS, ARRAYS = (
+    Answering(says=says)
+    for says in (
+        lambda speed: 0.3 / math.hypot(0.2, speed),
+        lambda speed: 0.3 / hypot(0.2, speed),
+        # NumPy makes an array without axes.
+        lambda speed: np.where(speed < 1e9, 0.3 / hypot(0.2, speed), 0.0),
+    )
+)
+"""The same law in functions that take floats alone, dual numbers, and arrays."""
 
 
 SIMPLE: list[FrictionLaw] = [law for law in (kind() for kind in LAWS.values()) if law.is_simple]
 
 
-@pytest.mark.parametrize("law", [*SIMPLE, Own(), Elementary()], ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("law", [*SIMPLE, FLOATS, DUALS], ids=lambda law: type(law).__name__)
 def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: FrictionLaw) -> None:
     unit = law.gradient / law.finest_speed
     for relative in (1e-4, 0.049, 0.051, 0.3, 1.0, 3.0):
@@ -83,7 +65,7 @@ def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: Frictio
 def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_not() -> None:
     speeds = np.geomspace(1e-3, 10.0, 9)
     expected = -0.3 * speeds / (0.04 + speeds**2) ** 1.5
-    for law, accuracy in ((Elementary(), 1e-14), (Own(), 1e-9), (Chosen(), 1e-9)):
+    for law, accuracy in ((DUALS, 1e-14), (FLOATS, 1e-9), (ARRAYS, 1e-9)):
         values, slopes = per_speed_and_slope(law, speeds)
         np.testing.assert_allclose(values, [law.per_speed(each) for each in speeds], rtol=1e-15)
         np.testing.assert_allclose(slopes, expected, rtol=accuracy, atol=accuracy)
@@ -91,8 +73,10 @@ def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_no
 
 @pytest.mark.parametrize("slip", [0.0, 1.0])
 def test_a_force_of_floats_alone_is_told_where_its_slopes_are_asked_for(slip: float) -> None:
-    with pytest.raises(ValueError, match=r"^friction law '.*:OfFloats' must do with arithmetic "):
-        of_duals(OfFloats(slip=slip))
+    # From a slip on.
+    law = Pushing(says=lambda x, y, n: (-math.sqrt(n) * x if x > slip else -n * x, -n * y))
+    with pytest.raises(ValueError, match=r"^friction law '.*:Pushing' must do with arithmetic "):
+        of_duals(law)
 
 
 # --- Recorded formulas -------------------------------------------------------------------------

@@ -132,17 +132,23 @@ SURFACES = ((STEEL_DISK, 0.0), (STEEL_DISK, HALF), (ELLIPSE, HALF), (EGG, 0.0))
 TAKEN = [(*each, cause) for each in SURFACES for cause in CAUSES[2 : 5 + each[0].is_round_disk]]
 
 
-@pytest.mark.parametrize(("body", "half", "cause"), TAKEN)
-def test_energy_falls_by_what_is_taken(body: Body, half: float, cause: str) -> None:
+def moving(
+    body: Body, half: float, damping: float = 0.0, **losses: float
+) -> tuple[YieldingTable, Array, Array]:
+    """A body that presses on the table and moves in every way; its state, and how that changes."""
     # A contact that may open has a kink where it does.
-    contact = PenaltyContact(stiffness=1e5, damping=50.0, half_thickness=half, bilateral=True)
+    contact = PenaltyContact(stiffness=1e5, damping=damping, half_thickness=half, bilateral=True)
     start = Start(beta=1.1, gamma=0.3, spin=9.0, x_rate=0.2, y_rate=0.4, beta_rate=2.0)
-    losses = Dissipation(**{cause: 1e-2})
-    scenario = Scenario(disk=body, contact=contact, dissipation=losses, start=start)
-    table, state = YieldingTable.of(scenario), start_vector(body, scenario.initial_state)
+    scenario = Scenario(disk=body, contact=contact, dissipation=Dissipation(**losses), start=start)
+    state = start_vector(body, scenario.initial_state)
     state[9] -= 0.1
     solve = free_solver(scenario, Quaternion, of_floats(scenario.friction))
-    change = np.array(solve(*state[:13].tolist()))
+    return YieldingTable.of(scenario), state, np.array(solve(*state[:13].tolist()))
+
+
+@pytest.mark.parametrize(("body", "half", "cause"), TAKEN)
+def test_energy_falls_by_what_is_taken(body: Body, half: float, cause: str) -> None:
+    table, state, change = moving(body, half, 50.0, **{cause: 1e-2})
     powers = change[13:]
     # The contact's damper and sliding are always there.
     np.testing.assert_array_equal(powers > 0.0, [each in (*CAUSES[:2], cause) for each in CAUSES])
@@ -157,16 +163,10 @@ def test_energy_falls_by_what_is_taken(body: Body, half: float, cause: str) -> N
 def test_rolling_resistance_is_its_coefficient_times_the_force_and_the_speed_on_the_contour(
     body: Body, half: float
 ) -> None:
-    contact = PenaltyContact(stiffness=1e5, half_thickness=half, bilateral=True)
-    losses = Dissipation(rolling_dry=0.01, rolling_viscous=0.02)
-    start = Start(beta=1.1, gamma=0.3, spin=9.0, x_rate=0.2, y_rate=0.4, beta_rate=2.0)
-    scenario = Scenario(disk=body, contact=contact, dissipation=losses, start=start)
-    state = start_vector(body, scenario.initial_state)
-    solve = free_solver(scenario, Quaternion, of_floats(scenario.friction))
-    powers = dict(zip(CAUSES, solve(*state[:13].tolist())[13:], strict=True))
-    found = YieldingTable.of(scenario).readings(state[None])
+    table, state, change = moving(body, half, rolling_dry=0.01, rolling_viscous=0.02)
+    powers, found = dict(zip(CAUSES, change[13:], strict=True)), table.readings(state[None])
     force, speed = (float(found[name][0]) for name in ("normal_force", "contour_speeds"))
     assert force != pytest.approx(1.0, rel=0.1)
-    dry = 0.01 * force * speed**2 / (speed + losses.rolling_smoothing)
+    dry = 0.01 * force * speed**2 / (speed + table.scenario.dissipation.rolling_smoothing)
     assert powers["rolling_dry"] == pytest.approx(dry, rel=1e-9)
     assert powers["rolling_viscous"] == pytest.approx(0.02 * force * speed**2, rel=1e-9)

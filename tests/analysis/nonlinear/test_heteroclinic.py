@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from analysis import (
-    ROUNDED_STEEL_DISK,
-    Disk,
-    Scenario,
-    SmoothCoulomb,
-    Table,
-    TanhCoulomb,
-)
+from analysis import ROUNDED_STEEL_DISK, Scenario, SmoothCoulomb, Table, TanhCoulomb
 from analysis.mechanics import reduced
 from analysis.mechanics.paper import critical_speed
 from analysis.nonlinear import heteroclinic
@@ -27,6 +20,7 @@ from analysis.nonlinear.heteroclinic import (
     period_growth,
 )
 from analysis.nonlinear.slow_manifold import needed_friction, slow_connection, slow_cycle
+from tests.bodies import of_six
 from tests.helpers import model
 
 PAPER = model(4)
@@ -43,9 +37,8 @@ def with_eccentricity(part: float) -> Scenario:
     """A disk whose centre of gravity lies this part of its radius off its middle."""
     radius, mass = 0.045, 0.4
     offset = (part * radius) ** 2
-    x, y, z = (0.3 * radius**2, 0.25 * radius**2 + offset, 0.5 * radius**2 + offset)
-    moments = {"inertia_x": mass * x, "inertia_y": mass * y, "inertia_z": mass * z}
-    disk = Disk(radius=radius, mass=mass, eccentricity=part * radius, **moments)
+    moments = (0.3 * radius**2, 0.25 * radius**2 + offset, 0.5 * radius**2 + offset)
+    disk = of_six(radius, mass, part * radius, *(mass * each for each in moments))
     return replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.01))
 
 
@@ -146,40 +139,33 @@ def test_a_connection_may_lie_far_below_the_critical_speed() -> None:
     assert falls[2].distances.min() < 0.02 < falls[1].distances.min()
 
 
-ODD: dict[str, tuple[tuple[float, ...], tuple[float, float], float, float]] = {
+ODD = {
     # Nearer to the critical speed, motions that go over begin to fall flat.
     "beyond a fall": (
-        (1.040817403, 0.2145438086, 0.006550906455, 0.07137841579, 0.1702697111, 0.1169874976),
-        (0.1915908193, 0.220027975),
+        of_six(1.040817403, 0.2145438, 6.550906455e-3, 0.07137841579, 0.170269711, 0.1169874976),
+        TanhCoulomb(coefficient=0.1915908193, smoothing=0.220027975),
         16.50975476,
         5.6335293,
     ),
     # Motions come near to it as slowly as the difference in spin to the power of 0.047.
     "small saddle index": (
-        (0.00769624729, 0.2164542083, 1.0903589962e-4, 2.984811503e-6, 6.745662858e-7,
-         2.7815848e-6),
-        (0.4069870705, 0.04486668503),
+        of_six(
+            7.69624729e-3, 0.21645421, 1.0903589962e-4, 2.9848115e-6, 6.7456629e-7, 2.7815848e-6
+        ),
+        TanhCoulomb(coefficient=0.4069870705, smoothing=0.04486668503),
         0.1775623744,
         13.9508499,
     ),
-}  # fmt: skip
-"""Numbers of disk and friction, gravity, and spin by runs of other equations."""
+}
+"""Disk, friction, gravity, and spin by runs of other equations."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ODD)
 def test_connection_of_an_odd_disk_is_found(name: str) -> None:
-    numbers, (coefficient, smoothing), gravity, spin = ODD[name]
-    names = ("radius", "mass", "eccentricity", "inertia_x", "inertia_y", "inertia_z")
-    found = heteroclinic_connection(
-        model(
-            4,
-            disk=Disk(**dict(zip(names, numbers, strict=True))),
-            friction=TanhCoulomb(coefficient=coefficient, smoothing=smoothing),
-            table=Table(gravity=gravity),
-        )
-    )
-    assert found.spin == pytest.approx(spin, rel=1e-7)
+    disk, friction, gravity, spin = ODD[name]
+    scenario = model(4, disk=disk, friction=friction, table=Table(gravity=gravity))
+    assert heteroclinic_connection(scenario).spin == pytest.approx(spin, rel=1e-7)
 
 
 @pytest.mark.whole

@@ -15,12 +15,10 @@ from analysis.nonlinear.stationary import (
 )
 from analysis.stability.spectra import matrices_over_spin
 from tests.bodies import BODIES, ELLIPSE, TIPPE_TOP
-from tests.helpers import not_none
+from tests.helpers import ROLLING, not_none
 
 HELD = Scenario(constraints=("contact", "constant-spin"))
 """At held spin a disk has tilted stationary motions."""
-
-ROLLING = ("contact", "no-slip-along", "no-slip-across")
 
 
 @pytest.mark.parametrize("constraints", [MODELS[1], MODELS[2], HELD.constraints, ROLLING])

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
@@ -159,40 +159,22 @@ def test_ellipse_of_equal_axes_rests_as_the_disk_does(half: float) -> None:
 NUMBERS = {name: getattr(EGG, name) for name in SIX}
 
 
-class _Flat(Egg):
-    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
-        return up
+def odd(kind: type[Body] = Egg, **own: Any) -> Body:
+    """A body whose class has something of its own."""
+    return type("Odd", (kind,), own)(**NUMBERS)
 
 
-class _NotLowest(Egg):
-    """Its point lies on an ellipsoid, and elsewhere than where that is level."""
-
-    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
-        x, y, z = (-self.radius * each for each in up)
-        return x, 0.5 * y, 0.5 * z
+def level_elsewhere(body: Body, up: Any, _: Any = 0.0) -> Any:
+    """A point on an ellipsoid, and elsewhere than where that is level."""
+    x, y, z = (-body.radius * each for each in up)
+    return x, 0.5 * y, 0.5 * z
 
 
-class _Folded(Egg):
-    """Its slope is lost where a size is taken of a complex number."""
-
-    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
-        square = up[0] * up[0] + 0.5 * (up[1] * up[1] + abs(up[2]) ** 2)
-        height = sqrt(square) / self.radius
-        return -up[0] / height, -0.5 * up[1] / height, -0.5 * up[2] / height
-
-
-class _Untold(Egg):
-    """Its surface depends on more than it says."""
-
-    SURFACE: ClassVar[tuple[str, ...]] = ()
-
-
-class _Long(Sphere):
-    lowest_point = Egg.lowest_point
-
-
-class _Round(Egg):
-    is_round_disk = True
+def folded(body: Body, up: Any, _: Any = 0.0) -> Any:
+    """A point whose slope is lost where a size is taken of a complex number."""
+    square = up[0] * up[0] + 0.5 * (up[1] * up[1] + abs(up[2]) ** 2)
+    height = sqrt(square) / body.radius
+    return -up[0] / height, -0.5 * up[1] / height, -0.5 * up[2] / height
 
 
 composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
@@ -217,12 +199,19 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "body must be one of disk, sphere": made(body="cube"),
     "must be a class derived from Body": made(body="math:pi"),
     "cannot be made": made(body="sphere"),
-    r"depth of lowest_point\(.*\) must not be negative": scenario(disk=_Flat(**NUMBERS)),
-    r"lowest_point\(.*\) must be told by the four": scenario(disk=_Folded(**NUMBERS)),
-    r"lowest_point\(.*\) must be where the surface is": scenario(disk=_NotLowest(**NUMBERS)),
-    "AttributeError: .* no attribute 'waist'": scenario(disk=_Untold(**NUMBERS)),
-    "lowest_point must be that of a Sphere, which": scenario(disk=_Long(**NUMBERS)),
-    "lowest_point must be that of a Disk, which": scenario(disk=_Round(**NUMBERS)),
+    r"depth of lowest_point\(.*\) must not be negative": scenario(
+        disk=odd(lowest_point=lambda _, up, __=0.0: up)
+    ),
+    r"lowest_point\(.*\) must be told by the four": scenario(disk=odd(lowest_point=folded)),
+    r"lowest_point\(.*\) must be where the surface is": scenario(
+        disk=odd(lowest_point=level_elsewhere)
+    ),
+    # Its surface depends on more than it says.
+    "AttributeError: .* no attribute 'waist'": scenario(disk=odd(SURFACE=())),
+    "lowest_point must be that of a Sphere, which": scenario(
+        disk=odd(Sphere, lowest_point=Egg.lowest_point)
+    ),
+    "lowest_point must be that of a Disk, which": scenario(disk=odd(is_round_disk=True)),
     "half_thickness must be 0 for a Sphere": scenario(disk=TIPPE_TOP, contact=ROUNDED),
     "must be those of Model 1 for a Sphere": scenario(disk=TIPPE_TOP, constraints=MODELS[2]),
     "air_drag acts on the faces of a round disk alone": scenario(disk=ELLIPSE, **DRAG),

@@ -3,7 +3,7 @@
 import sys
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf, nan
+from math import hypot, inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +37,7 @@ from tests.bodies import TIPPE_TOP
 from tests.calls import ROOT, printed, python, refusal, run
 from tests.helpers import angles_apart, model, not_none, refusals
 from tests.sweeps import sweep
-from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Own, Wayward
+from tests.wayward_law import EXITS, EXITS_AT_ONCE, Answering, Own, Pushing, Wayward
 from validation.run import run as simulated
 from validation.run import run_to_rest
 from validation.sweeps.case import run_chunk
@@ -88,19 +88,6 @@ def test_friction_is_there_however_weak_it_is(coefficient: float) -> None:
     assert Scenario(friction=law).rubs == law.is_on == (coefficient > 0.0)
 
 
-@pytest.mark.parametrize(
-    ("kind", "name"),
-    [
-        (AnisotropicCoulomb, "along"),
-        (AnisotropicCoulomb, "across"),
-        (PowerLawCoulomb, "reference_load"),
-    ],
-)
-def test_what_a_law_divides_by_is_not_zero(kind: Any, name: str) -> None:
-    with pytest.raises(ValueError, match=f"^{name} must be positive, got 0"):
-        kind(**{name: 0.0})
-
-
 def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
     law = AnisotropicCoulomb(along=0.5, across=0.2, smoothing=1e-9)
     turns = np.linspace(0.0, 2.0 * np.pi, 721)
@@ -142,14 +129,6 @@ def test_file_runs_no_module_that_it_names() -> None:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pushing(Answering):
-    """Law with any force."""
-
-    def force(self, along: Any, across: Any, load: Any) -> Any:
-        return self.says(along, across, load)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Silent(FrictionLaw):
     finest_speed: Any = 0.1
 
@@ -187,6 +166,9 @@ REFUSED: dict[str, dict[str, Any]] = {
     f"{PUSHED} double with the load if IS_PROPORTIONAL": {
         "friction": Pushing(says=lambda x, y, n: (-n * n * x, -n * n * y))
     },
+    r"Pushing.force\(.*\) must hold along, across, got": {
+        "friction": Pushing(says=lambda x, y, n: (-n * x, -n * y, n))
+    },
     "^friction law '[^']*:Silent' must say per_speed or force": {"friction": Silent()},
     # There may be no edge that has a direction.
     "must be isotropic unless the body": {"friction": ALONG, "contact": Scenario.rest().contact},
@@ -196,6 +178,10 @@ REFUSED: dict[str, dict[str, Any]] = {
 test_what_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs = refusals(
     {
         "^smoothing must lie from 1e-12": lambda: Bristles(smoothing=-1.0),
+        # What a law divides by.
+        "^along must be positive, got 0": lambda: AnisotropicCoulomb(along=0.0),
+        "^across must be positive, got 0": lambda: AnisotropicCoulomb(across=0.0),
+        "^reference_load must be positive, got 0": lambda: PowerLawCoulomb(reference_load=0.0),
         **{message: partial(Scenario, **fields) for message, fields in REFUSED.items()},
     }
 )
@@ -276,45 +262,18 @@ def test_a_law_that_exits_where_the_disk_slips_is_no_success(
     assert written(folder) == []
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Three(FrictionLaw):
-    """Says more than there is to say."""
-
-    finest_speed: float = 0.1
-
-    def force(self, along: float, across: float, load: float) -> Any:
-        return (-along, -across, load)
-
-
-def test_a_law_that_says_too_much_is_told_what_to_say() -> None:
-    with pytest.raises(
-        ValueError, match=r"Three': Three.force\(.*\) must hold along, across, got"
-    ):
-        Scenario(friction=Three())
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Quadratic(FrictionLaw):
-    """Drag that grows with the square of slip, and has no slope where there is none."""
-
-    finest_speed: float = 0.1
-
-    def per_speed(self, speed: float) -> float:
-        return 3.0 * speed
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class QuadraticForce(Quadratic):
-    def force(self, along: float, across: float, load: float) -> tuple[float, float]:
-        size = -3.0 * load * np.hypot(along, across)
-        return float(size * along), float(size * across)
+def drag(along: float, across: float, load: float) -> tuple[float, float]:
+    """Grows with the square of slip, and has no slope where there is none."""
+    size = -3.0 * load * hypot(along, across)
+    return size * along, size * across
 
 
 @pytest.mark.parametrize("level", [1, 4])
 def test_friction_without_a_slope_at_no_slip_rubs_by_every_way_alike(level: Level) -> None:
-    scenario, times = model(level, friction=Quadratic()), np.linspace(0.0, 1.0, 101)
+    law, times = Answering(says=lambda speed: 3.0 * speed), np.linspace(0.0, 1.0, 101)
+    scenario = model(level, friction=law)
     assert scenario.rubs
-    truth = simulated(replace(scenario, friction=QuadraticForce()), times, source="in-house")
+    truth = simulated(replace(scenario, friction=Pushing(says=drag)), times, source="in-house")
     hows: list[dict[str, Any]] = [{"source": "engine"}, {"method": "taylor"}, {"method": "DOP853"}]
     for how in [*hows, *[{"formulation": "reduced"}] * (level == 4)]:
         found = simulated(scenario, times, **({"source": "in-house"} | how))

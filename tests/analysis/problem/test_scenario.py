@@ -32,18 +32,8 @@ from analysis import (
 )
 from analysis.mechanics import constraints as rows
 from analysis.problem.constraints import DEMANDS
-from analysis.problem.elementary import DividedError, Members
 from analysis.problem.limits import LEAST_TILT
 from tests.helpers import all_sets, model, random_scenario
-
-
-def test_a_condition_on_all_members_holds_for_all_fails_for_all_or_tells_them_apart() -> None:
-    zero, some, none = (np.array(each).view(Members) for each in ([0, 0], [0, 2], [2, 3]))
-    assert not zero
-    assert none
-    with pytest.raises(DividedError) as divided:
-        bool(some)
-    assert divided.value.mask.tolist() == [False, True]
 
 
 def shifted(start: State, field: str, index: int, amount: float) -> State:

@@ -49,6 +49,7 @@ from tests.helpers import (
     mostly_slow,
     not_none,
     random_scenario,
+    reaching,
     refusals,
 )
 from tests.scenes import JAMMING
@@ -128,14 +129,6 @@ def test_a_motion_that_never_slips_is_not_held_up_at_the_kink(level: Level) -> N
     np.testing.assert_allclose(last - first, (0, 0, 0, 40, 0, 0), atol=1e-12)
 
 
-def turned(state: State) -> float:
-    return 30.3 - state.coordinates[3]
-
-
-def spun(state: State) -> float:
-    return 39.0 - state.rates[3]
-
-
 def never(_: State) -> float:
     return 1.0
 
@@ -147,8 +140,11 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         (model(4), "reduced", "inverted", "inverted"),
         (model(4, start=Start(beta=1.0, gamma=pi / 2, spin=0.0)), "reduced", (), "flat"),
         # What stays as it is, as the spin of the reduced system does, ends no run.
-        (model(4, start=Start(alpha=0.3)), "reduced", [spun, never, turned], "turned"),
-    ):
+        (
+            model(4, start=Start(alpha=0.3)), "reduced",
+            [reaching("alpha_rate", 39.0), never, reaching("alpha", 30.3)], "alpha 30.3",
+        ),
+    ):  # fmt: skip
         how: dict[str, Any] = {"formulation": formulation, "stop_when": stop_when}
         times = np.linspace(0.0, 2.0, 201)
         pure = simulate(scenario, times, **how, local_tolerance=1e-12)
@@ -157,7 +153,7 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
         assert (ending.reason, ending.time) == (reason, run.times[-1])
         assert ending_error(run, pure) < 1e-10
         assert abs(ending.value) < 1e-8
-        assert reason != "turned" or ending.time == pytest.approx(30.0 / 40.0, abs=1e-9)
+        assert reason != "alpha 30.3" or ending.time == pytest.approx(30.0 / 40.0, abs=1e-9)
         assert run.times.size == pure.times.size
 
 

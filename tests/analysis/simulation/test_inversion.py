@@ -71,38 +71,54 @@ def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(last: floa
     assert (found.outcome, found.lost) == ("lost", 2.0)
 
 
-@pytest.mark.parametrize("level", LEVELS)
-def test_time_of_inversion_is_right_to_its_error_however_far_apart_the_samples_are(
-    level: Level,
+RISES = Scenario(friction=SmoothCoulomb(coefficient=0.2), start=Start(spin=44.326))
+FALLS = Scenario(table=Table(inclination=0.07056958, downhill=0.7))
+LOCATED: list[tuple[Scenario, Any, float, float]] = [
+    *((model(level), "inverted", *each)
+      for level in LEVELS for each in ((0.2, 0.2), (0.05, 1e-4), (0.01, 1e-8))),
+    # Between two samples.
+    (RISES, "inverted", 0.01, 1e-6),
+    (FALLS, "lost", 0.01, 1e-6),
+]  # fmt: skip
+"""Motions whose first rise or fall lasts, spacings of the samples, and errors they may leave."""
+
+
+@pytest.mark.parametrize(("scenario", "ending", "spacing", "enough"), LOCATED)
+def test_time_told_from_samples_is_that_which_the_solver_locates_to_its_error(
+    scenario: Scenario, ending: Any, spacing: float, enough: float
 ) -> None:
+    times = np.arange(0.0, 4.0 + SPACING / 2, spacing)
     how: dict[str, Any] = {"local_tolerance": 1e-11}
-    # The first rise of these motions lasts; the solver locates it while it runs.
-    located = simulate(model(level), [0.0, 2.0], stop_when="inverted", **how)
-    truth = not_none(located.ending).time
-    for spacing, enough in ((0.2, 0.2), (0.05, 1e-4), (0.01, 1e-8)):
-        found = simulate(model(level), np.arange(0.0, 3.0, spacing), **how).inversion
-        assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-10
-        assert not_none(found.time_error) < enough
+    found = simulate(scenario, times, **how).inversion
+    located = simulate(scenario, times[[0, -1]], stop_when=ending, **how).ending
+    name = {"inverted": "time", "lost": "lost"}[ending]
+    time, error = (not_none(getattr(found, each)) for each in (name, f"{name}_error"))
+    assert abs(time - not_none(located).time) <= error + 1e-10
+    assert error < enough
 
 
 @pytest.mark.parametrize(
-    ("level", "start", "spacing"),
+    ("level", "start", "spacing", "enough"),
     [
         # It rises, and sinks again before the next sample; it rises, and falls between two.
-        (3, Start(beta=1.183, gamma=-0.9917, spin=46.525), 0.2),
-        (2, Start(beta=2.258, gamma=-2.3827, spin=54.78), 0.1),
+        (3, Start(beta=1.183, gamma=-0.9917, spin=46.525), 0.2, 1e-5),
+        (2, Start(beta=2.258, gamma=-2.3827, spin=54.78), 0.1, 1e-5),
+        # It is up between the first two samples alone, which are nearly alike.
+        (4, Start(beta=1.18, gamma=2.08, spin=38.4), 0.15, 1.0),
+        (4, Start(beta=2.034, gamma=1.174, spin=48.26), 0.05, 1.0),
+        (4, Start(beta=2.034, gamma=1.174, spin=48.26), 0.1, 1.0),
     ],
 )
-def test_what_no_sample_shows_is_found_and_the_error_covers_it(
-    level: Level, start: Start, spacing: float
+def test_error_of_the_time_covers_what_no_sample_shows(
+    level: Level, start: Start, spacing: float, enough: float
 ) -> None:
     scenario = model(level, start=start)
     fine, coarse = (
-        simulate(scenario, np.arange(0.0, 4.0, each), local_tolerance=1e-8).inversion
-        for each in (0.005, spacing)
+        simulate(scenario, np.arange(0.0, 4.0, each), local_tolerance=1e-10).inversion
+        for each in (1e-3, spacing)
     )
     apart = abs(not_none(coarse.time) - not_none(fine.time))
-    assert apart <= min(1e-5, not_none(coarse.time_error))
+    assert apart <= min(enough, not_none(coarse.time_error))
     assert not_none(fine.time_error) < 1e-8
 
 
@@ -134,45 +150,6 @@ def test_an_impact_between_two_samples_leaves_the_time_open(part: float, after: 
     found = judged(times, directions, rates)
     assert abs(not_none(found.time) - truth) <= not_none(found.time_error) + 1e-12
     assert not_none(found.time_error) <= 0.05
-
-
-@pytest.mark.parametrize(
-    ("scenario", "ending"),
-    [
-        (Scenario(friction=SmoothCoulomb(coefficient=0.2), start=Start(spin=44.326)), "inverted"),
-        (Scenario(table=Table(inclination=0.07056958, downhill=0.7)), "lost"),
-    ],
-    ids=["rises", "falls"],
-)
-def test_a_rise_or_a_fall_between_two_samples_counts(scenario: Scenario, ending: Any) -> None:
-    found = simulate(scenario, TIMES, tolerance=1e-9).inversion
-    located = simulate(scenario, TIMES, tolerance=1e-9, stop_when=ending).ending
-    told = (
-        (found.time, found.time_error) if ending == "inverted" else (found.lost, found.lost_error)
-    )
-    time, error = map(not_none, told)
-    assert abs(time - not_none(located).time) < error + 1e-8
-    assert error < 1e-6
-
-
-@pytest.mark.parametrize(
-    ("start", "spacing"),
-    [
-        # It is up between the first two samples alone, which are nearly alike.
-        (Start(beta=1.18, gamma=2.08, spin=38.4), 0.15),
-        (Start(beta=2.034, gamma=1.174, spin=48.26), 0.05),
-        (Start(beta=2.034, gamma=1.174, spin=48.26), 0.1),
-    ],
-)
-def test_coarse_samples_tell_how_far_off_they_may_leave_the_time(
-    start: Start, spacing: float
-) -> None:
-    scenario = model(4, start=start)
-    fine, coarse = (
-        simulate(scenario, np.arange(0.0, 3.0001, each), tolerance=1e-8).inversion
-        for each in (1e-3, spacing)
-    )
-    assert abs(not_none(coarse.time) - not_none(fine.time)) < not_none(coarse.time_error)
 
 
 def test_staying_counts_from_the_rise_and_not_from_the_sample_behind_it() -> None:

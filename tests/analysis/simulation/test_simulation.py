@@ -37,7 +37,7 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.simulation.formulations import pose
-from tests.bodies import COMPOSED, EGG
+from tests.bodies import COMPOSED, EGG, of_six
 from tests.helpers import (
     EITHER_METHOD,
     angles_apart,
@@ -187,13 +187,10 @@ def test_jacobian_is_that_of_differences(formulation: str, scenario: Scenario) -
 
 def test_steps_end_where_a_contact_opens_or_closes() -> None:
     # Of steps across it two runs agreed to 4e-7 rad by chance, and were 1.6e-6 off.
-    ball = Sphere(
-        radius=0.07761684121934526,
-        mass=0.07156762839685477,
-        eccentricity=0.028423126794570985,
-        inertia_x=0.00035130162450495924,
-        inertia_y=0.00029450541143360005,
-        inertia_z=0.0002577043198773312,
+    ball = of_six(
+        *(0.07761684121934526, 0.07156762839685477, 0.028423126794570985),
+        *(0.00035130162450495924, 0.00029450541143360005, 0.0002577043198773312),
+        kind=Sphere,
     )
     law = Stribeck(
         smoothing=0.07347450386937154,

@@ -5,9 +5,9 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -29,16 +29,15 @@ def told_and_work(_: int) -> None:
         pass
 
 
+pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
+
+# What runs in the background of a script is born deaf to Ctrl-C.
 INTERRUPTIBLE = ["env", "--default-signal=INT", sys.executable, "-c", PARENT]
-"""What runs in the background of a script is born deaf to Ctrl-C."""
+started = partial(subprocess.Popen, INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True)
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 def test_workers_that_are_interrupted_as_they_start_say_nothing() -> None:
-    pipes: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
-    with subprocess.Popen(
-        INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True, **pipes
-    ) as parent:
+    with started(stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as parent:
         children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")
         # That of a resource tracker, and those of two workers.
         while len(children.read_text().split()) < 3:
@@ -51,14 +50,10 @@ def test_workers_that_are_interrupted_as_they_start_say_nothing() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 @pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
 def test_workers_of_a_killed_or_interrupted_parent_end(sent: signal.Signals) -> None:
     workers = list[int]()
-    pipes: Any = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(
-        INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True, **pipes
-    ) as parent:
+    with started(stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as parent:
         try:
             workers += [int(not_none(parent.stdout).readline()) for _ in range(2)]
             assert all(map(is_running, workers))

@@ -27,7 +27,8 @@ from analysis.stability.boundaries import corners
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.spectra import System, matrices_over_spin
-from tests.helpers import model, not_none
+from tests.bodies import of_six
+from tests.helpers import ROLLING, model, not_none
 
 
 def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
@@ -41,14 +42,10 @@ def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
         assert abs(np.polyval(np.polyder(polynomial), change.value)) < 1e-7 * scale**2
 
 
-ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
-
-
 def test_a_body_without_a_plane_of_symmetry_that_rolls_has_critical_spins_without_friction() -> (
     None
 ):
-    moments = {"inertia_x": 4.61e-4, "inertia_y": 5.29e-4, "inertia_z": 5.27e-4}
-    body = Disk(radius=0.045, mass=0.4, eccentricity=0.027, inertia_yz=6.6e-5, **moments)
+    body = of_six(0.045, 0.4, 0.027, 4.61e-4, 5.29e-4, 5.27e-4, inertia_yz=6.6e-5)
     scenario = Scenario(disk=body, constraints=ROLLING)
     found = critical_speeds(scenario, motion="noninverted")
     (crossing,) = found.crossings
@@ -212,14 +209,7 @@ def test_where_nothing_crosses_nothing_is_stable_and_the_result_says_why() -> No
 
 def test_an_eigenvalue_that_comes_slowly_to_one_that_stays_zero_crosses() -> None:
     # It stays within 1e-4 1/s of zero over two steps of the search.
-    disk = Disk(
-        radius=3.6e-3,
-        mass=1.77,
-        eccentricity=2.17e-5,
-        inertia_x=1.322e-5,
-        inertia_y=1.302e-5,
-        inertia_z=1.147e-5,
-    )
+    disk = of_six(3.6e-3, 1.77, 2.17e-5, 1.322e-5, 1.302e-5, 1.147e-5)
     law = LubricatedCoulomb(load="contact", smoothing=0.266, coefficient=0.6555, film=0.17625)
     held: ConstraintSet = ("contact", "no-slip-along", "constant-spin", "held-tilt-rate")
     scenario = Scenario(constraints=held, disk=disk, friction=law)

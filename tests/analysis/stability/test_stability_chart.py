@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import MODELS, MOTIONS, STEEL_DISK, Disk, Level, Motion, Scenario, SmoothCoulomb
+from analysis import MODELS, MOTIONS, STEEL_DISK, Level, Motion, Scenario, SmoothCoulomb
 from analysis.mechanics.paper import critical_speed
 from analysis.problem.checks import Array
 from analysis.stability.boundaries import HopfCurve, corners, hopf_curves
@@ -14,7 +14,7 @@ from analysis.stability.chart import stability_chart, static_gradient, with_grad
 from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.sensitivities import POWERS, sensitivities
 from analysis.stability.spectra import eigenvalues, full_matrices
-from tests.bodies import ELLIPSE, TIPPE_TOP
+from tests.bodies import ELLIPSE, TIPPE_TOP, of_six
 
 PAPER = Scenario()
 
@@ -23,9 +23,8 @@ GRADIENTS = np.geomspace(0.01, 1000.0, 13)
 
 def disk(e: float, *inertia: float) -> Scenario:
     """A disk of another eccentricity and other moments of inertia, in mm and g m²."""
-    x, y, z = (1e-3 * each for each in inertia)
-    changed = {"eccentricity": 1e-3 * e, "inertia_x": x, "inertia_y": y, "inertia_z": z}
-    return Scenario(disk=replace(STEEL_DISK, **changed))
+    own = (1e-3 * each for each in (e, *inertia))
+    return Scenario(disk=of_six(STEEL_DISK.radius, STEEL_DISK.mass, *own))
 
 
 CURVES: dict[str, tuple[Scenario, Motion]] = {
@@ -195,8 +194,7 @@ def test_sensitivities_need_one_eigenvalue_that_crosses_alone() -> None:
 
 @pytest.mark.parametrize("level", [3, 4])
 def test_static_crossings_of_a_disk_with_products_move_as_their_closed_form(level: Level) -> None:
-    leaning = Disk(radius=0.045, mass=0.4, eccentricity=0.004, inertia_x=2e-4, inertia_y=2.5e-4,
-                   inertia_z=4.3e-4, inertia_yz=3e-5)  # fmt: skip
+    leaning = of_six(0.045, 0.4, 0.004, 2e-4, 2.5e-4, 4.3e-4, inertia_yz=3e-5)
     e, r = leaning.eccentricity, leaning.radius
     expected = {"mass": 1.0, "eccentricity": (r + 2 * e) / (r + e), "radius": r / (r + e),
                 "friction_gradient": 1.0, "size": 0.0}  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from analysis import CENTRED_DISK as DISK
-from analysis import GRAVITY, ConstraintSet, Disk, Dissipation, Scenario, simulate
+from analysis import GRAVITY, Dissipation, Scenario, simulate
 from analysis.stability.stationary_rolling import (
     axial_spin,
     euler_disk_precession,
@@ -17,11 +17,11 @@ from analysis.stability.stationary_rolling import (
     time_to_flat,
     upright_rolling_spin,
 )
-from tests.helpers import mostly_slow
+from tests.bodies import of_six
+from tests.helpers import ROLLING, mostly_slow
 from validation.studies.rest import closed_forms
 
 CENTRED = Scenario(disk=DISK)
-ROLLING: ConstraintSet = ("contact", "no-slip-along", "no-slip-across")
 CASES = closed_forms.cases()
 
 
@@ -38,8 +38,7 @@ def test_closed_forms_have_the_limits_of_the_textbook() -> None:
         rate = euler_disk_precession(CENTRED, beta)
         assert axial_spin(CENTRED, beta, rate) == pytest.approx(0.0)
     r, m = 0.1, 1.0
-    moments = {"inertia_x": m * r**2 / 4, "inertia_y": m * r**2 / 4, "inertia_z": m * r**2 / 2}
-    thin = Scenario(disk=Disk(radius=r, mass=m, eccentricity=0.0, **moments))
+    thin = Scenario(disk=of_six(r, m, 0.0, m * r**2 / 4, m * r**2 / 4, m * r**2 / 2))
     assert upright_rolling_spin(thin) == pytest.approx(sqrt(GRAVITY / (3 * r)))
 
 
