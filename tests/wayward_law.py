@@ -7,7 +7,7 @@ from typing import Any
 
 from analysis import FrictionLaw, SmoothCoulomb
 
-FAILS, CRASHES, HANGS, EXITS, EXITS_AT_ONCE = 0.4, 0.5, 0.6, 0.7, 0.8
+CRASHES, HANGS, EXITS, EXITS_AT_ONCE = 0.5, 0.6, 0.7, 0.8
 """Coefficients that it goes wrong at."""
 
 
@@ -17,8 +17,6 @@ class Wayward(SmoothCoulomb):
         if self.coefficient == EXITS_AT_ONCE:
             raise SystemExit(3)
         if speed > 0.0:
-            if self.coefficient == FAILS:
-                raise LookupError("no such friction")
             if self.coefficient == EXITS:
                 raise SystemExit(3)
             if self.coefficient == CRASHES:

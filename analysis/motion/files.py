@@ -169,12 +169,9 @@ def _draft(target: Path, held: os.stat_result | None) -> Iterator[BinaryIO]:
         if held is not None:
             draft.chmod(S_IMODE(held.st_mode))
         draft.replace(target)
-    except OSError as error:
+    except BaseException as error:
         draft.unlink()
-        if error.errno is None or error.filename is not None:
-            raise
-        # A full disk does not say where it is full.
-        raise OSError(error.errno, error.strerror, str(target)) from error
-    except BaseException:
-        draft.unlink()
+        if isinstance(error, OSError) and error.errno is not None and error.filename is None:
+            # A full disk does not say where it is full.
+            raise OSError(error.errno, error.strerror, str(target)) from error
         raise

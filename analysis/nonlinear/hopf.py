@@ -163,6 +163,6 @@ def fitted_growth(cycles: Sequence[PeriodicMotion], critical: float) -> Growth |
 def _least_squares(matrix: Array, values: Array) -> tuple[float, float]:
     """First coefficient and its standard error."""
     inverse = np.linalg.pinv(matrix)
-    rest, freedom = values - matrix @ (inverse @ values), max(1, np.subtract(*matrix.shape))
+    rest, freedom = values - matrix @ (inverse @ values), np.subtract(*matrix.shape)
     error = np.linalg.norm(rest) / np.sqrt(freedom) * np.linalg.norm(inverse[0])
     return float(inverse[0] @ values), float(error)

@@ -294,7 +294,7 @@ def settings(name: str, values: Any) -> dict[str, str | float | int | None]:
         if not isinstance(key, str):
             raise ArgumentError(name, f"must have names as its keys, got {key!r}")
         is_nan = isinstance(value, float) and isnan(value)
-        if is_nan or not isinstance(value, str | float | int | Real | None):
+        if is_nan or not isinstance(value, str | Real | None):
             fault = f"must be text, a number or None, got {value!r}"
             raise ArgumentError(f"{name}[{key!r}]", fault)
     return dict(values)

@@ -143,7 +143,7 @@ def simulation_effort(
     start, gradient = scenario.initial_state, scenario.friction_gradient
     spin, *others = map(abs, start.rates[3:])
     turning = spin + sum(others)
-    sharpness = wanted ** (-1.0 / (used.order))
+    sharpness = wanted ** (-1.0 / used.order)
     beta = start.coordinates[4]
     leaning = sin(beta)
     # How many steps in a second are asked for, by what, and its value.

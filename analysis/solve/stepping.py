@@ -185,7 +185,7 @@ def integrate(
     span = times - first
     problem = replace(problem, longest_step=step_fraction * problem.longest_step)
     pulls_at_start(problem, allow_pulling=allow_pulling)
-    lookout = Lookout(problem.endings, problem.start, 0.0, allow_pulling)
+    lookout = Lookout(problem.endings, problem.start, allow_pulling)
     started: list[Any] = []
     first_part = step_fraction * local_tolerance**TIGHTER
     solver = _made_by(problem, method, local_tolerance, first_part, started)

@@ -193,9 +193,8 @@ def agree(
                 f"time limit met at t = {fine.ends[row]:.6g} s of a run before two runs agreed to "
                 f"{tolerance:g} rad"
             )
-        if failed:
-            failures |= failed
-            done |= np.isin(pending, list(failed))
+        failures |= failed
+        done |= np.isin(pending, list(failed))
         if kept is None or (done.all() and pending.size == members):
             kept = fine
         elif done.any():

@@ -200,23 +200,18 @@ class Lookout:
     conditions : mapping
         Functions of a state by the reason that they give.
     start : ndarray, shape (n,)
-    begin : float
-        Time of the start in s.
+        At time 0.
     allow_pulling : bool
         Whether a contact that pulls ends nothing; when it does is then noted.
     """
 
     def __init__(
-        self,
-        conditions: Mapping[str, StateFunction],
-        start: Array,
-        begin: float,
-        allow_pulling: bool,
+        self, conditions: Mapping[str, StateFunction], start: Array, allow_pulling: bool
     ) -> None:
         self._conditions, self._allow = conditions, allow_pulling
         self._values = {reason: condition(start) for reason, condition in conditions.items()}
         pulls = allow_pulling and self._values.get(CONTACT_WOULD_PULL, 0.0) < 0.0
-        self._edges = [begin] if pulls else []
+        self._edges = [0.0] if pulls else []
 
     def ending(self, step: Step) -> str | None:
         """Why the motion ends within a step, if it does; the step then goes up to there."""

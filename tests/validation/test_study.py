@@ -40,12 +40,12 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def make(results: Path, tmp_path: Path) -> Make:
-    """Makes a report on the toy study in `tmp_path`."""
+def make(results: Path) -> Make:
+    """Makes a report on the toy study."""
 
     def made(**how: Any) -> report.Report:
         how = {"results": results, "workers": 0, "pages": PAGES, **how}
-        return report.make(tmp_path, **how)
+        return report.make(Path(), **how)
 
     return made
 
@@ -66,12 +66,10 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_whatever_goes_wrong_on_the_spot_fails_a_check(
-    case: str, results: Path, tmp_path: Path
-) -> None:
+def test_whatever_goes_wrong_on_the_spot_fails_a_check(case: str, results: Path) -> None:
     study = replace(of(case), limit=1.0 if case == "hangs" else STUDY.limit)
     workers = int(case in {"ends", "hangs"})
-    found = measured(study.tasks(whole=False), tmp_path, workers=workers)
+    found = measured(study.tasks(whole=False), Path(), workers=workers)
     checks = studying.confirm(study, found, studying.load(STUDY, results))
     failed = {each.name: str(each.value) for each in checks if not each.holds}
     check, said = WRONG[case]
@@ -81,10 +79,10 @@ def test_whatever_goes_wrong_on_the_spot_fails_a_check(
 @pytest.mark.parametrize("apart", [0.9e-9, 1.1e-9])
 @pytest.mark.parametrize("column", ["value", "curve"])
 def test_a_number_may_be_off_by_its_limit_and_by_no_more(
-    column: str, apart: float, results: Path, tmp_path: Path
+    column: str, apart: float, results: Path
 ) -> None:
     study = replace(STUDY, sample=("two",))
-    found: Any = measured(study.tasks(whole=False), tmp_path, workers=0)
+    found: Any = measured(study.tasks(whole=False), Path(), workers=0)
     # The first row alone; one of the columns relative to its size.
     for row, off in zip(found["toy", "two"], (apart, 0.9e-9), strict=True):
         value = row[column]
@@ -94,19 +92,19 @@ def test_a_number_may_be_off_by_its_limit_and_by_no_more(
 
 
 def test_what_is_kept_is_not_measured_again_until_the_code_changes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     tasks = STUDY.tasks(whole=False)
-    first = measured(tasks, tmp_path, workers=0)
-    assert measured(tasks, tmp_path, workers=0) == first
-    assert measured(tasks, tmp_path, workers=0, fresh=True) != first
-    latest = measured(tasks, tmp_path, workers=0, fresh=True)
-    assert measured(tasks, tmp_path, workers=0) == latest
+    first = measured(tasks, Path(), workers=0)
+    assert measured(tasks, Path(), workers=0) == first
+    assert measured(tasks, Path(), workers=0, fresh=True) != first
+    latest = measured(tasks, Path(), workers=0, fresh=True)
+    assert measured(tasks, Path(), workers=0) == latest
     monkeypatch.setattr(kept, "behind", lambda _: "other code")
-    assert measured(tasks, tmp_path, workers=0) != latest
+    assert measured(tasks, Path(), workers=0) != latest
 
 
-def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
+def test_an_interrupted_call_goes_on_where_it_stopped() -> None:
     called: list[float] = []
 
     def measure(case: float) -> list[Row]:
@@ -117,13 +115,13 @@ def test_an_interrupted_call_goes_on_where_it_stopped(tmp_path: Path) -> None:
 
     tasks = replace(STUDY, measure=measure).tasks(whole=True)
     with pytest.raises(KeyboardInterrupt):
-        measured(tasks, tmp_path, workers=0)
-    assert len(measured(tasks, tmp_path, workers=0)) == 2
+        measured(tasks, Path(), workers=0)
+    assert len(measured(tasks, Path(), workers=0)) == 2
     assert called == [1.0, 2.0, 2.0]
 
 
-def test_a_table_is_not_made_of_crashes_or_of_what_no_file_can_hold(tmp_path: Path) -> None:
-    found = measured(of("raises").tasks(whole=True), tmp_path, workers=0)
+def test_a_table_is_not_made_of_crashes_or_of_what_no_file_can_hold() -> None:
+    found = measured(of("raises").tasks(whole=True), Path(), workers=0)
     with pytest.raises(RuntimeError, match="toy: 1 cases crashed"):
         studying.whole_table(STUDY, found)
     with pytest.raises(TypeError, match="rows must hold numbers"):
@@ -133,9 +131,7 @@ def test_a_table_is_not_made_of_crashes_or_of_what_no_file_can_hold(tmp_path: Pa
 # --- Pages --------------------------------------------------------------------------------------
 
 
-def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
-    make: Make, tmp_path: Path
-) -> None:
+def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(make: Make) -> None:
     made = make()
     assert made.holds
     assert {"toy: one: rows", "toy: largest"} < {check.name for check in made.checks}
@@ -145,19 +141,19 @@ def test_a_report_shows_text_tables_figures_and_verdicts_and_holds(
         assert shown in page
     assert "10 of 40 rows, with the largest: number" in page
     assert '<td class="good" data-head="holds">yes</td>' in page
-    assert len(pd.read_csv(tmp_path / "toy-section-long.csv")) == 40
-    assert (tmp_path / "toy-section-curve.svg").is_file()
+    assert len(pd.read_csv("toy-section-long.csv")) == 40
+    assert Path("toy-section-curve.svg").is_file()
     assert "| power | value |\n| --- | --- |\n| 1 | 1 |\n" in text
     assert "*Figure in the report: A sketch.* A line." in text
     assert '<a href="toy-section-powers.csv">' in page
     assert '<td data-head="code since">the same</td>' in page
     assert not re.search("[<\ue000]", text)
     assert "\ue000" not in page
-    assert pd.read_csv(tmp_path / "checks.csv")["holds"].all()
+    assert pd.read_csv("checks.csv")["holds"].all()
 
 
-def test_a_verdict_that_lacks_its_criterion_is_refused(tmp_path: Path) -> None:
-    text = tmp_path / "toy.md"
+def test_a_verdict_that_lacks_its_criterion_is_refused() -> None:
+    text = Path("toy.md")
     text.write_text('{% call verdict("yes") %}It grows.\n\nBy 4.{% endcall %}')
     with pytest.raises(ValueError, match="must have 3 paragraphs, got 2: It grows"):
         Section("toy", Content(), text).filled({})
@@ -177,16 +173,16 @@ def test_a_second_call_measures_and_draws_nothing(
     assert make().sections == first.sections
 
 
-def test_part_of_a_report_has_the_sections_that_are_asked_for(make: Make, tmp_path: Path) -> None:
+def test_part_of_a_report_has_the_sections_that_are_asked_for(make: Make) -> None:
     others = ("other.html", "Other", ("modelled",))
     made = make(pages=(others, *PAGES), only=("tests.toy_section",))
     assert [section.name for section in made.sections] == ["toy-section"]
-    assert made.page == tmp_path / "report.html"
-    assert not (tmp_path / "other.html").exists()
+    assert made.page == Path("report.html")
+    assert not Path("other.html").exists()
     assert STORED in made.page.read_text("utf-8")
-    assert STORED not in report.make(tmp_path, only=("modelled",)).page.read_text("utf-8")
+    assert STORED not in report.make(Path(), only=("modelled",)).page.read_text("utf-8")
     with pytest.raises(ValueError, match=r"^study must be one of modelled, .* got 'models'$"):
-        report.make(tmp_path, only=("models",))
+        report.make(Path(), only=("models",))
 
 
 def test_two_reports_do_not_work_in_one_folder(
@@ -201,17 +197,15 @@ def test_two_reports_do_not_work_in_one_folder(
     "spoil", [Path.mkdir, lambda path: path.write_text("no database" * 99)], ids=["folder", "text"]
 )
 def test_a_folder_in_which_nothing_can_be_kept_is_refused(
-    spoil: Callable[[Path], object], make: Make, tmp_path: Path
+    spoil: Callable[[Path], object], make: Make
 ) -> None:
-    spoil(tmp_path / ".kept.db")
+    spoil(Path(".kept.db"))
     with pytest.raises(OSError, match="cannot be written to now: "):
         make()
 
 
-def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
-    make: Make, tmp_path: Path
-) -> None:
-    assert failing(make(results=tmp_path).checks) == {"toy: table", "toy-section: section"}
+def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(make: Make) -> None:
+    assert failing(make(results=Path()).checks) == {"toy: table", "toy-section: section"}
     made = make()
     (section,) = made.sections
     for checks in ([check for check in made.checks if check.where == "stored"], []):
@@ -219,10 +213,10 @@ def test_a_report_fails_without_a_table_or_with_nothing_measured_on_the_spot(
 
 
 def test_command_prints_what_fails_and_all_checks_if_asked(
-    make: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    holding, failed = make(), make(results=tmp_path)
-    call = f"report --out {tmp_path}"
+    holding, failed = make(), make(results=Path())
+    call = "report --out ."
     monkeypatch.setattr(report, "make", lambda *_, **__: holding)
     told = "holds: toy: largest: 4.0, limit 4.0 (stored)"
     assert told in printed(call, "--verbose")
@@ -234,18 +228,16 @@ def test_command_prints_what_fails_and_all_checks_if_asked(
     shown = answer(call)
     assert "FAILS: toy: table" in shown.out
     assert "2 of 2 checks FAIL" in shown.out
-    data = answer(call, f"--json --csv {tmp_path}/a.csv --plot {tmp_path}/a.png")
+    data = answer(call, "--json --csv a.csv --plot a.png")
     assert shown.code == data.code == 1
     names = [each["name"] for each in json.loads(data.out)["checks"]]
     assert names == ["toy: table", "toy-section: section"]
-    assert (tmp_path / "a.csv").read_text() == "section,statement,answer,numbers,criterion,good\n"
+    assert Path("a.csv").read_text() == "section,statement,answer,numbers,criterion,good\n"
 
 
-def test_command_tells_what_it_has_measured_anew(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_tells_what_it_has_measured_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(report, "find", lambda _: SimpleNamespace(STUDIES=[STUDY]))
     monkeypatch.setattr(report, "measure", partial(report.measure, workers=0))
-    (told,) = json.loads(printed(f"study claims --out {tmp_path} --json"))
+    (told,) = json.loads(printed("study claims --out . --json"))
     assert told["cases"] == len(CASES)
     assert len(pd.read_csv(told["file"])) == told["rows"]

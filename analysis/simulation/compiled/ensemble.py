@@ -370,7 +370,7 @@ def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | 
     moment, leaning = float(solver.time[0]), sin(found.last[0, group.code.angles][0])
     found.states[:] = np.nan
     if outcome == kinds.step_limit:
-        watch.flattest = (moment, asin(min(1.0, leaning)))
+        watch.flattest = moment, asin(leaning)
         return watch.given_up("taylor")
     is_lost = outcome == kinds.err_nf_state
     why = "its state is no longer finite" if is_lost else "it does not get on"

@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import os
+import sys
 import zipfile
 from dataclasses import fields, replace
 from pathlib import Path
@@ -105,6 +106,15 @@ def test_a_full_disk_and_missing_folders_are_told_with_their_file(tmp_path: Path
         load_run(path)
     with pytest.raises(FileNotFoundError, match=r"nowhere'$"):
         random_trajectory().save(tmp_path / "nowhere" / path.name)
+
+
+def test_a_file_is_written_over_where_standard_output_is_closed(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "__stdout__", None)
+    saved = random_trajectory(1)
+    saved.save(path)
+    assert_same(load_run(path), saved)
 
 
 def assert_refused(path: Path, cause: str = ".") -> None:

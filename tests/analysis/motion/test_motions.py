@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 from analysis import (
     COORDINATES,
     ConstraintSet,
+    Disk,
     Ending,
     PenaltyContact,
     Scenario,
@@ -238,6 +239,16 @@ def test_place_between_samples_is_told_to_a_hundred_times_the_tolerance_in_radii
     assert run.at(0.45, tolerance=1e-3)
     with pytest.raises(ToleranceError):
         run.at(0.45, tolerance=1e-5)
+
+
+def test_an_attitude_between_samples_is_told_alike_on_disks_of_any_size(
+    falling: SpatialMotion,
+) -> None:
+    small = Disk.ring(radius=4e-3, hole_radius=1e-3, hole_distance=1e-3)
+    wanted = falling.times[:100] + 2e-4
+    other = replace(falling, scenario=Scenario.rest(disk=small))
+    one, two = (motion.resampled(wanted, tolerance=1.0) for motion in (falling, other))
+    assert one.error_estimate == two.error_estimate
 
 
 def test_ending_is_that_of_the_last_sample_alone(motion: StoredRun) -> None:

@@ -46,6 +46,8 @@ def test_tilted_motions_at_held_spin_fold_and_meet_inverted_spinning_where_it_is
     tilted = stationary_motions(scenario, 60.0, starts=20)[0]
     assert tilted.is_tilted
     branch = stationary_branch(scenario, tilted, (40.0, 100.0))
+    (begin,) = (motion for motion in branch if motion.gamma == tilted.gamma)
+    assert (begin.x, begin.y) == pytest.approx((tilted.x, tilted.y), rel=1e-12)
     assert min(motion.spin for motion in branch) == pytest.approx(least, abs=2e-2)
     last = min(branch, key=lambda motion: abs(motion.gamma - np.pi / 2))
     # There one real eigenvalue of inverted spinning passes zero.

@@ -99,6 +99,15 @@ def test_short_dip_ends_a_motion_wherever_in_a_step_it_lies_and_so_does_the_end_
         assert run.times[-1] == pytest.approx(middle - sign * half, abs=1e-12)
 
 
+def test_a_condition_that_is_steep_far_from_both_ends_of_a_step_ends_a_motion() -> None:
+    def steep(state: Array) -> float:
+        return 1.0 - float(np.exp(20.0 * (state[1] - 0.4)))
+
+    run = run_of(lambda time, _: (0.0, 8.0 * (0.34 - time)), steep=steep)
+    assert run.ended == "steep"
+    assert run.states[-1, 1] == pytest.approx(0.4, abs=1e-12)
+
+
 def test_implicit_steps_do_not_iterate_on_rounding() -> None:
     def right_hand_side(_: float, state: Array) -> Array:
         rates = np.array([state[1], -1e3 * state[1] - 1e4 * state[0]])

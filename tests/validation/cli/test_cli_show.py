@@ -19,7 +19,7 @@ from analysis import (
     simulate,
     simulate_to_rest,
 )
-from tests.calls import Capture, printed, refusal
+from tests.calls import Capture, printed
 from tests.helpers import not_none, random_trajectory, short_run
 from validation import cli
 from validation.comparison.differences import difference_table
@@ -91,11 +91,6 @@ def test_any_name_of_a_file_can_be_shown_and_played(name: str, capsys: Capture) 
     assert capsys.readouterr().err == ""
     if "$" in name:
         assert name in Path("made.svg").read_text(encoding="utf-8")
-
-
-def test_page_that_cannot_lie_beside_its_motion_is_refused_with_where_else_it_may() -> None:
-    Path(*stored(run=random_trajectory())).with_suffix(".html").mkdir()
-    assert "'run.html'; --out leads elsewhere" in refusal("animate run.npz")
 
 
 def test_files_of_one_name_are_told_apart_by_their_folders() -> None:

@@ -49,15 +49,15 @@ def test_axes_come_from_a_file_as_well() -> None:
 
 
 def test_what_cannot_run_here_is_refused_before_anything_is_kept(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(library, "find_spec", lambda _: None)
     said = refusal(CALL, "--method taylor")
     assert "method 'taylor' needs heyoka, which is not installed: pip install" in said
     with pytest.raises(ValueError, match=r"^method 'taylor' needs heyoka, which is not"):
-        run_sweep(sweep("spin=30,31", method="taylor"), folder / "a.db")
+        run_sweep(sweep("spin=30,31", method="taylor"), "a.db")
     with pytest.raises(ValueError, match=r"^sweep must be a Sweep, got None$"):
-        run_sweep(cast("Any", None), folder / "a.db")
+        run_sweep(cast("Any", None), "a.db")
     monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1000))
     assert "5 cases may take" in refusal(CALL)
     assert not Path("a.db").exists()

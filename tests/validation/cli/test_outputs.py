@@ -78,19 +78,15 @@ def test_pipe_is_written_to_and_stays_one(name: str) -> None:
 
 @posix
 @every
-def test_a_file_on_standard_output_stands_there_alone(
+def test_a_file_on_a_device_needs_no_suffix_and_stands_on_standard_output_alone(
     name: str, capfdbinary: pytest.CaptureFixture[bytes]
 ) -> None:
+    save(name, os.devnull)
+    capfdbinary.readouterr()
     save(name, "/dev/stdout" if name == "new.npz" else "-")
     shown = capfdbinary.readouterr()
     assert (b"/dev/stdout" in shown.err) == name.startswith(("new", "play", "page"))
     assert_written(name, shown.out)
-
-
-@posix
-@every
-def test_a_device_needs_no_suffix(name: str) -> None:
-    save(name, os.devnull)
 
 
 CLOSED = {

@@ -2,7 +2,6 @@
 
 import re
 from itertools import count, pairwise
-from pathlib import Path
 
 import pytest
 
@@ -66,9 +65,9 @@ def test_times_are_told_in_the_unit_that_suits_them() -> None:
 
 @pytest.mark.usefixtures("clock")
 def test_cases_of_a_sweep_that_are_done_and_failed_are_counted(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     monkeypatch.setattr(runner, "LARGEST_CHUNK", 1)
-    swept(sweep("spin=30:40:50", "mu=-0.1,-0.2"), folder / "a.db")
+    swept(sweep("spin=30:40:50", "mu=-0.1,-0.2"))
     *_, last = capsys.readouterr().err.splitlines()
     assert re.match(r"a.db: (\d+) of 100 cases, \1 failed, after ", last)

@@ -12,6 +12,7 @@ from tests.calls import refusal
 ENGINE = "simulate --out new.npz "
 SWEEP = "sweep --out new.db "
 EIGENVALUES = "eigenvalues --spin "
+NINE = "mu=1,2 eps=1,2 spin=1,2 alpha=0,1 beta=1,2 gamma=0,1 y=0,1 x=0,1 y-rate=0,1"
 RING = "--radius 0.05 --hole-radius 0.02 --hole-distance 0.02 --thickness 0.01 --density 7700"
 
 REFUSED = {
@@ -37,6 +38,12 @@ REFUSED = {
     SWEEP + "spin=1,2 --executor os:getcwd": "must be a function that returns",
     SWEEP + "spin=1,2 --executor json:dumps": "cannot be made: TypeError: dumps() missing",
     SWEEP + "spin=1,2 mu=0.1 --plot a.png": "--plot: plot cannot be made: several axes",
+    SWEEP + "mu=-1,-2": "coefficient must not be negative, got -1",
+    SWEEP + "spin=1,2 --stop-when os:getcwd": "--stop-when: stop_when getcwd must say a number",
+    SWEEP + "spin=40,30 --plot a.png": "--plot: plot cannot be made: axis start.spin can be drawn",
+    SWEEP + f"{NINE} --layout random --number 1 --plot a.png": "plot cannot be made: at most 8 ",
+    SWEEP + "spin=1,2 --rest --inclination 0.1 --plot a.png": "--plot: plot cannot be made: a pi",
+    SWEEP + "inclination=0,0.2 --rest --plot a.png": "a horizontal table, got an inclination of 0",
     SWEEP + "spin=1,2 --spin 3": "--spin: spin must be left out where it varies, got 3",
     SWEEP + "spin=1:2 --layout random": "--layout: layout needs a number of points, got 'random'",
     SWEEP + "spin=1,2 --number 3": "--number: number belongs to drawn points, not to a grid",
@@ -55,7 +62,7 @@ REFUSED = {
     "cycles --hole-distance 0": "--hole-distance: eccentricity must be positive for periodic mo",
     "cycles --load contact": "--load: load must be 'weight' in the reduced system",
     "critical --inclination 2deg": "--inclination: the full system needs a horizontal table",
-    "map rest --inclination 2deg": "--inclination: a map of the face that is up needs a horizon",
+    "map rest --inclination 2deg --cells 1 --levels 0 --end 0.1": "--inclination: a map of the fa",
     "cycles --amplitude 1": "--amplitude: amplitude belongs to --over",
     "cycles --rotating --spin 30": "--spin: spin does not go together with rotating",
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
@@ -70,6 +77,7 @@ REFUSED = {
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
     "show run.npz --plot circle.png": "--plot: must lead to a file, and leads in a circle",
     f"simulate --out {'a' * 300}.npz": "--out: is no path here",
+    "animate cut.npz": "'cut.html'; --out leads elsewhere",
     "report --out circle.png": "--out: must be a folder that can be written to",
     # What is not known is told before what is missing or wrong besides.
     "sweep spin=1,2 --kep x": "unrecognized arguments: --kep; did you mean --keep?",
@@ -98,6 +106,8 @@ FAILED = {
 def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(call: str) -> None:
     said = (REFUSED | FAILED)[call]
     Path("circle.png").symlink_to("circle.png")
+    Path("cut.html").mkdir()
     Path("cut.npz").write_bytes(Path("run.npz").read_bytes()[:700])
     assert said in refusal(call, code=1 if call in FAILED else 2)
-    assert {entry.name for entry in Path().iterdir()} == {"run.npz", "circle.png", "cut.npz"}
+    made = {"run.npz", "circle.png", "cut.html", "cut.npz"}
+    assert {entry.name for entry in Path().iterdir()} == made

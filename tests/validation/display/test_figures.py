@@ -5,13 +5,7 @@ from math import inf, nan, pi
 import numpy as np
 import pytest
 
-from validation.display.figures import (
-    LOOKS,
-    against_limits,
-    angle_axis,
-    legend_above,
-    new_figure,
-)
+from validation.display.figures import LOOKS, against_limits, angle_axis, legend_above, new_figure
 
 LABELS = {
     (0.0, 0.6): ["0.0", "0.2", "0.4"],

@@ -19,10 +19,7 @@ def test_processes_end_at_once_where_their_context_is_left() -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="elsewhere no folder goes that a process is in")
-def test_workers_that_have_no_folder_to_start_in_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    tmp_path.rmdir()
+def test_workers_that_have_no_folder_to_start_in_are_refused(folder: Path) -> None:
+    folder.rmdir()
     with pytest.raises(OSError, match="working directory"):
         Processes(1)

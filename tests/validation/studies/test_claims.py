@@ -10,16 +10,14 @@ import pandas as pd
 import pytest
 
 from analysis import Scenario
-from tests.helpers import failing, not_none, planted, random_trajectory
+from tests.faults import GONE, Rows, faults
+from tests.helpers import failing, not_none, random_trajectory
 from validation.page.section import Section
 from validation.studies import inversion
 from validation.studies.claims import equations, motion, pure_rolling, starts
 from validation.studies.claims import section as claims
 from validation.studies.claims.starts import LEAST_SPINS, RANDOM_STARTS, Starts
 from validation.study import load
-
-Rows = dict[str, pd.DataFrame]
-
 
 # --- The motion from Table 3 --------------------------------------------------------------------
 
@@ -70,6 +68,7 @@ def test_both_sides_lose_their_solution_where_the_matrix_is_singular_first() -> 
     found = equations.loss()
     assert found["bound"] == pytest.approx(1.0585, abs=1e-4)
     assert not failing(equations.checks(found))
+    assert len(failing(equations.checks(lost(1.06, inf)))) == 2
     engine, inhouse = equations.losses(found["beta"], found["gamma"] + 0.5)
     assert engine == pytest.approx(inhouse, abs=1e-6)
     assert engine > found["bound"] + 0.01
@@ -203,18 +202,14 @@ def test_all_statements_are_judged_and_the_front_says_how_many_hold(rows: Rows) 
     assert "37 % at 31 rad/s (28 to 47)" in nearly.numbers
 
 
-def test_engine_that_does_otherwise_and_what_is_missing_fails(rows: Rows) -> None:
-    stored, again = rows["least-spins"], rows["random-starts-engine"]
-    for wrong in (
-        {"least-spins": stored.assign(**{"engine above": "flat"})},
-        {"least-spins": stored.iloc[:-1]},
-        {"random-starts-engine": planted(again, again.index[0], "outcomes", ["flat"] * 3)},
-        {"pure-rolling": rolled(**{"outcome, engine": "inverted"})},
-        {"pure-rolling": rolled(**{"highest, engine": nan})},
-        {"pure-rolling": rolled().iloc[:-1]},
-        {"random-starts-engine": again.iloc[:-1]},
-        {"random-starts-engine": again.assign(spin=nan)},
-        {"long-runs": planted(rows["long-runs"], 1, "away_early", nan)},
-    ):
-        assert failing(claims.present(rows | wrong).checks), wrong
-    assert len(failing(equations.checks(lost(1.06, inf)))) == 2
+test_engine_that_does_otherwise_and_what_is_missing_fails = faults(
+    claims.present,
+    [
+        ("least-spins", 0, "engine above", "least spins: engine, outcome", "flat", GONE),
+        ("random-starts-engine", 0, "outcomes", "random starts: engine", ["flat"] * 3),
+        ("random-starts-engine", 0, "spin", "random starts: repeated in the engine", nan, GONE),
+        ("pure-rolling", -1, "outcome, engine", "cases with the same outcome", "inverted", GONE),
+        ("pure-rolling", -1, "highest, engine", "highest places", nan),
+        ("long-runs", 0, "away_early", "numbers that are missing", nan),
+    ],
+)

@@ -1,8 +1,9 @@
 """Engine against in-house equations, for any scenario."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from math import inf, nan
 from typing import Any
 from unittest.mock import Mock
@@ -26,17 +27,15 @@ from analysis import (
     Table,
     Trajectory,
 )
+from analysis.problem.choices import SOURCES
 from mbs_models import Scene
+from tests.faults import GONE, Rows, faults
 from tests.helpers import failing, model, not_none, planted
 from tests.scenes import JAMMING
 from validation.run import run
 from validation.studies import comparisons, crosscheck
 from validation.studies.comparisons import Comparison, compare_scenario, compare_scene, distance
-from validation.study import Content
 
-YIELDING = Scenario(
-    contact=PenaltyContact.damped(1e5, STEEL_DISK), table=Table(inclination=0.03, downhill=0.7)
-)
 PULLING = Scene(Scenario(start=Start(spin=100.0, beta=1.0)))
 """Ends where the contact would pull."""
 
@@ -46,17 +45,10 @@ def forget() -> None:
     comparisons.reference.cache_clear()
 
 
-@pytest.mark.parametrize(
-    ("scenario", "has_spectra"),
-    [(Scenario(), True), (Scenario(disk=crosscheck.ELLIPSE), True), (YIELDING, False)],
-    ids=["model 1", "ellipse", "slope, penalty"],
-)
-def test_every_formulation_agrees(scenario: Scenario, *, has_spectra: bool) -> None:
-    found = compare_scenario(scenario, states=5, end=0.05)
-    assert {each.formulation for each in found} == set(mbs_models.formulations(scenario))
-    for each in found:
-        is_defined = has_spectra or "eigenvalues" not in each.quantity
-        assert each.agrees is (True if is_defined else None), each
+def test_every_formulation_agrees_in_all_that_is_defined() -> None:
+    contact, table = PenaltyContact.damped(1e5, STEEL_DISK), Table(inclination=0.03, downhill=0.7)
+    for each in compare_scenario(Scenario(contact=contact, table=table), states=5, end=0.05):
+        assert each.agrees is (None if "eigenvalues" in each.quantity else True), each
 
 
 @pytest.mark.parametrize(
@@ -91,11 +83,13 @@ def test_one_side_that_rubs_a_little_less_is_found_even_through_impacts(
 def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def told(change: Callable[[Trajectory], Trajectory] = lambda found: found, **more: Any) -> Any:
+    def told(
+        change: Callable[[Trajectory], Trajectory] = lambda found: found, slow: str = ""
+    ) -> Any:
         def other(*given: Any, **how: Any) -> Trajectory:
-            if how.get("source") == "in-house":
-                return run(*given, **how)
-            return change(run(*given, **how | more))
+            source = how.get("source", "engine")
+            found = run(*given, **how | ({"time_limit": 1e-9} if source == slow else {}))
+            return change(found) if source == "engine" else found
 
         monkeypatch.setattr(comparisons, "run", other)
         found = comparisons.compare_motions(PULLING, 0.1)
@@ -111,20 +105,11 @@ def test_motions_have_to_end_alike_and_running_out_of_time_is_no_disagreement(
     difference, detail, _ = told(lambda found: replace(found, ending=None))
     assert difference == inf
     assert "engine runs through; in-house ended at" in detail
-    difference, detail, over = told(time_limit=1e-9)
-    assert difference is over is None
-    assert "time limit" in detail
-
-
-def test_time_cut_short_is_told_with_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    def out_of_time(scenario: Scenario, times: Any, **how: Any) -> Trajectory:
-        return run(scenario, times, **how | ({"time_limit": 1e-9} if times[-1] > 0.02 else {}))
-
-    monkeypatch.setattr(comparisons, "run", out_of_time)
-    found = comparisons.compare_motions(Scene(), 0.1)
-    assert found.agrees
-    assert found.lasting == pytest.approx(0.01)
-    assert found.detail.startswith("over 0.01 s; over 0.1 s: time limit met")
+    for side in SOURCES:
+        comparisons.reference.cache_clear()
+        difference, detail, over = told(slow=side)
+        assert difference is over is None
+        assert re.match("(engine ended at .*)?time limit", detail)
 
 
 def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
@@ -177,9 +162,7 @@ def test_motions_are_compared_until_before_the_disk_jams() -> None:
     assert found.detail.startswith(why)
 
 
-def test_a_run_that_fails_nearly_flat_is_no_disagreement(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_run_that_fails_nearly_flat_is_no_disagreement(monkeypatch: pytest.MonkeyPatch) -> None:
     dropped = Scenario(start=Start(spin=0.0, beta=0.5))
     for formulation in ("euler-tree", "floating-lie"):
         found = comparisons.compare_motions(Scene(dropped, formulation), 0.1)
@@ -225,11 +208,11 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
 # --- The study ----------------------------------------------------------------------------------
 
 
-@cache
-def compared() -> pd.DataFrame:
+@pytest.fixture(scope="module")
+def rows() -> Rows:
     """Rows of the study, with a difference that a measurement of two states has found."""
     found = list(compare_scene(Scene(Scenario(), "floating"), states=2, end=0.01))
-    rows = [
+    compared = [
         {"case": label, "kind": kind, **each._asdict(), "formulation": formulation}
         for label, (kind, scenario) in crosscheck.cases().items()
         for formulation in mbs_models.formulations(scenario)
@@ -237,22 +220,21 @@ def compared() -> pd.DataFrame:
         if kind != crosscheck.SETS or "motion" not in each.quantity
         if crosscheck.is_defined(each.quantity, scenario)
     ]
-    table = pd.DataFrame(rows)
-    return table.assign(counted=table["kind"].map(crosscheck.STATES), lasting=comparisons.END)
+    table = pd.DataFrame(compared)
+    table = table.assign(counted=table["kind"].map(crosscheck.STATES), lasting=comparisons.END)
+    turned = pd.DataFrame({"turned": [1.0, 1.0 + 1e-8], "jellett": [0.0, 1e-10]})
+    return {"crosscheck": table, "tippe-top": turned}
 
 
-def present(rows: pd.DataFrame, apart: float | None = 1e-8, moved: float = 1e-10) -> Content:
-    turned = pd.DataFrame({"turned": [1.0, apart and 1.0 + apart], "jellett": [0.0, moved]})
-    return crosscheck.present({"crosscheck": rows, "tippe-top": turned})
-
-
-def test_study_compares_every_model_load_formulation_and_set() -> None:
-    content = present(compared())
+def test_study_compares_every_model_load_formulation_and_set(rows: Rows) -> None:
+    content = crosscheck.present(rows)
     assert not failing(content.checks)
     assert content.numbers["scenes"] == 25
     cases = content.tables["scenes"]["case"]
     assert {" + ".join(each) for each in POSSIBLE_SETS} < set(cases)
     assert content.numbers["answer"] == "yes"
+    wrong = planted(rows["crosscheck"], 0, "difference", 1e-4)
+    assert crosscheck.present({**rows, "crosscheck": wrong}).numbers["answer"] == "no"
 
 
 def test_jelletts_constant_is_kept_by_sliding_friction_and_lost_to_pivoting() -> None:
@@ -269,23 +251,18 @@ def test_jelletts_constant_is_kept_by_sliding_friction_and_lost_to_pivoting() ->
         assert motion.energy_taken("sliding")[-1] > 0.0
 
 
-def test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail() -> None:
-    rows = compared()
-    for apart in (2e-7, nan, None):
-        assert failing(present(rows, apart).checks) == {"tippe top: turned over, in s"}
-    for moved in (2e-9, nan):
-        checks = present(rows, moved=moved).checks
-        assert failing(checks) == {"tippe top: Jellett's constant"}
-    for row, wrong in ((0, 1e-4), (30, nan), (len(rows) - 1, None)):
-        content = present(
-            rows.assign(difference=rows["difference"].where(rows.index != row, wrong))
-        )
-        assert len(failing(content.checks)) == 1
-        assert content.numbers["answer"] == "no"
-    missing = failing(present(rows.iloc[1:]).checks)
-    assert missing == {"crosscheck: accelerations, the paper's models, scenes"}
-    fewer = failing(present(planted(rows, 0, "counted", 249)).checks)
-    assert fewer == {"crosscheck: accelerations, the paper's models, states with a solution"}
-    motion = int(rows.index[rows["quantity"] == comparisons.MOTION][0])
-    shorter = failing(present(planted(rows, motion, "lasting", 0.1)).checks)
-    assert shorter == {f"crosscheck: {comparisons.MOTION}, the paper's models, least time in s"}
+FIRST = "crosscheck: accelerations, the paper's models"
+MOTION = f"crosscheck: {comparisons.MOTION}, the paper's models"
+
+test_one_difference_that_is_too_large_or_none_and_a_missing_one_fail = faults(
+    crosscheck.present,
+    [
+        ("tippe-top", 1, "turned", "tippe top: turned over", 1.0 + 2e-7, nan, None),
+        ("tippe-top", 1, "jellett", "tippe top: Jellett's constant", 2e-9, nan),
+        ("crosscheck", 0, "difference", FIRST, 1e-4, nan, None),
+        ("crosscheck", -1, "difference", "other bodies", 1e-4, nan, None),
+        ("crosscheck", 0, "", f"{FIRST}, scenes", GONE),
+        ("crosscheck", 0, "counted", f"{FIRST}, states with a solution", 249),
+        ("crosscheck", comparisons.MOTION, "lasting", f"{MOTION}, least time in s", 0.1),
+    ],
+)

@@ -1,7 +1,6 @@
 """The study of the inversion: what it shows of its runs, and what fails it."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,14 +9,18 @@ import pytest
 from analysis import Trajectory
 from analysis.problem.choices import SOURCES
 from tests.calls import ROOT
+from tests.faults import Rows, faults
 from tests.helpers import failing, planted
 from tests.stated import chapter
 from validation.studies import inversion
-from validation.study import Content, rows_of
+from validation.study import rows_of
+
+NAME = inversion.STUDY.name
 
 
-def shown(table: pd.DataFrame) -> Content:
-    return inversion.present({inversion.STUDY.name: table})
+@pytest.fixture
+def rows(inversions: pd.DataFrame) -> Rows:
+    return {NAME: inversions}
 
 
 def both(table: pd.DataFrame) -> list[Trajectory]:
@@ -26,14 +29,8 @@ def both(table: pd.DataFrame) -> list[Trajectory]:
     return [runs["Model 1", source] for source in SOURCES]
 
 
-def planted_last(table: pd.DataFrame, column: str, value: Any) -> Any:
-    """The table with a value of the engine's last run replaced."""
-    last = table.index[table["source"] == "engine"][-1]
-    return planted(table, last, column, value)
-
-
-def test_numbers_are_those_of_the_runs_and_all_checks_hold(inversions: pd.DataFrame) -> None:
-    content = shown(inversions)
+def test_numbers_are_those_of_the_runs_and_all_checks_hold(rows: Rows) -> None:
+    content = inversion.present(rows)
     stated = chapter((ROOT / "README.md").read_text("utf-8"), "What it shows")
     *first, last = content.numbers["times"].split(", ")
     assert f"upside down: after {', '.join(first)} and {last} s." in " ".join(stated.split())
@@ -68,20 +65,15 @@ def test_a_run_that_is_not_inverted_is_as_far_off_as_nothing_else(
     low = one.coordinates * [1, 1, 1, 1, 1, 0]
     apart = inversion.agreement(replace(one, coordinates=low), other)
     assert np.isnan(apart["inversions apart in s"])
-    turned = planted_last(inversions, "coordinates", lambda x: [[*row[:5], -1.5] for row in x])
-    assert shown(turned).numbers["answer"] == "partly"
+    # The engine's last run.
+    turned = planted(inversions, 8, "coordinates", lambda x: [[*row[:5], -1.5] for row in x])
+    assert inversion.present({NAME: turned}).numbers["answer"] == "partly"
 
 
-@pytest.mark.parametrize("over", [1.1, np.nan])
-@pytest.mark.parametrize("names", [list(inversion.LIMITS)[::2], list(inversion.LIMITS)[1::2]])
-def test_a_difference_or_an_estimate_beyond_its_limit_fails(
-    inversions: pd.DataFrame, names: list[str], over: float
-) -> None:
-    for name in names:
-        inversions = planted_last(inversions, name, over * inversion.LIMITS[name])
-    found = failing(shown(inversions).checks)
-    assert len(found) == len(names)
-    assert all(any(name in each for each in found) for name in names)
+test_a_difference_or_an_estimate_beyond_its_limit_fails = faults(
+    inversion.present,
+    [(NAME, 8, name, name, 1.1 * limit) for name, limit in inversion.LIMITS.items()],
+)
 
 
 def test_a_case_is_run_by_both_sides() -> None:

@@ -41,7 +41,6 @@ def test_price_is_that_of_the_part_and_a_change_of_the_motion_is_seen(
     monkeypatch.setattr(lean, "DURATION", 0.05)
     (row,) = lean.price(lean.cases()[f"{PART}: contact-tree, Model 1, without friction"])
     assert [row[name] for name in ("from", "price in %", "to")] == pytest.approx([20.0] * 3)
-    assert row["change"] < lean.SAME
     (row,) = lean.price((PART, lean.scene(1, "contact-tree")))
     assert row["change"] > 1e3 * lean.SAME
     for least, said in ((19.0, "1 have a price."), (-1.0, "0 have a price, and for 1 none is")):

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.faults import GONE, faults
+from tests.faults import GONE, Rows, faults
 from tests.helpers import failing
 from validation.display.figures import new_figure
 from validation.nonlinear import figures
@@ -50,7 +50,7 @@ def _passages() -> list[Row]:
 
 
 @pytest.fixture
-def rows() -> dict[str, pd.DataFrame]:
+def rows() -> Rows:
     """Rows as they might have been measured."""
     cycle = {"spin": 30.5, "amplitude": 1.0, "period": 1.0, "multiplier": 0.9}
     engine = [
@@ -69,7 +69,7 @@ def rows() -> dict[str, pd.DataFrame]:
     return dict(zip(names, map(pd.DataFrame, found), strict=True))
 
 
-def test_the_section_is_filled_in_and_says_what_was_found(rows: dict[str, pd.DataFrame]) -> None:
+def test_the_section_is_filled_in_and_says_what_was_found(rows: Rows) -> None:
     content = present(rows)
     assert not failing(content.checks)
     text = Path(section.__file__).parent / "nonlinear.md"
@@ -115,9 +115,7 @@ test_a_wrong_value_none_or_a_missing_row_fails_its_check = pytest.mark.usefixtur
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(
-    rows: dict[str, pd.DataFrame],
-) -> None:
+def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(rows: Rows) -> None:
     families, passages = rows["families"], rows["passages"]
     families.loc[0, "stable"] = False
     passages.loc[0, "lost"] = 9.5

@@ -1,31 +1,27 @@
 """The numbers that the paper prints beside ours, and its misprints."""
 
-from functools import cache
 from math import nan
 
 import pandas as pd
 import pytest
 
+from tests.faults import GONE, Rows, faults
 from tests.helpers import failing
 from validation.studies import numbers
 from validation.studies.stability import measured
-from validation.study import Content, rows_of
+from validation.study import rows_of
 
 
-@cache
-def rows() -> dict[str, pd.DataFrame]:
+@pytest.fixture(scope="module")
+def rows() -> Rows:
     return {
         study.name: pd.DataFrame({"case": "paper", **row} for row in rows_of(study.measure, None))
         for study in numbers.STUDIES
     }
 
 
-def present(study: str = "misprints", table: pd.DataFrame | None = None) -> Content:
-    return numbers.present(rows() if table is None else rows() | {study: table})
-
-
-def test_every_printed_number_comes_out_or_is_explained() -> None:
-    content = present()
+def test_every_printed_number_comes_out_or_is_explained(rows: Rows) -> None:
+    content = numbers.present(rows)
     assert not failing(content.checks)
     printed = content.tables["printed"]
     assert len(printed) == len(numbers.DISK) + len(measured.IN_PAPER)
@@ -39,19 +35,17 @@ def test_every_printed_number_comes_out_or_is_explained() -> None:
         assert not measured.rounds_to(row["Table 1"], row["printed"].split()[0])
 
 
-@pytest.mark.parametrize("factor", [1.001, nan])
-@pytest.mark.parametrize("side", ["unrounded disk", "engine"])
-def test_a_number_that_is_wrong_on_one_side_fails(side: str, factor: float) -> None:
-    wrong = rows()["critical-speeds"].set_index("quantity")
-    wrong.loc[measured.LIMIT, side] *= factor
-    content = present("critical-speeds", wrong.reset_index())
-    compared = {numbers.DIGITS, "engine"} if side == "unrounded disk" else {"engine"}
-    assert failing(content.checks) == {f"numbers: {measured.LIMIT}, {each}" for each in compared}
+BOTH = tuple(f"numbers: {measured.LIMIT}, {each}" for each in ("engine", numbers.DIGITS))
+LEFT = "left over when corrected"
+OFF = (lambda number: 1.001 * number, nan)
 
-
-def test_a_misprint_that_is_none_or_a_correction_that_is_wrong_fails() -> None:
-    table = rows()["misprints"]
-    wrong = table.assign(**{"as printed": 0.0, "corrected": 1e-9})
-    assert failing(present(table=wrong).checks)
-    assert len(failing(present(table=table.assign(corrected=nan)).checks)) == len(table)
-    assert failing(present(table=table.iloc[1:]).checks) == {"misprints: corrected"}
+test_a_number_that_is_wrong_on_one_side_and_a_misprint_that_is_none_fail = faults(
+    numbers.present,
+    [
+        ("critical-speeds", measured.LIMIT, "engine", BOTH[0], *OFF),
+        ("critical-speeds", measured.LIMIT, "unrounded disk", BOTH, *OFF),
+        *(("misprints", at, "corrected", LEFT, 1.0, nan) for at in range(len(numbers.PLACES))),
+        ("misprints", 0, "as printed", LEFT, 0.0),
+        ("misprints", 0, "", "misprints: corrected", GONE),
+    ],
+)

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from analysis.problem.choices import SOURCES
-from tests.faults import faults
+from tests.faults import Rows, faults
 from tests.helpers import failing
 from validation import study as studying
 from validation.studies.rest import closed_forms, creep, runs, section, starts
@@ -24,7 +24,7 @@ CLOSED = [
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, pd.DataFrame]:
+def rows() -> Rows:
     """The stored tables; rows of them stand in for runs made for each report."""
     stored = {each.name: studying.load(each) for each in section.STUDIES if each.is_stored}
     known = stored[runs.STUDY.name].set_index("case").to_dict("index")
@@ -38,7 +38,7 @@ def rows() -> dict[str, pd.DataFrame]:
     return stored | {name: pd.DataFrame(told) for name, told in made.items()}
 
 
-def present(rows: dict[str, pd.DataFrame]) -> Content:
+def present(rows: Rows) -> Content:
     """Checks of the section, without its figures and animation."""
     table = pd.concat([rows[study.name] for study in (runs.STUDY, runs.FRESH)])
     content = Content(checks=[*section.checks(table.set_index("case").to_dict("index"))])
@@ -47,7 +47,7 @@ def present(rows: dict[str, pd.DataFrame]) -> Content:
     return content
 
 
-def test_all_holds(rows: dict[str, pd.DataFrame]) -> None:
+def test_all_holds(rows: Rows) -> None:
     assert not failing(present(rows).checks)
 
 

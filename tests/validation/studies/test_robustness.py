@@ -14,7 +14,7 @@ import analysis
 import mbs_models
 from analysis import MODELS, POSSIBLE_SETS, Scenario, Start, Trajectory
 from analysis.motion.endings import CONTACT_WOULD_PULL
-from tests.faults import faults
+from tests.faults import Rows, faults
 from tests.helpers import failing, not_none
 from validation import study as studying
 from validation.comparison.references import Reference, reference
@@ -161,7 +161,7 @@ def test_failed_refused_and_unfinished_runs_are_told_apart(
 
 
 @pytest.fixture(scope="module")
-def rows() -> dict[str, pd.DataFrame]:
+def rows() -> Rows:
     """The stored tables, and others in which all holds."""
     kept = dict.fromkeys(conservation.COLUMNS, 0.0)
     right = {
@@ -182,7 +182,7 @@ def rows() -> dict[str, pd.DataFrame]:
     return stored | {name: pd.DataFrame(told) for name, told in right.items()}
 
 
-def test_stored_cases_hold_and_are_told_with_their_numbers(rows: dict[str, pd.DataFrame]) -> None:
+def test_stored_cases_hold_and_are_told_with_their_numbers(rows: Rows) -> None:
     content = section.present(rows)
     assert not failing(content.checks)
     numbers, tables = content.numbers, content.tables

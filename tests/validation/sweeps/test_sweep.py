@@ -22,7 +22,7 @@ from analysis import MODELS, Scenario
 from analysis.motion.outcomes import DONE
 from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
-from tests.wayward_law import CRASHES, FAILS, HANGS, Wayward
+from tests.wayward_law import CRASHES, HANGS, Wayward
 from validation.measurement.sources import digest, own_files
 from validation.run import run
 from validation.sweeps import runner, store
@@ -54,19 +54,6 @@ def test_row_holds_what_the_run_itself_says() -> None:
     assert row["error_estimate"] == motion.error_estimate
     assert row["spin_after"] == pytest.approx(40.0, rel=1e-12)
     assert set(row) <= {"number", "start.spin", *COLUMNS}
-
-
-@pytest.mark.parametrize(
-    ("coefficient", "limit", "status", "reason"),
-    [(FAILS, 60.0, "failed", "no such friction"), (0.3, 1e-3, "too slow", "time limit")],
-)
-def test_failed_case_is_a_row_with_its_reason(
-    coefficient: float, limit: float, status: str, reason: str
-) -> None:
-    how: dict[str, Any] = {"end": 5.0, "tolerance": 1e-3, "time_limit": limit}
-    (row,) = run_chunk(sweep(f"mu=0.1,{coefficient}", scenario=WAYWARD, **how), [1])
-    assert (row["status"], row["number"]) == (status, 1)
-    assert reason in str(row["reason"])
 
 
 def test_an_interrupt_is_no_failure_of_a_case(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -353,11 +340,17 @@ class Impatient(Plan):
     hanging = 0.9
 
 
+def one_worker() -> ProcessPoolExecutor:
+    """An executor that is broken as a whole by a process that ends, and is made again."""
+    return ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+
+
 @pytest.mark.slow
-def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results() -> None:
+@pytest.mark.parametrize("executor", ["processes", f"{__name__}:one_worker"])
+def test_hanging_and_crashing_cases_are_rows_and_the_others_have_results(executor: str) -> None:
     wanted = sweep(f"mu=0.1,{CRASHES},0.2,{HANGS},0.3", scenario=WAYWARD, end=0.02, time_limit=0.3)
     wanted = replace(wanted, plan=Impatient(**asdict(wanted.plan)))
-    with open_pool("processes", workers=1) as pool:
+    with open_pool(executor, workers=1) as pool:
         table = swept(wanted, pool=pool).columns
     assert table["status"].tolist() == [DONE, "crashed", DONE, "too slow", DONE]
     assert table["friction.coefficient"].tolist() == [0.1, CRASHES, 0.2, HANGS, 0.3]
@@ -370,19 +363,6 @@ def test_quick_cases_go_out_in_larger_and_larger_chunks() -> None:
     # The first chunk has one case, and two chunks at most come in together.
     assert sizes[0] <= 2
     assert max(sizes) > 8
-
-
-def one_worker() -> ProcessPoolExecutor:
-    """An executor that is broken as a whole by a process that ends."""
-    return ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-
-
-@pytest.mark.slow
-def test_executor_that_breaks_is_made_again() -> None:
-    wanted = sweep(f"mu={CRASHES},0.1,0.2,0.3,0.25", scenario=WAYWARD, end=0.02)
-    with open_pool(f"{__name__}:one_worker", workers=1) as pool:
-        found = swept(wanted, pool=pool).columns
-    assert found["status"].tolist() == ["crashed", *[DONE] * 4]
 
 
 def one_thread() -> ThreadPoolExecutor:
@@ -417,12 +397,8 @@ def test_executor_that_takes_nothing_ends_the_sweep_with_what_to_do() -> None:
 
 
 def test_look_ahead_refuses_what_cannot_run_and_reckons_with_witnesses() -> None:
-    with pytest.raises(ValueError, match="coefficient must not be negative, got -1"):
-        look_ahead(sweep("mu=-1,-2"))
     with pytest.raises(ValueError, match="witness_step must be left out"):
         look_ahead(sweep("spin=30,40", scenario=Scenario(), source="engine", witness_step=1e-3))
-    with pytest.raises(ValueError, match=r"^stop_when .* must say a number of a State"):
-        look_ahead(sweep("spin=30,40", stop_when="os:getcwd"))
     seconds = [look_ahead(sweep("mu=0.2,0.3", witnesses=each))[0] for each in (0, 2, 200)]
     assert seconds[1] > 1.5 * seconds[0]
     assert seconds[2] == seconds[1]
