@@ -82,6 +82,11 @@ class Quantities(ABC):
     def _lowest(self, up: Any) -> Any:
         return lowest(self.scenario, up)
 
+    def _touching(self, positions: Array, rotations: Array) -> Array:
+        """Lowest points of the body in poses, inertial, in m, shape (n, 3)."""
+        seen = self._lowest(rotations[..., 2, :])
+        return positions + np.einsum("...ij,...j->...i", rotations, seen)
+
     @property
     def cog_direction(self) -> Array:
         """Height of the centre of gravity above G over the eccentricity, -1 to 1, shape (n,)."""
@@ -189,8 +194,7 @@ class InCoordinates(Quantities):
     def contact_points(self) -> Array:
         """Lowest point of the disk, inertial, in m, shape (n, 3)."""
         positions, rotations, *_ = self.poses
-        seen = self._lowest(rotations[..., 2, :])
-        return positions + np.einsum("...ij,...j->...i", rotations, seen)
+        return self._touching(positions, rotations)
 
 
 @cache

@@ -247,11 +247,9 @@ class SpatialMotion(SampledMotion):
         turned: Array = 2.0 * np.linalg.norm(error[:, 3:], axis=1)
         length = np.linalg.norm(values[:, 3:], axis=1, keepdims=True)
         quaternion = values[:, 3:] / length
-        rotations = frames.rotations(quaternion)
-        seen = self._lowest(rotations[:, 2])
         found = {
             "positions": values[:, :3],
-            "contact_points": values[:, :3] + np.einsum("nij,nj->ni", rotations, seen),
+            "contact_points": self._touching(values[:, :3], frames.rotations(quaternion)),
             "quaternions": quaternion,
             "velocities": rates[:, :3],
             "angular_velocities": frames.angular_velocities(quaternion, rates[:, 3:] / length),

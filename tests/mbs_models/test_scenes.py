@@ -130,7 +130,7 @@ def test_command_prints_items_reasons_and_sums() -> None:
     shown = printed("scene --model 3 --formulation euler-tree")
     assert "JointRollingDisc" in shown
     assert "without slip along the edge" in shown
-    assert "6 coordinates, 6 algebraic equations (4 constraints" in shown
+    assert "6 coordinates, 6 algebraic equations (2 of them idle: an unused" in shown
     assert "1 user function." in shown
 
 

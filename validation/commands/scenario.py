@@ -104,11 +104,12 @@ def scene(*, problem: AnyProblem, formulation: EngineFormulation | None = None) 
         }
         for item in items
     ]
+    unused = f" ({idle} of them idle: an unused constraint force is zero)" if idle else ""
     table = Table.of(
         rows,
         title=f"{scene.scenario.name}, formulation {scene.built_as}",
-        note=f"{coordinates} coordinates, {equations} algebraic equations ({equations - idle} "
-        "constraints; an idle equation only says that an unused constraint force is zero), "
+        note=f"{coordinates} coordinates, {equations} algebraic "
+        f"equation{'s' * (equations != 1)}{unused}, "
         f"{functions} user function{'s' * (functions != 1)}.",
     )
     return Result(tables=[table], draw=lambda: _start(scene.scenario))
