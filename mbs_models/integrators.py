@@ -153,7 +153,6 @@ class Integrator:
     @property
     def method(self) -> Method:
         """SciPy's name of one that steps accelerations."""
-        assert self.steps_accelerations
         return cast("Method", self.name)
 
     @property

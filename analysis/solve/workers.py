@@ -48,12 +48,6 @@ class Spawning:
     Where a worker that is only being started comes here, as it imports a script that does not
     guard its calls, it ends without a word.
 
-    Parameters
-    ----------
-    deaf : bool
-        Whether Ctrl-C, which reaches all processes of a terminal, is left to this one; it ends
-        the others at once.
-
     Raises
     ------
     OSError
@@ -66,7 +60,7 @@ class Spawning:
         `initializer` and `initargs` of a pool: what each worker is to call first.
     """
 
-    def __init__(self, *, deaf: bool) -> None:
+    def __init__(self) -> None:
         if getattr(current_process(), "_inheriting", False):
             sys.exit(UNGUARDED)
         try:
@@ -75,7 +69,7 @@ class Spawning:
             raise OSError("workers start in the working directory, and that is gone") from error
         self.context = _Context()
         self._begun = self.context.Event()
-        self.first: dict[str, Any] = {"initializer": _begin, "initargs": (deaf, self._begun)}
+        self.first: dict[str, Any] = {"initializer": _begin, "initargs": (self._begun,)}
 
     def check_begun(self) -> None:
         """Raise `UnguardedScriptError` if no worker has come as far as to work."""
@@ -98,7 +92,7 @@ class Pool(ProcessPoolExecutor):
     """
 
     def __init__(self, workers: int) -> None:
-        spawning = Spawning(deaf=False)
+        spawning = Spawning()
         self.check_begun = spawning.check_begun
         super().__init__(workers, mp_context=spawning.context, **spawning.first)
 
@@ -106,12 +100,13 @@ class Pool(ProcessPoolExecutor):
         self.shutdown(cancel_futures=True)
 
 
-def _begin(deaf: bool, begun: Event) -> None:
+def _begin(begun: Event) -> None:
     begun.set()
     # What runs in the background of a script is born deaf to Ctrl-C, and its workers with it.
-    deaf = deaf or signal.getsignal(signal.SIGINT) == signal.SIG_IGN
-    # An exception instead would end one call, and the next would begin.
-    signal.signal(signal.SIGINT, signal.SIG_IGN if deaf else signal.SIG_DFL)
+    # Those of Pebble always are: it reaches all of a terminal's, and is left to their parent.
+    if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        # An exception instead would end one call, and the next would begin.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     end_with_parent()

@@ -132,10 +132,15 @@ def near(state: State) -> float:
     return (state.coordinates[3] - 40.0 * 0.045) ** 2 - (40.0 * 4e-4) ** 2
 
 
+def slightly(state: State) -> float:
+    return 1e-3 * near(state)
+
+
 EARLY, LATE = (reaching("alpha", limit) for limit in (1.0, 1.01))
 FIRST: dict[str, tuple[StopWhen, str, float]] = {
     # Model 4 turns at 40 rad/s: from 0.0446 to 0.0454 s, between steps at 0.044 and 0.046 s.
     "between steps alone": ([near], "near", 0.0446),
+    "there, in small numbers": ([slightly], "slightly", 0.0446),
     "earlier first": ([EARLY, LATE], "alpha 1.0", 0.025),
     "earlier last": ([LATE, EARLY], "alpha 1.0", 0.025),
 }

@@ -127,7 +127,7 @@ def test_friction_is_in_a_scene_only_where_some_slip_is_left(constraints: Constr
 
 
 def test_command_prints_items_reasons_and_sums() -> None:
-    shown = printed("scene --model 3 --formulation euler-tree")
+    shown = " ".join(printed("scene --model 3 --formulation euler-tree").split())
     assert "JointRollingDisc" in shown
     assert "without slip along the edge" in shown
     assert "6 coordinates, 6 algebraic equations (2 of them idle: an unused" in shown
@@ -241,12 +241,24 @@ def test_accelerations_near_a_flat_disk(level: Level, side: str, tilt: float, sp
             np.testing.assert_allclose(other, forces, rtol=0.0, atol=1e-7 * most)
 
 
-def test_contact_force_is_found_where_friction_grows_less_than_in_proportion_to_it() -> None:
+ROOT = PowerLawCoulomb(
+    coefficient=0.5, smoothing=1e-3, reference_load=7.0, exponent=0.5, load="contact"
+)
+STRONG = replace(ROOT, coefficient=2.1, smoothing=0.02, reference_load=49.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "start"),
+    [
+        (ROOT, Start(beta=1.0, gamma=0.0, spin=-5.0, gamma_rate=30.0, beta_rate=-20.0)),
+        # With some sixty times the force that there is without friction.
+        (STRONG, Start(beta=1.76, gamma=-2.76, spin=17.0, gamma_rate=5.5, beta_rate=13.0)),
+    ],
+)
+def test_contact_force_is_found_where_friction_grows_less_than_in_proportion_to_it(
+    law: FrictionLaw, start: Start
+) -> None:
     # From no load on, the force that friction calls for at first grows faster than its load.
-    law = PowerLawCoulomb(
-        coefficient=0.5, smoothing=1e-3, reference_load=7.0, exponent=0.5, load="contact"
-    )
-    start = Start(beta=1.0, gamma=0.0, spin=-5.0, gamma_rate=30.0, beta_rate=-20.0)
     scenario = Scenario(friction=law, start=start)
     state = scenario.initial_state
     right = accelerations(scenario, state.coordinates, state.rates)

@@ -166,7 +166,7 @@ def frame_times(
     within("fps", fps, SLOWEST_FRAMES, FASTEST)
     if speed is None:
         speed = SLOW if end - begin <= SHORT else 1.0
-    shown = max(2, round(100.0 / fps))
+    shown = round(100.0 / fps)
     step = within("speed", speed, *PLAYBACK_SPEEDS) * shown / 100.0
     count = int(np.floor((end - begin) / step + 1e-9)) + 1
     if count > MOST_FRAMES:

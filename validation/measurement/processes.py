@@ -19,7 +19,7 @@ class Processes(Executor):
     """
 
     def __init__(self, workers: int) -> None:
-        spawning = Spawning(deaf=True)
+        spawning = Spawning()
         self.check_begun = spawning.check_begun
         self._pool = ProcessPool(workers, context=spawning.context, **spawning.first)
 

@@ -267,20 +267,19 @@ def _predicted(
 # --- The law of the delay -----------------------------------------------------------------------
 
 
-def slowed(lever: float, source: Source) -> Passage:
+def slowed(lever: float) -> Passage:
     """Passage of a disk that starts inverted at the Hopf point and is slowed by pivoting friction.
 
     Parameters
     ----------
     lever : float
         Of the pivoting friction in m.
-    source : {"engine", "in-house"}
     """
     spin = SlowPair.of(Scenario()).spin
     start = Start(beta=np.pi / 2, gamma=np.pi / 2 + SMALL, spin=spin)
     scenario = Scenario.rest(dissipation=Dissipation(pivoting=lever), start=start)
     # What the slowest takes, and less for the others: the slower the spin falls, the later.
-    return follow(scenario, 20.0 * float(np.sqrt(1e-5 / lever)), source)
+    return follow(scenario, 20.0 * float(np.sqrt(1e-5 / lever)), "in-house")
 
 
 class DelayLaw(NamedTuple):

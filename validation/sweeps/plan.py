@@ -108,7 +108,7 @@ class Plan(CaseOptions):
     @property
     def times(self) -> Array:
         """Times of the samples in s."""
-        return np.linspace(0.0, self.end, max(2, round(self.end / self.spacing) + 1))
+        return np.linspace(0.0, self.end, round(self.end / self.spacing) + 1)
 
     @property
     def witness(self) -> "Plan":

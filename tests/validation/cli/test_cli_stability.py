@@ -51,6 +51,9 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     assert shown.index("nowhere") < shown.index("26.8736")
     assert "Closed form of the reduced system with any friction, Eq. (126): 30.9168 rad/s" in shown
     assert "no friction: undamped" in printed("critical --system full --mu 0")
+    # Other constraints stand below those of the models.
+    other = printed("critical --constraints contact,no-slip-along")
+    assert re.search(r"^Model 4 .*\ncontact \+ no-slip-along +nowhere$", other, re.MULTILINE)
     # A table that is written is not printed, and all others are.
     beside = printed("critical --csv crossings.csv")
     assert shown.startswith(beside.rstrip())

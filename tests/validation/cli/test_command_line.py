@@ -205,5 +205,7 @@ def test_script_of_a_shell_knows_every_command_and_is_understood(shell: str) -> 
         assert f" {command.name} " in script or f":{command.name}:" in script
         for action in command.parser().actions:
             assert all(name.lstrip("-") in script for name in action.option_strings)
+    if shell == "fish":
+        assert "-l out -r -d 'page to write, .html or - (play.html)'" in script
     if (found := shutil.which(shell)) is not None:
         subprocess.run([found, "-n", "-c", script], check=True)

@@ -22,5 +22,9 @@ def test_table_is_no_narrower_than_its_terminal_and_keeps_every_word(width: int)
     words = " ".join(map(str, (WIDE.title, *WIDE.columns, WIDE.note, name, *others)))
     assert {*words.split()} <= {*shown.split()}
     assert shown.count("disk") == 6
+    # The headings have as many lines as they need.
+    heads, _, below = shown.partition("---")
+    assert "difference" in heads
+    assert "elsewhere" in below
     # What fits has a line for each row.
     assert (shown.count("\n") == len(WIDE.rows) + 4) == (width == 400)

@@ -127,9 +127,9 @@ def test_run_that_the_other_side_cannot_make_counts_as_unlike() -> None:
         assert cell(grid(), row, by_face=False)["alike"] == (other is not None)
     # To rest, the face that is up in the end is compared.
     row |= {"other_inversion": "failed", "face_end": 0.9, "energy_end": 0.0}
-    for face in (0.8, -0.8):
+    for face in (0.8, -0.8, None):
         found = cell(grid("rest", Scenario.rest()), row | {"other_face_end": face}, by_face=True)
-        assert found["alike"] == (face > 0.0)
+        assert found["alike"] == (face == 0.8)
 
 
 def test_critical_speed_of_the_reduced_system_is_drawn_at_every_friction(

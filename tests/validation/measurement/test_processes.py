@@ -1,6 +1,7 @@
 """Worker processes: what becomes of calls when their pool is left."""
 
 import os
+import signal
 import time
 from pathlib import Path
 
@@ -16,6 +17,12 @@ def test_processes_end_at_once_where_their_context_is_left() -> None:
         assert done.result() == 1
     assert time.monotonic() - begin < 30.0
     assert all(call.exception() for call in calls if call.done() and not call.cancelled())
+
+
+def test_an_interrupt_ends_no_call() -> None:
+    # A terminal's Ctrl-C reaches workers as well, and is left to the process that was called.
+    with Processes(1) as pool:
+        assert pool.submit(signal.raise_signal, signal.SIGINT).result() is None
 
 
 @pytest.mark.skipif(os.name != "posix", reason="elsewhere no folder goes that a process is in")

@@ -68,7 +68,7 @@ def test_nothing_is_predicted_where_inverted_spinning_is_statically_unstable() -
 
 @pytest.mark.parametrize("lever", [5e-5, 2e-5])
 def test_a_loss_is_predicted_whether_or_not_the_disk_spins_up_as_it_falls(lever: float) -> None:
-    found = slowed(lever, "in-house")
+    found = slowed(lever)
     assert found["spins"][-1] > found["lowest_spin"] + 1.0
     assert found["predicted"] == pytest.approx(found["lost"], rel=0.03)
 

@@ -266,6 +266,11 @@ def test_damaged_or_foreign_file_is_blamed_and_neither_read_nor_written(
     assert path.read_bytes() == before
 
 
+def test_a_store_says_in_its_head_what_it_is(path: Path) -> None:
+    # Where files of SQLite name their application; later versions read these as well.
+    assert path.read_bytes()[68:72] == b"tipp"
+
+
 def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
     with Store(path, WANTED) as kept:
         run_cases(kept, direct(), numbers=[1])

@@ -160,7 +160,7 @@ def passages() -> dict[str, Callable[[], passage.Passage]]:
         DISSIPATED: partial(passage.follow, dissipated, 11.9, "in-house"),
         f"{DISSIPATED}, engine": partial(passage.follow, dissipated, 11.9, "engine"),
         **{
-            f"{SLOWED}, {lever:g} m": partial(passage.slowed, lever, "in-house")
+            f"{SLOWED}, {lever:g} m": partial(passage.slowed, lever)
             for lever in (2e-5, 4e-5, 8e-5)
         },
     }
