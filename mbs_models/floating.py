@@ -32,8 +32,7 @@ class Floating(Model):
     """A free rigid body with Euler parameters, held by joints or on a penalty contact."""
 
     name: ClassVar[EngineFormulation] = "floating"
-    # The square of the norm of the Euler parameters is one.
-    node_equations: ClassVar[tuple[float, ...]] = (1.0,)
+    has_norm = True
 
     _node_type: Any = exu.NodeType.RotationEulerParameters
 
@@ -255,7 +254,7 @@ class FloatingLie(Floating):
     """The same with a rotation vector, which the engine integrates on the Lie group."""
 
     name = "floating-lie"
-    node_equations = ()
+    has_norm = False
     # A symmetric integrator is none on the Lie group, and has odd powers there, too.
     exponents = (2, 3, 4, 5)
 

@@ -69,8 +69,8 @@ class Model(ABC):
     exponents: ClassVar[tuple[int, ...] | None] = None
     """Exponents of the step in the error expansion, if not those of the integrator."""
 
-    node_equations: ClassVar[tuple[float, ...]] = ()
-    """Sizes of the terms of algebraic equations besides those of the constraints."""
+    has_norm: ClassVar[bool] = False
+    """Whether the norm of its rotation parameters is held by an algebraic equation."""
 
     _node: int
 
@@ -83,7 +83,7 @@ class Model(ABC):
     def has_constraints(cls, scenario: Scenario) -> bool:
         """Whether algebraic equations are left, which explicit integrators cannot take."""
         is_held = scenario.contact is None and not cls.closes_contact
-        return is_held or bool(cls.node_equations)
+        return is_held or cls.has_norm
 
     def __init__(self, scenario: Scenario, slip_part: float = 1.0) -> None:
         self.scenario, self.start = scenario, scenario.initial_state

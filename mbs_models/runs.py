@@ -357,8 +357,8 @@ def force_rounding(model: Model) -> float:
     a fall from upright, makes it turn. A stiff contact turns the last digit of a height into
     a force, and steep friction that of a slip speed. The engine adds the residuals of the
     algebraic equations, whatever their unit: speeds, that of the spin, and the norm of the
-    Euler parameters, which is one. On a light disk their last digits are larger than those
-    of the forces.
+    Euler parameters, which is one, or its rate. On a light disk their last digits are larger
+    than those of the forces.
     """
     scenario = model.scenario
     disk, friction, contact = scenario.disk, scenario.friction, scenario.contact
@@ -366,7 +366,8 @@ def force_rounding(model: Model) -> float:
     fastest = sqrt(sum(rate * rate for rate in rates) + scenario.fall)
     rim_speed = disk.radius * fastest
     largest = [disk.mass * (gravity + rim_speed * fastest)]
-    largest += model.node_equations
+    if model.has_norm:
+        largest.append(max(1.0, fastest))
     if model.has_constraints(scenario):
         largest.append(rim_speed)
         held = prescribed(scenario.constraints).values()

@@ -31,7 +31,8 @@ from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 
 _PLACES = (0.0, *np.logspace(-4.0, 4.0, 33).tolist())
-"""Loads over the normal force without friction, between which solutions are told apart,"""
+"""Loads over the normal force without friction, between which solutions are looked for and, unless
+two lie in one interval, told apart,"""
 
 _LARGEST = 1e30
 """and up to which one is looked for where all of these are too small: friction may be strong, or
@@ -78,7 +79,7 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     if len(found) != 1:
         listed = ", ".join(f"{each:.6g} N" for each in found) or "none"
         raise ArithmeticError(
-            f"friction under the contact force has {len(found)} solutions for it: {listed}"
+            f"friction under the contact force has no single solution for it, found: {listed}"
         )
     (load,) = found
     if load == 0.0 or not any(isinstance(each, Dual) for each in given):

@@ -52,6 +52,10 @@ _SMALL = 1e-10
 _STEP = 0.03
 """Length of the steps along a branch, with spins in parts of sqrt(g / r)."""
 
+_BESIDE = 1e-3
+"""Distance in rad from upright spinning at which a branch that comes to it ends: nearer, their
+directions cannot be told apart."""
+
 _SAME = 1e-6
 _FLAT = 0.02
 """Inclination from flat in rad below which the Euler angles end, and nothing is looked for."""
@@ -189,7 +193,8 @@ def stationary_motions(
     found: list[Array] = []
     for begin in begins:
         place = _solved(scenario, spin, begin)
-        if place is not None:
+        # Of one that is known, so is the mirror image.
+        if place is not None and _new(place, found):
             both = place, _solved(scenario, spin, _MIRROR - place)
             found.extend(each for each in both if each is not None and _new(each, found))
     found.sort(key=lambda place: -float(place[3]))
@@ -203,15 +208,19 @@ def _new(place: Array, found: list[Array]) -> bool:
 def _solved(scenario: Scenario, spin: float, begin: Array) -> Array | None:
     """A root as x / r, y / r, beta, gamma from -pi to pi; None if the iteration ends elsewhere."""
     far = np.inf
-    found = least_squares(
-        lambda place: _residual(scenario, spin, place),
-        begin,
-        jac="3-point",
-        bounds=((-far, -far, _FLAT, -far), (far, far, np.pi - _FLAT, far)),
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-15,
-    )
+    try:
+        found = least_squares(
+            lambda place: _residual(scenario, spin, place),
+            begin,
+            jac="3-point",
+            bounds=((-far, -far, _FLAT, -far), (far, far, np.pi - _FLAT, far)),
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
+        )
+    except ArithmeticError:
+        # In some attitudes the contact may jam.
+        return None
     if np.max(np.abs(found.fun)) > _SMALL or np.any(found.active_mask):
         return None
     return np.append(found.x[:3], np.angle(np.exp(1j * found.x[3])))
@@ -307,7 +316,7 @@ def stationary_branch(
     def meets_upright(point: Array) -> bool:
         """Whether the branch meets upright spinning, or has gone past it."""
         begin, here = np.cos((start.beta, start.gamma)), np.cos(point[2:4])
-        return bool(np.max(np.abs(here)) < _SAME or np.all(begin * here < 0.0))
+        return bool(np.max(np.abs(here)) < _BESIDE or np.all(begin * here < 0.0))
 
     bounds = np.outer((-1.0, 1.0), np.full(5, np.inf))
     bounds[:, 4] = np.divide(interval, unit)

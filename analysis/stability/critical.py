@@ -3,7 +3,8 @@
 The real parts of the eigenvalues by falling size are continuous functions of the spin, whichever
 eigenvalue they belong to: where one changes its sign on a grid of spins, root finding on it tells
 the crossing. Between its spins they are looked at where they turn towards zero. Where they turn
-twice within a step (of at most 0.05 rad/s, and sqrt(g / r) / 300), what crosses may be missed.
+twice within a step (of at most 0.05 rad/s and sqrt(g / r) / 300, up to 20,000 of them), what
+crosses may be missed.
 """
 
 from collections.abc import Callable, Iterable
@@ -210,9 +211,12 @@ class Spectra:
         # Beside a large eigenvalue, rounding splits a double zero by a root of the two sizes.
         small = ZERO * np.sqrt(largest * (scale or largest))
         self._small = float(np.max(small))
-        none = np.abs(values) <= small
-        self._neutral = int(np.min(np.sum(none, axis=1)))
+        # So many are zero as have a product that is none: a single small one may be what it is.
+        sizes = np.sort(np.abs(values), axis=1)
+        none = (np.cumprod(sizes / largest, axis=1) <= ROUND_OFF) & (sizes <= small)
+        self._neutral = int(np.min(np.max(none * np.arange(1, sizes.shape[1] + 1), axis=1)))
         values = self._moving(values)
+        self._whole = spins, values
         count = np.sum(self._signs(values) == 0.0, axis=1)
         self._still = int(np.min(count))
         # One that lies on the axis, or so near that rounding hides its side, crosses between the
@@ -284,8 +288,8 @@ class Spectra:
     @property
     def is_hidden(self) -> bool:
         """Whether rounding of the largest eigenvalue is as large as what the slow ones tell."""
-        # Of a large one a, what is slow has a real part of scale² / a.
-        return ROUND_OFF * self._largest**2 > self._scale**2
+        # Of a large one a, what is slow has a real part of less than scale² / a.
+        return 10.0 * ROUND_OFF * self._largest**2 > self._scale**2
 
     def decay(self, spin: float) -> bool:
         """Whether every eigenvalue has a negative real part."""
@@ -330,28 +334,28 @@ class Spectra:
 
     def pair_changes(self) -> tuple[PairChange, ...]:
         """Collisions of two real eigenvalues, by rising spin."""
+        spins, values = self._whole
         # A double value that round-off splits into a pair is none.
-        pairs = self._values.imag > self._small / 2.0
+        pairs = values.imag > self._small / 2.0
         found: list[PairChange] = []
         for step in np.flatnonzero(np.diff(np.sum(pairs, axis=1))).tolist():
             inside = int(np.sum(pairs[step + 1]) > np.sum(pairs[step]))
-            others = self._values[step + 1 - inside]
+            others, ends = values[step + 1 - inside], spins[step : step + 2].tolist()
             side: Side = "above" if inside else "below"
             found.extend(
-                self._pair_change(step, upper.real, side)
-                for upper in self._values[step + inside][pairs[step + inside]].tolist()
+                self._pair_change(ends, upper.real, side)
+                for upper in values[step + inside][pairs[step + inside]].tolist()
                 if not others[np.argmin(np.abs(others - upper))].imag
             )
         return tuple(sorted(found, key=lambda each: each.spin))
 
-    def _pair_change(self, step: int, centre: float, side: Side) -> PairChange:
+    def _pair_change(self, ends: list[float], centre: float, side: Side) -> PairChange:
         """A collision; the squared difference of the two eigenvalues passes zero smoothly."""
 
         def pair(spin: float) -> ComplexArray:
             values = self._at(spin)
             return values[np.argsort(np.abs(values - centre))[:2]]
 
-        ends = self._spins[step : step + 2]
         spin = _root(lambda spin: float((np.diff(pair(spin))[0] ** 2).real), *ends)
         return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)
 

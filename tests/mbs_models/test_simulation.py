@@ -20,6 +20,7 @@ from analysis import (
     LOADS,
     POSSIBLE_SETS,
     STEEL_DISK,
+    Disk,
     Level,
     LubricatedCoulomb,
     PenaltyContact,
@@ -229,6 +230,16 @@ def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digi
     ]
     assert errors[0] > 1e-11
     assert errors[1] < 1e-12
+
+
+def test_newtons_iteration_is_not_asked_for_less_than_rounding_leaves_of_the_norm() -> None:
+    # Of the smallest disks, the rate of that norm has larger last digits than all forces.
+    r = 0.001365283619037153
+    disk = Disk.ring(radius=r, hole_radius=r / 3, hole_distance=0.44 * r, thickness=r / 4.5)
+    start = Start(beta=1.2014047425307979, gamma=-0.41796035905012596, spin=38.52367678259769)
+    scenario, times = Scenario(disk=disk, start=start), np.linspace(0.0, 0.05, 31)
+    found = mbs_models.simulate(Scene(scenario, "floating"), times, tolerance=1e-5, **STEPPED)
+    assert deviation(found, truth(scenario, times)) < 1e-5
 
 
 def test_gamma_counts_for_nothing_at_the_last_sample_of_a_disk_that_lies_flat_there() -> None:

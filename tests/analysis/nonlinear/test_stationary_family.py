@@ -152,6 +152,12 @@ def test_motions_that_are_not_isolated_lose_no_others() -> None:
     assert all(np.min(np.abs(each.eigenvalues)) < 1e-5 for each in found)
 
 
+def test_attitudes_in_which_the_contact_jams_end_no_search() -> None:
+    strong = SmoothCoulomb(coefficient=1.5, smoothing=0.01, load="contact")
+    found = stationary_motions(replace(HELD, friction=strong), 60.0)
+    assert {round(each.gamma, 6) for each in found} >= {1.570796, -1.570796}
+
+
 def test_motion_whose_eigenvalues_cannot_be_told_says_why() -> None:
     place = np.array((0.0, 0.0, np.pi / 2 + 1e-4, np.pi / 2))
     found = StationaryMotion.at(Scenario(), 30.0, place)
@@ -166,7 +172,11 @@ def test_tilted_motions_are_followed_over_friction() -> None:
 
     friction = Parameter(change=rubbing, value=0.3, unit=0.3)
     tilted = stationary_motions(HELD, 60.0, starts=20)[0]
-    branch = stationary_branch(HELD, tilted, (0.28, 1.0), friction)
+    branch = stationary_branch(HELD, tilted, (0.2, 1.0), friction)
+    # At one end it comes to inverted spinning.
+    upright = min(branch, key=lambda motion: abs(motion.gamma - np.pi / 2))
+    assert upright in (branch[0], branch[-1])
+    assert upright.value == pytest.approx(0.2409, abs=2e-3)
     largest = max(branch, key=lambda motion: motion.value)
     assert largest.value == pytest.approx(0.4185, abs=2e-3)
     # At the fold a real eigenvalue passes zero.

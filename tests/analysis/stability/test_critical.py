@@ -86,6 +86,24 @@ def test_crossing_is_that_of_the_closed_form_with_any_friction(
         assert found.stable == (((crossing.spin, high),) if disk.eccentricity else ())
 
 
+@pytest.mark.parametrize("level", [3, 4])
+def test_a_disk_that_is_all_but_centred_is_stable_above_its_critical_speed_alone(
+    level: Level,
+) -> None:
+    scenario = with_gradient(model(level, disk=replace(STEEL_DISK, eccentricity=1e-9)), 1e-3)
+    (((low, high)),) = critical_speeds(scenario).stable
+    assert (low, high) == pytest.approx((critical_speed(scenario).spin, 60.0))
+
+
+def test_without_friction_pairs_are_born_where_no_eigenvalue_leaves_both_axes() -> None:
+    """By a scan of the eigenvalues of independent equations."""
+    held: ConstraintSet = ("contact", "no-slip-along")
+    free = Scenario(constraints=held, friction=SmoothCoulomb(coefficient=0.0))
+    (change,) = critical_speeds(free, motion="noninverted").pair_changes
+    assert change.spin == pytest.approx(29.795, abs=1e-3)
+    assert change.complex_side == "above"
+
+
 def test_a_pair_born_just_before_it_crosses_is_one_crossing() -> None:
     """Eigenvalues Omega - 1 +- i sqrt((Omega - 0.98) / 1000)."""
 
@@ -199,6 +217,7 @@ def test_where_nothing_crosses_nothing_is_stable_and_the_result_says_why() -> No
     cases = [
         (model(4), 20.0, "no eigenvalue crosses the imaginary axis from 0 to 20 rad/s"),
         (with_gradient(model(4), 1e8), 100.0, "friction so steep that rounding hides"),
+        (with_gradient(model(1), 2.5e5), 60.0, "friction so steep that rounding hides"),
         *((Scenario(constraints=h, friction=slippery), 35.0, "no fric") for h in POSSIBLE_SETS),
     ]
     for scenario, highest, reason in cases:
