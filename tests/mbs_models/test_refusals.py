@@ -89,7 +89,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
      "times ask for steps of 1e-09 and 0.005 s, which differ too much for GeneralizedAlpha"),
     # Of damper, spring and pivoting friction, the last about the axis of the least moment.
     *((partial(to_rest, rest_scene(**fields), 0.01, step=step), "the predicted stability limit")
-      for fields, step in (({}, 1e-3), ({"contact": SPRING}, 1.2e-4), (PIVOTING, 1e-4))),
+      for fields, step in (({}, 5e-4), ({"contact": SPRING}, 1.2e-4), (PIVOTING, 1e-4))),
     (partial(to_rest, rest_scene(), 1.0, step=1e-4, tolerance=1e-3), "either step or tolerance"),
     (partial(to_rest, scene_of(1, "floating", contact=ROUNDED), 1.0),
      "must be of formulation 'floating-lie'"),

@@ -149,6 +149,14 @@ def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
     assert "it needs steps of 4e-09 s, the shortest tried is 1e-06 s" in str(found)
 
 
+@pytest.mark.parametrize(
+    ("samples", "cause"), [(21, "tolerance 1e-10 "), (200_001, "times up to t = 2 s")]
+)
+def test_what_asks_for_so_many_steps_is_told(samples: int, cause: str) -> None:
+    found = OF_ENGINE(np.linspace(0.0, 2.0, samples), FIXED, tolerance=1e-10)
+    assert f", for {cause}" in str(found)
+
+
 def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> None:
     short = Effort(steps=100.0, seconds=1.0, argument="tolerance", value="1")
     for found, said in (

@@ -125,7 +125,8 @@ def test_way_to_rest_is_stored_drawn_with_its_phases_and_told() -> None:
 
 SAID = {
     f"{SIMULATE} --spin 20 --gamma pi/2": "exactly inverted spinning, which is unstable",
-    f"{SIMULATE} --spin 20 --gamma 1.57": "6 samples of Model 1",
+    f"{SIMULATE} --spin 20 --gamma 1.57": "6 samples of Model 1, estimated error ",
+    "simulate --samples 6 --end 0.1 --step 5e-3": "6 samples of Model 1\n",
     "simulate --stop-when inverted": "the centre of gravity is up, at 90% of its",
     "rest --source in-house --end 0.8": "inversion not decided",
     "rest --step 1e-4 --end 0.5 --time-limit 1e-9": "0.1 s: time limit",

@@ -66,6 +66,7 @@ REFUSED = {
     "cycles --amplitude 1": "--amplitude: amplitude belongs to --over",
     "cycles --rotating --spin 30": "--spin: spin does not go together with rotating",
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
+    "cycles --over mu=0.1:1:3 --spin 30,31": "--over: over needs what is held: one",
     "cycles --over start.spin=1,2 --amplitude 1": "--over: over must be a number of disk, fri",
     "cycles --over mu=-1:1:3 --spin 40": "--over: over gives no scenario: coefficient must not be",
     "heteroclinic --over mu=0.1:1:10001": "--over: over must have at most 10000 values, got 10",

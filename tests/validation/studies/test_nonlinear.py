@@ -134,3 +134,12 @@ def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
     )
     np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, np.nan, np.nan])
     np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, 1.2, 1.7, 1.9])
+
+
+def test_motions_and_noninverted_spinning_are_drawn_at_their_gamma_and_beta() -> None:
+    states = np.array(((0.1, 0.2, 0.3), (1.1, 1.2, 1.3)))
+    (axes,) = figures.portrait([("there", states)], saddles=(-1.6, 4.7)).axes
+    motion, saddles = (line.get_xydata() for line in axes.get_lines())
+    np.testing.assert_equal(motion, states[:, [1, 0]])
+    # Upright, whichever half of the disk is below.
+    np.testing.assert_equal(saddles, [(-1.6, np.pi / 2), (4.7, np.pi / 2)])

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analysis import STEEL_DISK, Disk, Scenario, SmoothCoulomb, Start, ViscousFriction
+from analysis import STEEL_DISK, Disk, Scenario, SmoothCoulomb, Start, ViscousFriction, simulate
 from analysis.problem.disk import STEEL_RING
 from analysis.stability import spectra
 from tests.helpers import not_none
 from validation.nonlinear import passage
-from validation.nonlinear.passage import SlowPair, delay_law, follow, slowed
+from validation.nonlinear.passage import SlowPair, delay_law, follow, measure, slowed
 
 
 @pytest.fixture(scope="module")
@@ -116,12 +116,30 @@ def test_a_disk_that_is_exactly_upright_and_slow_passes_nothing_and_is_not_lost(
     assert not np.any(found["linear"])
 
 
+SOON_LOST = Scenario(start=Start(beta=np.pi / 2, gamma=np.pi / 2 + 0.02, spin=20.0))
+
+
 def test_what_follows_a_loss_is_left_out() -> None:
-    scenario = Scenario(start=Start(beta=np.pi / 2, gamma=np.pi / 2 + 0.02, spin=20.0))
-    found, longer = (follow(scenario, end, "in-house") for end in (3.0, 4.0))
+    found, longer = (follow(SOON_LOST, end, "in-house") for end in (3.0, 4.0))
     assert found["times"][-1] == pytest.approx(found["lost"], abs=passage.SPACING)
     for name in ("lost", "predicted", "lowest_spin", "deviations"):
         assert longer[name] == pytest.approx(found[name], rel=1e-9)
+
+
+def test_beyond_a_loss_the_predicted_deviation_grows_on_at_its_last_rate() -> None:
+    found = follow(SOON_LOST, 3.0, "in-house")
+    times, grown = found["times"], np.log(found["linear"])
+    rate = (grown[-1] - grown[-2]) / (times[-1] - times[-2])
+    expected = times[-1] + (np.log(np.pi / 2) - grown[-1]) / rate
+    assert found["predicted"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_passage_does_not_depend_on_when_its_motion_begins(pair: SlowPair) -> None:
+    motion = simulate(SOON_LOST, np.linspace(0.0, 3.0, 601), local_tolerance=1e-9)
+    found, later = (measure(replace(motion, times=motion.times + t), pair) for t in (0.0, 100.0))
+    for name in ("lost", "predicted"):
+        assert later[name] == pytest.approx(100.0 + not_none(found[name]), abs=1e-6)
+    np.testing.assert_allclose(later["linear"], found["linear"], rtol=1e-6)
 
 
 def test_a_motion_that_ends_before_it_is_lost_tells_what_a_longer_one_does_and_no_more() -> None:

@@ -1,6 +1,7 @@
 """Pictures of sweeps, and series that they keep of each motion."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -136,8 +137,10 @@ def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_n
     np.testing.assert_array_equal(found["time"], made.times)
     np.testing.assert_array_equal(found["beta"], made.coordinate("beta"))
     np.testing.assert_array_equal(found["normal_force"], made.normal_force)
-    with pytest.raises(ValueError, match="holds no series of case 1"):
-        results.series(1)
+    none = swept(replace(wanted, plan=replace(wanted.plan, keep=())), Path("b.db"), numbers=[1])
+    for held, said in ((results, " of case 1"), (none, ": its sweep was told to keep none")):
+        with pytest.raises(ValueError, match=f"holds no series{said}"):
+            held.series(1)
     pytest.importorskip("xarray")
     cube = results.to_xarray()
     units = {name: cube[name].attrs["units"] for name in (TIME, *KEEP, "start.spin", "end")}
