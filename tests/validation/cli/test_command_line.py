@@ -112,6 +112,8 @@ def test_help_says_what_every_option_means(command: Command) -> None:
         if action.dest in QUANTITIES and not isinstance(action, BooleanOptionalAction):
             names = action.choices or QUANTITIES[action.dest].choices
             assert all(str(each) in shown for each in names)
+            # These may be given as pi/2 or 90deg.
+            assert (action.metavar == "ANGLE") == QUANTITIES[action.dest].is_angle
         if action.nargs == 0 and action.dest != "help":
             assert f"--no-{action.option_strings[0][2:]}" in action.option_strings
 
