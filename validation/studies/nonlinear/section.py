@@ -69,7 +69,7 @@ def present(rows: Rows) -> Content:
         },
         tables={
             "cycles": _frame(tables.motion_table(cycles)),
-            "some-cycles": _frame(tables.motion_table(cycles[::5])),
+            "some-cycles": _frame(tables.motion_table(cycles[1::5])),
             "rotations": _frame(tables.motion_table(rotations, "rotating")),
             "some-rotations": _frame(tables.motion_table(rotations[::5], "rotating")),
             "held": _held_table(held),
