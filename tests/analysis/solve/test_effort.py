@@ -161,7 +161,7 @@ def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> No
     short = Effort(steps=100.0, seconds=1.0, argument="tolerance", value="1")
     for found, said in (
         (short, ""),
-        (replace(short, seconds=61.0), "roughly 61 s, for tolerance 1"),
+        (replace(short, seconds=61.0), "about 1.0e+02 steps, roughly 61 s, for tolerance 1"),
         (replace(short, doubt="in vain"), "roughly 1 s, for tolerance 1; in vain"),
     ):
         options.announce("simulate", found)

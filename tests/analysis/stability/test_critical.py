@@ -91,7 +91,7 @@ def test_a_disk_that_is_all_but_centred_is_stable_above_its_critical_speed_alone
     level: Level,
 ) -> None:
     scenario = with_gradient(model(level, disk=replace(STEEL_DISK, eccentricity=1e-9)), 1e-3)
-    (((low, high)),) = critical_speeds(scenario).stable
+    ((low, high),) = critical_speeds(scenario).stable
     assert (low, high) == pytest.approx((critical_speed(scenario).spin, 60.0))
 
 

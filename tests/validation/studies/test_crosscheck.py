@@ -48,7 +48,10 @@ def forget() -> None:
 
 def test_every_formulation_agrees_in_all_that_is_defined() -> None:
     contact, table = PenaltyContact.damped(1e5, STEEL_DISK), Table(inclination=0.03, downhill=0.7)
-    for each in compare_scenario(Scenario(contact=contact, table=table), states=5, end=0.05):
+    scenario = Scenario(contact=contact, table=table)
+    found = compare_scenario(scenario, states=5, end=0.05)
+    assert {each.formulation for each in found} == set(mbs_models.formulations(scenario))
+    for each in found:
         assert each.agrees is (None if "eigenvalues" in each.quantity else True), each
 
 

@@ -149,7 +149,8 @@ def test_a_motion_that_ends_before_it_is_lost_tells_what_a_longer_one_does_and_n
     for name in ("spins", "deviations", "linear"):
         np.testing.assert_allclose(found[name], longer[name][:count], rtol=1e-2)
     assert found["predicted"] is found["lost"] is None
-    with pytest.raises(ValueError, match=r"must go on for 2\.18 s after"):
+    too_soon = r"must go on for 2\.18 s after the inversion at t = 0\.4"
+    with pytest.raises(ValueError, match=too_soon):
         follow(Scenario(), 2.5, "in-house")
 
 

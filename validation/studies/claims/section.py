@@ -37,8 +37,6 @@ def present(rows: Rows) -> Content:
         }
     )
     told = shares.set_index(["starts", "model"])[[starts.INVERTED, starts.UNKNOWN]]
-    fast = judgements["attraction"]["fast"]
-    upright = fast[fast["starts"] == "near upright"].groupby("model")
     counted = Counter(each["verdict"] for each in judgements.values())
     return Content(
         numbers={
@@ -51,10 +49,6 @@ def present(rows: Rows) -> Content:
             "long": longs.iloc[0],
             "counted": counted,
             "answer": grade(yes=counted["yes"] == counted.total(), partly=True),
-            "nearly_all": {
-                model: each.loc[each[starts.INVERTED] >= 100 * starts.NEARLY_ALL, "spin"].tolist()
-                for model, each in upright
-            },
             "shares": told[starts.INVERTED].groupby(level=[0, 1]).max(),
             "bounds": told.sum(axis=1).groupby(level=[0, 1]).max(),
         },

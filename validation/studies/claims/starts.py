@@ -171,12 +171,9 @@ def shares(table: pd.DataFrame) -> pd.DataFrame:
 def judge_attraction(found: pd.DataFrame) -> Row:
     """Sections 1 and 3.2, from `shares`."""
     fast = found[found["spin"] > critical_speed()]
+    fast = fast.assign(nearly_all=fast[INVERTED] >= 100 * NEARLY_ALL)
     upright, tilted = (fast[(fast["starts"] == t) & (fast["model"] == "Model 1")] for t in TILTS)
-    enough = 100 * NEARLY_ALL
-    verdict = grade(
-        yes=bool((tilted[INVERTED] >= enough).all()),
-        partly=bool((upright[INVERTED] >= enough).any()),
-    )
+    verdict = grade(yes=tilted.nearly_all.all(), partly=upright.nearly_all.any())
     return {"fast": fast, "upright": upright, "tilted": tilted, "verdict": verdict}
 
 

@@ -34,10 +34,11 @@ STUDIES = (REFERENCES, CURVES)
 def present(rows: Rows) -> Content:
     """Tables, diagrams and the lesson."""
     references, runs = rows[REFERENCES.name], prepared(rows[CURVES.name])
-    # The smallest error that can be measured on each problem.
+    # The smallest error that can be measured on each problem; others count as that.
     least = (measuring.SAFETY * references.groupby("case")["difference"].min()).to_dict()
+    runs["error"] = runs["error"].clip(lower=runs["problem"].map(least))
     to_goals, fastest = asked(runs), ways(runs)
-    numbers, found = _lesson(runs, to_goals, least), orders(runs, least)
+    numbers, found = _lesson(runs, to_goals), orders(runs, least)
     return Content(
         numbers=numbers,
         tables={
@@ -65,7 +66,7 @@ def _checks(to_goals: pd.DataFrame, least: dict[str, float], found: pd.DataFrame
     return [at_most(f"work-precision: {name}", *value, "stored") for name, value in values.items()]
 
 
-def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame, least: dict[str, float]) -> dict[str, Any]:
+def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the text beside the tables."""
     held = runs[runs["formulation"].isin(measuring.CONSTRAINED)]
     free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
@@ -82,18 +83,14 @@ def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame, least: dict[str, float])
         },
         "failing": failed.T.to_dict("list"),
         "careful": careful.assign(ratio=1.0 / careful["ratio"]).T.to_dict("list"),
-        "stiff": _stiff(runs, least["stiff"]),
+        "stiff": _stiff(runs),
         "in_house": in_house["scheme"].value_counts().to_dict(),
     }
 
 
-def _stiff(runs: pd.DataFrame, least: float) -> dict[str, Any]:
-    """The rungs of RK67 around its limit of stability on the stiff problem, and DOPRI5 there.
-
-    Errors too small to be measured are the smallest one that is not.
-    """
+def _stiff(runs: pd.DataFrame) -> dict[str, Any]:
+    """The rungs of RK67 around its limit of stability on the stiff problem, and DOPRI5 there."""
     tree = runs[(runs["problem"] == "stiff") & (runs["formulation"] == "contact-tree")]
-    tree = tree.assign(error=tree["error"].clip(lower=least))
     rungs = tree[(tree["scheme"] == "RK67") & (tree["kind"] == "step")]
     good = rungs["error"] <= GOALS[-1]
     control = cheapest(tree[tree["scheme"] == "DOPRI5"], ["scheme"]).iloc[0]
@@ -221,8 +218,6 @@ def fronts(runs: pd.DataFrame, floors: dict[str, float]) -> Figure:
     *panels, spare = axes.flat
     for panel, (problem, title) in zip(panels, TITLES.items(), strict=True):
         found = runs[runs["problem"] == problem]
-        # Of those too good to be measured, the first one, on the edge.
-        found = found.assign(error=found["error"].clip(lower=floors[problem]))
         for formulation, group in found.groupby("formulation", sort=False):
             _, colour, marker = LOOKS[formulation]
             best = front(group)
@@ -244,7 +239,10 @@ def fronts(runs: pd.DataFrame, floors: dict[str, float]) -> Figure:
 
 
 def front(runs: pd.DataFrame) -> pd.DataFrame:
-    """Runs that no other beats in both time and error, the fastest first."""
+    """Runs that no other beats in both time and error, the fastest first.
+
+    Of those too good to be measured, that is the first one.
+    """
     ranked = runs[runs["kind"] != "tolerance"].sort_values(["seconds", "error"])
     best = ranked["error"].cummin().shift(fill_value=inf).clip(upper=USEFUL)
     return ranked[ranked["error"] < best]
