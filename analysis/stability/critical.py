@@ -7,10 +7,11 @@ twice within a step (of at most 0.05 rad/s and sqrt(g / r) / 300, up to 20,000 o
 crosses may be missed.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
+from math import isclose
 from typing import Literal
 
 import numpy as np
@@ -37,6 +38,9 @@ _DIP = 1e-4
 _BESIDE = 1e-3
 """How far from a crossing its eigenvalue is told, in parts of the way to the middle of a step."""
 
+
+_HALVINGS = 12
+"""Of a step, until what changes in it is one pair, however near others are."""
 
 _MIRRORED = 1e-9
 """Sum of eigenvalues, or of their cubes, over the largest that rounding may leave."""
@@ -304,8 +308,20 @@ class Spectra:
         upper = np.maximum(values[:-1].imag, values[1:].imag) >= 0.0
         changes = np.argwhere((signs[:-1] * signs[1:] < 0.0) & upper).tolist()
         found = (self._crossing(step, place, signs[step, place]) for step, place in changes)
-        kept = (each for each in found if each.frequency >= 0.0)
-        return tuple(sorted(kept, key=lambda each: each.spin))
+        kept: list[Crossing] = []
+        for each in sorted(found, key=lambda each: each.spin):
+            # Of a pair born just before it crosses, both members may count as the upper one.
+            again = (
+                each.kind == "hopf"
+                and kept
+                and all(
+                    isclose(getattr(each, name), getattr(kept[-1], name), rel_tol=1e-6)
+                    for name in ("spin", "frequency")
+                )
+            )
+            if each.frequency >= 0.0 and not again:
+                kept.append(each)
+        return tuple(kept)
 
     def _crossing(self, step: int, place: int, before: float) -> Crossing:
         """That at a place in the order of falling real parts, of this sign before it."""
@@ -335,27 +351,46 @@ class Spectra:
     def pair_changes(self) -> tuple[PairChange, ...]:
         """Collisions of two real eigenvalues, by rising spin."""
         spins, values = self._whole
-        # A double value that round-off splits into a pair is none.
-        pairs = values.imag > self._small / 2.0
-        found: list[PairChange] = []
-        for step in np.flatnonzero(np.diff(np.sum(pairs, axis=1))).tolist():
-            inside = int(np.sum(pairs[step + 1]) > np.sum(pairs[step]))
-            others, ends = values[step + 1 - inside], spins[step : step + 2].tolist()
-            side: Side = "above" if inside else "below"
-            found.extend(
-                self._pair_change(ends, upper.real, side)
-                for upper in values[step + inside][pairs[step + inside]].tolist()
-                if not others[np.argmin(np.abs(others - upper))].imag
-            )
-        return tuple(sorted(found, key=lambda each: each.spin))
+        pairs = [self._pairs(each) for each in values]
+        steps = zip(pairwise(spins.tolist()), pairwise(pairs), strict=True)
+        return tuple(change for step in steps for change in self._pair_changes(*step))
 
-    def _pair_change(self, ends: list[float], centre: float, side: Side) -> PairChange:
+    def _pairs(self, values: ComplexArray) -> ComplexArray:
+        """Upper ones of complex pairs; a double value split by round-off is none."""
+        return values[values.imag > self._small / 2.0]
+
+    def _pair_changes(
+        self,
+        ends: tuple[float, float],
+        pairs: tuple[ComplexArray, ComplexArray],
+        halvings: int = 0,
+    ) -> Iterator[PairChange]:
+        """Those between two spins with these pairs: the step is halved while their number differs.
+
+        Of a pair just born, the imaginary part is the smallest there is.
+        """
+        born = pairs[1].size - pairs[0].size
+        if born and halvings < _HALVINGS:
+            middle = sum(ends) / 2.0
+            between = self._pairs(self._at(middle))
+            yield from self._pair_changes((ends[0], middle), (pairs[0], between), halvings + 1)
+            yield from self._pair_changes((middle, ends[1]), (between, pairs[1]), halvings + 1)
+        elif born:
+            several = pairs[born > 0]
+            for value in several[np.argsort(several.imag)[: abs(born)]].real.tolist():
+                yield self._pair_change(ends, value, "above" if born > 0 else "below")
+
+    def _pair_change(self, ends: tuple[float, float], centre: float, side: Side) -> PairChange:
         """A collision; the squared difference of the two eigenvalues passes zero smoothly."""
 
         def pair(spin: float) -> ComplexArray:
             values = self._at(spin)
             return values[np.argsort(np.abs(values - centre))[:2]]
 
+        # What is taken for real beside it may be a narrow pair.
+        low, high = ends
+        wider = np.clip((2.0 * low - high, 2.0 * high - low), *self._whole[0][[0, -1]]).tolist()
+        ends = (wider[0], high) if side == "above" else (low, wider[1])
         spin = _root(lambda spin: float((np.diff(pair(spin))[0] ** 2).real), *ends)
         return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)
 

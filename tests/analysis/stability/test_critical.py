@@ -91,7 +91,9 @@ def test_a_disk_that_is_all_but_centred_is_stable_above_its_critical_speed_alone
     level: Level,
 ) -> None:
     scenario = with_gradient(model(level, disk=replace(STEEL_DISK, eccentricity=1e-9)), 1e-3)
-    ((low, high),) = critical_speeds(scenario).stable
+    found = critical_speeds(scenario)
+    ((low, high),) = found.stable
+    assert len(found.crossings) == 1
     assert (low, high) == pytest.approx((critical_speed(scenario).spin, 60.0))
 
 
@@ -116,6 +118,22 @@ def test_a_pair_born_just_before_it_crosses_is_one_crossing() -> None:
     (crossing,) = Spectra(matrices, np.arange(0.97, 1.2, 0.05)).crossings()
     assert (crossing.kind, crossing.stable_side) == ("hopf", "below")
     assert (crossing.spin, crossing.frequency) == pytest.approx((1.0, np.sqrt(2e-5)))
+
+
+@pytest.mark.parametrize("slope", [0.2, -0.4])
+def test_a_pair_that_is_born_or_dies_beside_another_one_is_told_from_it(slope: float) -> None:
+    """Eigenvalues -1 +- sqrt(slope (Omega - 1.053)) and -1.047 +- 0.016 i."""
+
+    def matrices(spins: Array) -> Array:
+        matrix = np.zeros((spins.size, 4, 4))
+        matrix[:] = np.diag((-1.0, -1.0, -1.047, -1.047))
+        matrix[:, 0, 1], matrix[:, 1, 0] = 1.0, slope * (spins - 1.053)
+        matrix[:, 2, 3], matrix[:, 3, 2] = 0.016, -0.016
+        return matrix
+
+    (change,) = Spectra(matrices, np.arange(0.5, 1.5, 0.05), 1.0).pair_changes()
+    assert (change.spin, change.value) == pytest.approx((1.053, -1.0))
+    assert change.complex_side == ("below" if slope > 0.0 else "above")
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
