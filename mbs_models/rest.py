@@ -318,7 +318,7 @@ class EngineWay(WayToRest):
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
         spacing, model, counts = float(self.times[1]), self.model, Counter[str]()
-        turned = turning_negative(self.conditions, state)
+        turned, last = turning_negative(self.conditions, state), self.times[-1]
         for halvings in range(HALVINGS + 1):
             recording = run(
                 model,
@@ -333,6 +333,9 @@ class EngineWay(WayToRest):
             states = states_of(recording.records)
             if recording.failure is None and self._is_balanced(states[[0, -1]]):
                 break
+            if self.watch.is_out_of_time:
+                steps = counts["right_hand_sides"], TIME_LIMIT, (), counts["steps"]
+                return Run(times[:1], states[:1], *steps)
         else:
             shortest = f"even steps of {step / 2**HALVINGS:.3g} s are too long"
             text = f"the energy explodes after t = {times[0]:.6g} s: {shortest}"
@@ -346,7 +349,6 @@ class EngineWay(WayToRest):
         ended, times, states = until_ending(
             times, states, found, self, margin=spacing, work=counts, watch=self.watch
         )
-        last = self.times[-1]
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])

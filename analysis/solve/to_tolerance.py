@@ -194,7 +194,8 @@ def agree(
                 f"{tolerance:g} rad"
             )
         failures |= failed
-        done |= np.isin(pending, list(failed))
+        if failed:
+            done |= np.isin(pending, list(failed))
         if kept is None or (done.all() and pending.size == members):
             kept = fine
         elif done.any():

@@ -19,6 +19,7 @@ from analysis import (
     SmoothCoulomb,
     Start,
     Table,
+    TimeLimitError,
 )
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import EngineError, rest
@@ -77,6 +78,8 @@ def test_fixed_steps_are_halved_where_a_disk_that_falls_presses_hard_on_the_tabl
     assert found.deviation(other) < 2e-4
     taken = (motion.energy_taken("pivoting")[-1] for motion in (found, other))
     assert next(taken) == pytest.approx(next(taken), rel=1e-2)
+    with pytest.raises(TimeLimitError):  # It is looked at before steps are halved.
+        mbs_models.simulate_to_rest(scene, 0.1, step=step, time_limit=1e-3)
     monkeypatch.setattr(rest, "HALVINGS", 0)
     with pytest.raises(EngineError, match=r"the energy explodes after t = .* s: even steps of"):
         mbs_models.simulate_to_rest(scene, 0.1, step=step)
