@@ -57,6 +57,8 @@ class Item:
 def inventory(scene: Scene) -> list[Item]:
     """List what is in a scene as it runs, read back from the engine.
 
+    On the way to rest a node and an object come to it, which add up the energy that is taken.
+
     Parameters
     ----------
     scene : Scene

@@ -34,6 +34,9 @@ _DISK_FORMS = f"{'; or '.join(map(', '.join, _SHAPES))}; or body and what it tak
 
 Names = tuple[str, ...]
 
+_HOLDING_TILT = {"fixed-cog", "no-slip-across", "held-tilt-rate"}
+"""Constraints of which each follows from the others where the disk is centred."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario(Described):
@@ -100,7 +103,7 @@ class Scenario(Described):
             check_leaning(start.coordinates[4])
 
     def _check_body(self) -> None:
-        """Refuse what is known of a round disk alone."""
+        """Refuse what is known of a round disk alone, and what a centred one cannot take."""
         check_surface(self.disk)
         is_round = self.disk.is_round_disk
         if not self.friction.IS_ISOTROPIC and (self.half_thickness > 0.0 or not is_round):
@@ -110,6 +113,13 @@ class Scenario(Described):
                 f"be no edge that has a direction, got {self.friction!r}",
             )
         if is_round:
+            if not self.disk.eccentricity and _HOLDING_TILT <= {*self.constraints}:
+                raise ArgumentError(
+                    "constraints",
+                    "must be independent: with its centre of gravity fixed, a centred disk that "
+                    "does not slip across its edge keeps its tilt, whose rate is held once more; "
+                    "leave one out",
+                )
             return
         kind = one(type(self.disk))
         if self.model != 1:

@@ -11,6 +11,7 @@ import pytest
 
 import mbs_models
 from analysis import (
+    CENTRED_DISK,
     COORDINATES,
     DISKS,
     GRAVITY,
@@ -121,6 +122,13 @@ def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
         rows.check_admissible(Scenario(), start, tolerance=1.01 * allowed)
         with pytest.raises(ValueError, match=r"allowed is 9\.9e-07"):
             rows.check_admissible(Scenario(), start, tolerance=0.99 * allowed)
+
+
+def test_a_tilt_that_is_held_twice_is_refused() -> None:
+    held: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
+    assert Scenario(constraints=held).constraints == held
+    with pytest.raises(ValueError, match="^constraints must be independent: "):
+        Scenario(disk=CENTRED_DISK, constraints=held)
 
 
 # --- Disk, table and contact -------------------------------------------------------------------
