@@ -113,7 +113,7 @@ class Scenario(Described):
                 f"be no edge that has a direction, got {self.friction!r}",
             )
         if is_round:
-            if not self.disk.eccentricity and _HOLDING_TILT <= {*self.constraints}:
+            if not self.disk.eccentricity and {*self.constraints} >= _HOLDING_TILT:
                 raise ArgumentError(
                     "constraints",
                     "must be independent: with its centre of gravity fixed, a centred disk that "

@@ -127,7 +127,7 @@ def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
 def test_a_tilt_that_is_held_twice_is_refused() -> None:
     held: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
     assert Scenario(constraints=held).constraints == held
-    with pytest.raises(ValueError, match="^constraints must be independent: "):
+    with pytest.raises(ValueError, match=r"^constraints must be independent: "):
         Scenario(disk=CENTRED_DISK, constraints=held)
 
 
