@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import accumulate
+from operator import methodcaller
 
 import numpy as np
 import numpy.typing as npt
@@ -151,6 +152,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
     """
     flow.require_cycles(scenario, STEEPEST)
     born = hopf_cycle(scenario)
+    at_fold = methodcaller("characteristic", born.ends.changes["fold"])
     low, high = 0.5 * born.spin, 1.5 * born.spin
     why = "within half the critical speed of it, where cycles are looked for"
     within("spin", spin, low, high, is_above=True, is_below=True, why=why)
@@ -160,7 +162,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
         yield born
         before = born
         for last in onward(born, _amplitudes(scenario), through_folds=True):
-            folds = having(born.ends.changes["fold"], before, last)
+            folds = having(at_fold, before, last)
             for each in (*(motion for _, motion in folds), last):
                 yield each
                 if min(before.spin, each.spin) <= spin <= max(before.spin, each.spin):

@@ -6,8 +6,9 @@ the direction from the motion before the last to the last one.
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
-from operator import attrgetter
+from operator import attrgetter, methodcaller
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -18,6 +19,8 @@ from analysis.nonlinear.motions import Event, PeriodicMotion
 from analysis.problem.checks import Array, instance
 from analysis.solve.watch import Progress
 
+Measure = Callable[[PeriodicMotion], float]
+
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""
 
@@ -26,6 +29,10 @@ _LONGEST, _SHORTEST = 0.05, 1e-3
 
 _BEND = 2.0
 """Steps by which a motion may lie beside where it was looked for: the family may turn sharply."""
+
+_STRAY = 5e-3
+"""Part of its spin by which a motion may lie beside where the two before it point: beyond a fold,
+there may be another part of the family."""
 
 _MOST = 100
 """Motions of a family that are followed through folds, at most."""
@@ -94,13 +101,15 @@ def continue_to(
     start: PeriodicMotion,
     place: Array,
     held: Array = VALUE,
+    *,
     gained: float = 0.0,
+    stray: float = np.inf,
     halvings: int = _HALVINGS,
 ) -> PeriodicMotion:
     """Motion at a place, on the way over others if it is too far from `start`.
 
     What is held there is said in `solve`; `gained` is by how much longer the motion is expected to
-    take, in s.
+    take, in s, and `stray` the part by which its spin may be another one than that of the place.
 
     Raises
     ------
@@ -108,13 +117,27 @@ def continue_to(
         That of the first motion for which halving does not help.
     """
     try:
-        return solve(_lingering(start, gained), place, held)
+        found = solve(_lingering(start, gained), place, held)
     except NoCycleError:
         if not halvings:
             raise
-    between = continue_to(start, (start.place + place) / 2.0, held, gained / 2.0, halvings - 1)
+    else:
+        # A family may bend much, but not turn round.
+        beside = abs(found.spin - place[1])
+        if beside <= max(stray * place[1], abs(found.spin - start.spin) / 2.0):
+            return found
+        if not halvings:
+            raise NoCycleError(
+                f"beyond {start.value:.9g} rad and {start.spin:.9g} rad/s the family turns: the "
+                f"next motion found, of {found.value:.9g} rad and {found.spin:.9g} rad/s, is none "
+                "of its neighbours"
+            )
+    middle, onto = (start.place + place) / 2.0, partial(continue_to, held=held, stray=stray)
+    between = onto(start, middle, gained=gained / 2.0, halvings=halvings - 1)
     gained = float(between.times[-1] - start.times[-1])
-    return continue_to(between, place, held, gained, halvings - 1)
+    if stray < np.inf:
+        place = np.array((place[0], 2.0 * between.spin - start.spin, place[2]))
+    return onto(between, place, gained=gained, halvings=halvings - 1)
 
 
 def onward(
@@ -133,8 +156,11 @@ def onward(
     try:
         for value in values:
             gained = float(last.times[-1] - before.times[-1])
-            found = continue_to(last, last.place_with(value=value), gained=gained)
-            before, last = last, found
+            # Of the first motion, nobody knows which way it goes on.
+            way, stray = (1.0, np.inf) if last is before else (last.value - before.value, _STRAY)
+            spin = last.spin + (last.spin - before.spin) / way * (value - last.value)
+            place = last.place_with(value=value, spin=spin)
+            before, last = last, continue_to(last, place, gained=gained, stray=stray)
             yield last
     except NoCycleError:
         if before is last or not through_folds:
@@ -164,7 +190,8 @@ def _ahead(before: PeriodicMotion, last: PeriodicMotion) -> PeriodicMotion:
         place = last.place * (1.0 + step / length * chord)
         try:
             found = solve(_lingering(last, place[2] - last.times[-1]), place, chord / length)
-            if np.linalg.norm((found.place - place) / last.place) < _BEND * step:
+            beside = np.abs(found.place / place - 1.0)
+            if np.linalg.norm(beside) < _BEND * step and beside[1] <= _STRAY:
                 return found
         except NoCycleError as error:
             why = str(error)
@@ -193,7 +220,8 @@ def events(family: Family) -> tuple[Event, ...]:
     """Where a family is born and its stability changes, between neighbours.
 
     Symmetric cycles fold, or lose their symmetry ("symmetry-breaking"), which is where those
-    without symmetry are born; the others fold, or their period doubles ("period-doubling").
+    without symmetry are born; the others fold, their period doubles ("period-doubling"), or a
+    complex pair of multipliers passes the unit circle ("torus").
 
     Raises
     ------
@@ -201,26 +229,29 @@ def events(family: Family) -> tuple[Event, ...]:
         If an iteration between two neighbours fails.
     """
     changes = instance("family", family, Family).motions[0].ends.changes
+    measures = {name: methodcaller("characteristic", at) for name, at in changes.items()}
     found = [
         Event(name, motion, number + part)
         for number, (first, last) in enumerate(pairwise(family.motions))
-        for name, multiplier in changes.items()
-        for part, motion in having(multiplier, first, last)
+        for name, measure in (measures | {"torus": attrgetter("log_product")}).items()
+        for part, motion in having(measure, first, last)
+        # Two real ones of product 1 lie on either side of the circle.
+        if name != "torus" or motion.imaginary
     ]
     found.sort(key=attrgetter("place"))
     return (*found,) if family.born is None else (family.born, *found)
 
 
 def having(
-    multiplier: float, first: PeriodicMotion, last: PeriodicMotion
+    measure: Measure, first: PeriodicMotion, last: PeriodicMotion
 ) -> Iterator[tuple[float, PeriodicMotion]]:
-    """Motion between neighbours that has a multiplier, if there is one; see `between`."""
-    if first.characteristic(multiplier) * last.characteristic(multiplier) < 0.0:
-        yield between(first, last, lambda each: each.characteristic(multiplier))
+    """Where a measure changes its sign between neighbours, if it does; see `between`."""
+    if measure(first) * measure(last) < 0.0:
+        yield between(first, last, measure)
 
 
 def between(
-    first: PeriodicMotion, last: PeriodicMotion, measure: Callable[[PeriodicMotion], float]
+    first: PeriodicMotion, last: PeriodicMotion, measure: Measure
 ) -> tuple[float, PeriodicMotion]:
     """Where on the way between neighbours a measure vanishes, and the motion there.
 

@@ -12,7 +12,7 @@ of the spin.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, log
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
@@ -203,6 +203,12 @@ class PeriodicMotion:
         sign = -self.larger if self.ends.mirrored else self.larger
         other = np.copysign(np.exp(self.log_strong / self.ends.parts), sign)
         return float((self.larger - multiplier) * (other - multiplier))
+
+    @property
+    def log_product(self) -> float:
+        """Logarithm of the size of the product of both multipliers over a period."""
+        larger = hypot(self.larger, self.imaginary)
+        return self.log_strong + self.ends.parts * log(larger)
 
     def as_row(self) -> dict[str, Any]:
         """What tables and files tell of it, as plain data by names."""

@@ -10,9 +10,11 @@ import numpy as np
 
 from analysis import Scenario
 from analysis.nonlinear import families
+from analysis.nonlinear.collocation import NoCycleError
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import fall, heteroclinic_connection
 from analysis.nonlinear.hopf import fitted_growth, hopf_type
+from analysis.nonlinear.motions import Event
 from analysis.problem.choices import Source
 from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
@@ -108,15 +110,20 @@ def _motions(rows: Sequence[Motion], family: Family | None = None, **shown: Any)
     reason = None if family is None else family.reason
     ends = dict.fromkeys(("hopf", "growth", "connection"))
     values = {"motions": rows, "events": [], "reason": reason, **ends} | shown.pop("values", {})
-    notes = [f"The family ends: {reason}."] if reason else []
+    notes = [*([f"The family ends: {reason}."] if reason else []), *shown.pop("notes", [])]
     return Result(**shown, values=values, notes=notes)
 
 
 def _whole(family: Family) -> Result:
     """A family, what happens along it, and where it begins."""
     rows, kind = [each.as_row() for each in family.motions], family.motions[0].kind
-    found = events(family)
-    shown = [tables.motion_table(rows, kind), tables.event_table(found, family.motions)]
+    shown, notes = [tables.motion_table(rows, kind)], list[str]()
+    found: Sequence[Event] = ()
+    try:
+        found = events(family)
+        shown.append(tables.event_table(found, family.motions))
+    except NoCycleError as error:
+        notes.append(f"What happens along the family was not found: {error}.")
     more: dict[str, Any] = {"events": [{"kind": what, **each.as_row()} for what, each, _ in found]}
     if kind == "rotating":
         more["connection"] = family.begins
@@ -139,7 +146,7 @@ def _whole(family: Family) -> Result:
             drawn = figures.near(drawn, family.begins)
         return figures.diagram(drawn, (*_DRAWN[kind], *_ALWAYS), marks={mark: family.begins})
 
-    return _motions(rows, family, tables=shown, values=more, draw=draw)
+    return _motions(rows, family, tables=shown, values=more, draw=draw, notes=notes)
 
 
 def _at(scenario: Scenario, spins: Sequence[float]) -> Result:

@@ -95,6 +95,8 @@ def event_table(found: Sequence[Event], motions: Sequence[PeriodicMotion]) -> Ta
     over = " over half a period, with the mirror image," if ends.mirrored else ""
     stretch = over or ", of a complex pair its real part,"
     meaning = ", ".join(f"at {at:g} {_CHANGES[change]}" for change, at in ends.changes.items())
+    if not ends.mirrored:
+        meaning += "; where a complex pair passes the unit circle, a torus branches off"
     none = "" if found else "There are none: stability does not change along the family. "
     return Table(
         title="Bifurcations along the family",

@@ -331,7 +331,10 @@ def test_motion_prints_in_one_line_and_in_a_notebook(motion: StoredRun) -> None:
     assert re.fullmatch(parts, repr(named))
     unknown = repr(replace(motion, error_estimate=None))
     assert "error: not estimated, ending: complete" in unknown
-    assert re.fullmatch(r"<table>.*&lt;b&gt; &amp; co.*</table>", named._repr_html_())
+    table = named._repr_html_()
+    assert re.fullmatch(r"<table>.*&lt;b&gt; &amp; co.*</table>", table)
+    for name, value in motion.method.items():
+        assert (f"{name} {value}" in table) == (value is not None)
 
 
 def test_plot_draws_into_given_axes_alone(motion: StoredRun) -> None:

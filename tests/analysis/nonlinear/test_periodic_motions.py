@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from analysis import Disk, FrictionLaw, Scenario, SmoothCoulomb, Table, TanhCoulomb
+from analysis import Disk, FrictionLaw, Scenario, SmoothCoulomb, Stribeck, Table, TanhCoulomb
 from analysis.mechanics import reduced
 from analysis.nonlinear import families, flow
 from analysis.nonlinear.collocation import NoCycleError, solve
@@ -252,6 +252,31 @@ def test_cycles_without_symmetry_leave_symmetric_ones_until_their_period_doubles
     assert near.spin == pytest.approx(born.motion.spin, abs=1e-3)
     assert cycle.multiplier == pytest.approx(-1.0, abs=1e-6)
     assert cycle.spin == pytest.approx(29.9690, abs=1e-4)
+
+
+def falling(smoothing: float) -> Scenario:
+    """Friction that falls so soon that motions may grow over a turn."""
+    law = Stribeck(static=0.3, kinetic=0.05, stribeck_speed=0.02, smoothing=smoothing)
+    return model(4, friction=law)
+
+
+@pytest.mark.slow
+def test_a_complex_pair_that_passes_the_unit_circle_is_a_torus() -> None:
+    found = rotating_family(falling(0.0585), (0.2522, 0.2532))
+    ((kind, torus, _),) = events(found)
+    assert kind == "torus"
+    # By shooting with other equations.
+    assert (torus.value, torus.spin) == pytest.approx((0.252553, 29.9898), abs=5e-5)
+    assert np.abs(multipliers_of_runs(torus)) == pytest.approx([1.0, 1.0], abs=1e-5)
+    assert [each.stable for each in found.motions] == [False, True]
+
+
+@pytest.mark.slow
+def test_a_family_that_folds_does_not_leap_to_where_it_comes_back() -> None:
+    found = rotating_family(falling(0.1), (0.135, 0.155, 0.175, 0.2))
+    # By small steps of pseudo-arclength, it turns back at 0.15306 rad and 29.528 rad/s.
+    assert [each.value for each in found.motions] == pytest.approx([0.155, 0.175, 0.2])
+    assert not_none(found.reason)
 
 
 @pytest.mark.whole

@@ -96,10 +96,12 @@ def test_a_quantity_is_found_by_name_an_axis_and_a_commented_key(quantity: Quant
         assert f"{quantity.name} = " in text
 
 
-def test_every_quantity_is_told_with_what_it_means() -> None:
+def test_every_quantity_is_told_with_what_it_means_and_its_default_if_there_is_one() -> None:
     shown = " ".join(printed("scenario --help").split())
     for quantity in QUANTITIES.values():
         assert re.search(rf"{quantity.flag}\b[^-].*{re.escape(quantity.meaning)}", shown)
+    assert f"in m ({STEEL_DISK.radius}) --hole-radius" in shown
+    assert "in kg --eccentricity" in shown
 
 
 @EVERY

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from analysis import (
@@ -78,6 +78,7 @@ COMPLIANT = st.builds(
 @pytest.mark.filterwarnings("ignore::analysis.problem.values.UnitWarning")
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(IDEAL | FREE | COMPLIANT)
+@example(Scenario(disk=replace(STEEL_DISK, eccentricity=0.0)))
 def test_scenario_is_the_same_again(tmp_path: Path, scenario: Scenario) -> None:
     path = tmp_path / "my.toml"
     path.write_text(scenario_text(scenario), encoding="utf-8")
