@@ -314,7 +314,7 @@ def confirm(study: Study, found: Found, stored: pd.DataFrame) -> list[Check]:
     checks = [at_most(f"{study.name}: cases missing or too many", other, 0, "stored")]
     for task in study.tasks(whole=False):
         name, rows = f"{study.name}: {task.label}", found.get(task.key)
-        if not isinstance(rows, list) or not rows:
+        if not isinstance(rows, list):
             checks.append(Check(f"{name}: runs", str(rows), "no crash", "fresh", False))
         else:
             known = stored[stored["case"] == task.label].to_dict("records")

@@ -36,6 +36,15 @@ def test_limits_of_times_alone_grow_on_a_slow_machine(monkeypatch: pytest.Monkey
     assert held == [True, True, False]
 
 
+def test_a_machine_is_slow_by_what_arithmetic_takes_and_never_fast(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for part, slow in ((2.0, 2.0), (0.5, 1.0)):
+        taken = [part * benchmark.PACE]
+        monkeypatch.setattr(benchmark, "milliseconds", lambda *_, told=taken, **__: told)
+        assert benchmark.slowness.__wrapped__() == slow
+
+
 def test_sweep_is_timed_against_its_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     def timed(*calls: Callable[[], object], repeats: int) -> list[float]:
         """Times in ms of a slow machine on which all goes evenly."""

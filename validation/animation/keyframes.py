@@ -77,7 +77,7 @@ def source(motion: StoredRun) -> str:
 
 
 def _dense(motion: StoredRun, times: Array) -> Array:
-    """Times with as many others between them as the fastest turning or rolling needs."""
+    """As many times as the fastest turning or rolling needs: others between them, or fewer."""
     angles = np.max(np.diff(times)) * np.abs(motion.poses.angular_velocities)
     ways = np.abs(np.diff(motion.contact_points, axis=0)) / motion.scenario.disk.radius
     turn = max(float(np.max(angles)), float(np.max(ways)))
@@ -86,6 +86,9 @@ def _dense(motion: StoredRun, times: Array) -> Array:
             f"the disk turns by {turn:.3g} rad between two samples, which would take more than "
             f"{MOST_KEYFRAMES} keyframes"
         )
+    every = int(_TURN_BETWEEN / max(turn, 1.0 / times.size))
+    if every > 1:
+        return np.append(times[:-1:every], times[-1])
     parts = max(1, int(np.ceil(turn / _TURN_BETWEEN)))
     rows = np.arange(parts * (times.size - 1) + 1)
     return np.interp(rows / parts, np.arange(times.size), times)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -77,15 +78,17 @@ class Panel:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What became of the disk, with parts of the finest grid, and what the other side says."""
-        parts = pd.Series(self.outcomes.ravel()).value_counts(normalize=True)
+        """What became of the disk, with parts of the area, and what the other side says."""
+        outcomes = self.outcomes
+        parts = {name: mean_over_area(outcomes == name) for name in np.unique(outcomes)}
+        told = sorted(parts.items(), key=itemgetter(1), reverse=True)
         apart = [self.seen["difference"].astype(float).agg(each) for each in ("median", "max")]
         median, largest = (None if np.isnan(each) else float(each) for each in apart)
         return {
             "model": self.sweep.scenario.name,
             "runs": len(self.cells),
             "in place of": self.sweep.design.size,
-            "outcomes": ", ".join(f"{name} {100 * part:.0f} %" for name, part in parts.items()),
+            "outcomes": ", ".join(f"{name} {100 * part:.0f} %" for name, part in told),
             "seen by the other side": len(self.seen),
             "of them alike": int(self.seen["alike"].sum()),
             "median difference in rad": median,
@@ -99,6 +102,14 @@ class Panel:
     def places(self, cells: pd.DataFrame) -> AnyArray:
         """Row and column of some cells on the finest grid, shape (n, 2)."""
         return np.column_stack(np.divmod(cells["number"].to_numpy(int), self.shape[1]))
+
+
+def mean_over_area(values: AnyArray) -> float:
+    """Mean of values on a grid, shape (m, n), of which those on an edge stand for half a cell."""
+    weights = [np.ones(size) for size in values.shape]
+    for along in weights:
+        along[[0, -1]] = 1.0 if along.size == 1 else 0.5
+    return float(np.average(values, weights=np.outer(*weights)))
 
 
 def cell(sweep: Sweep, row: Mapping[str, Any], *, by_face: bool) -> Cell:

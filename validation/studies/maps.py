@@ -11,7 +11,7 @@ import pandas as pd
 from analysis import Scenario
 from analysis.problem.checks import Array
 from validation.maps import figures, problems
-from validation.maps.panel import Panel, cell, refine
+from validation.maps.panel import Panel, cell, mean_over_area, refine
 from validation.maps.problems import DISTANCES, PROBLEMS, critical_points, panels, uncertainty
 from validation.study import Check, Content, Row, Rows, Study, at_most, grade, relative
 from validation.sweeps.case import run_chunk
@@ -216,7 +216,7 @@ def agreement(basins: Sequence[Panel]) -> pd.DataFrame:
     tilts = np.abs(basins[0].values[0] - pi / 2)
     found = {
         each.sweep.scenario.name: [
-            100.0 * np.mean((other == first)[tilts <= band + 1e-9]) for band in BANDS
+            100.0 * mean_over_area((other == first)[tilts <= band + 1e-9]) for band in BANDS
         ]
         for each, other in zip(basins[1:], others, strict=True)
     }

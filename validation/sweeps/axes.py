@@ -195,8 +195,11 @@ class Design:
     def values_of(self, index: int) -> dict[str, Value]:
         """Values of the axes in a case, from 0 to `size` - 1, by the names of their fields."""
         if self.layout == "grid":
-            places = map(int, np.unravel_index(index, self.shape))
-            return {axis.field: axis.at(next(places)) for axis in self.axes}
+            found: dict[str, Value] = {}
+            for axis in reversed(self.axes):
+                index, place = divmod(index, axis.size)
+                found[axis.field] = axis.at(place)
+            return {axis.field: found[axis.field] for axis in self.axes}
         block, row = divmod(index, self._block)
         parts = _drawn(self, block, self._block)[row].tolist()
         return {axis.field: axis.draw(part) for axis, part in zip(self.axes, parts, strict=True)}

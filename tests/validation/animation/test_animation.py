@@ -104,12 +104,17 @@ def test_motion_between_coarse_samples_is_that_of_fine_ones() -> None:
         np.testing.assert_allclose(line, position[:, axis], atol=2e-4)
 
 
-def test_contact_of_a_nearly_flat_disk_moves_little_between_keyframes() -> None:
-    radius, times = STEEL_DISK.radius, np.linspace(0.0, 0.2, 21)
-    speeds = np.tile([0.0, 0.0, 0.0, 100.0, 0.0, -100.0], (21, 1))
+@pytest.mark.parametrize("count", [21, 20_001])
+def test_contact_of_a_nearly_flat_disk_moves_little_between_keyframes(count: int) -> None:
+    radius, times = STEEL_DISK.radius, np.linspace(0.0, 0.2, count)
+    speeds = np.tile([0.0, 0.0, 0.0, 100.0, 0.0, -100.0], (count, 1))
     places = times[:, None] * speeds + [0.0, 0.0, radius * np.sin(0.02), 0.0, 0.02, 0.0]
     wobbling = replace(
-        inversion(), times=times, coordinates=places, rates=speeds, multipliers=np.zeros((21, 1))
+        inversion(),
+        times=times,
+        coordinates=places,
+        rates=speeds,
+        multipliers=np.zeros((count, 1)),
     )
     points = keyframes(wobbling).contact_points[:, :2]
     ways = np.linalg.norm(np.diff(points, axis=0), axis=1)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 
 from analysis import (
     Scenario,
@@ -67,6 +68,18 @@ def test_runs_sampled_at_other_times_are_interpolated_or_not_compared_and_said_t
     assert re.match(r"coarse is not compared: the samples around t = .* determine", table.note)
     later = replace(fine, times=fine.times + 5.0)
     assert "no time in common" in difference_table([("fine", fine), ("later", later)]).note
+
+
+def test_motions_are_shown_in_a_window_where_there_is_a_screen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    windows: list[int] = []
+    monkeypatch.setattr(plt, "show", lambda: windows.append(len(plt.gcf().axes)))
+    for backend, told, opened in (("agg", True, []), ("QtAgg", False, [4])):
+        monkeypatch.setattr(plt, "get_backend", lambda name=backend: name)
+        assert ("no screen to open a window on" in printed("show run.npz")) == told
+        assert windows == opened
+    plt.close("all")
 
 
 def test_rest_files_are_shown_beside_trajectories() -> None:

@@ -1,5 +1,7 @@
 """The study of maps: its stored cells, what it makes of them, and that its checks can fail."""
 
+from unittest.mock import MagicMock
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from analysis import Scenario
 from tests.helpers import failing
 from validation.maps.panel import Panel
-from validation.maps.problems import PROBLEMS, panels
+from validation.maps.problems import DISTANCES, PROBLEMS, Uncertainty, panels
 from validation.studies import maps
 from validation.study import load
 
@@ -45,7 +47,7 @@ def test_models_agree_where_both_invert_or_neither_does() -> None:
     one, other = toy(_0="flat", _4="lost"), toy(_0="not inverted", _5="flat")
     (parts,) = maps.agreement([one, other]).to_numpy()
     # Upright is the row in the middle.
-    assert parts == pytest.approx([200 / 3, 200 / 3, 200 / 3, 800 / 9])
+    assert parts == pytest.approx([75.0, 75.0, 75.0, 87.5])
     assert (maps.agreement([one, one]) == 100.0).all(axis=None)
 
 
@@ -58,3 +60,22 @@ def test_least_spin_is_measured_from_the_second_critical_speed(
     # In place of spins, gamma is -pi/2, 0 and pi/2; the last row does not invert anywhere.
     np.testing.assert_allclose(maps.above_critical(panel, 0.8), [1.0, 1.0])
     np.testing.assert_allclose(maps.above_critical(panel, 1.5), [1.0])
+
+
+def fine(exponent: float, error: float) -> Uncertainty:
+    return Uncertainty(parts=np.zeros(len(DISTANCES)), exponent=exponent, error=error)
+
+
+def test_verdicts_on_spins_and_boundaries_follow_their_criteria(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(maps, "figures", MagicMock())
+    for apart, found, speeds, boundary in (
+        ((0.0, 3.0), fine(0.8, 0.09), "yes", "yes"),
+        ((0.0, 3.1), fine(0.8, 0.11), "partly", "not shown"),
+        ((-0.1, 1.0), None, "no", "not shown"),
+    ):
+        monkeypatch.setattr(maps, "above_critical", lambda *_, told=apart: np.array(told))
+        monkeypatch.setattr(maps, "uncertainty", lambda _, told=found: told)
+        claims = maps.present({"maps": load(maps.STUDY)}).tables["claims"]
+        assert claims["verdict"].tolist() == [speeds, speeds, boundary]

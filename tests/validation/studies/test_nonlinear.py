@@ -134,6 +134,9 @@ def test_stable_cycles_are_solid_and_unstable_ones_dashed() -> None:
     )
     np.testing.assert_equal(solid.get_ydata(), [0.0, 0.5, 1.2, np.nan, np.nan])
     np.testing.assert_equal(dashed.get_ydata(), [np.nan, np.nan, 1.2, 1.7, 1.9])
+    figures.lines(axes, cycles[:1], np.zeros(1))
+    # One alone has no line to be seen by.
+    assert [line.get_marker() for line in axes.get_lines()] == ["None", "None", "o"]
 
 
 def test_motions_and_noninverted_spinning_are_drawn_at_their_gamma_and_beta() -> None:

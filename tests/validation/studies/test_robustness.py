@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 from math import inf, nan
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import MODELS, POSSIBLE_SETS, Scenario, Start, Trajectory
+from analysis import MODELS, POSSIBLE_SETS, STEEL_DISK, Scenario, Start, Trajectory
 from analysis.motion.endings import CONTACT_WOULD_PULL
 from tests.faults import Rows, faults
 from tests.helpers import failing, not_none
@@ -53,6 +54,16 @@ def test_grid_covers_all_formulations_and_integrators_of_each_model_and_all_sets
         {name.rpartition(": ")[0] for name in names} for names in (CASES.sample, every)
     )
     assert sampled == axes
+
+
+@pytest.mark.parametrize("label", ["0.001", "10"])
+def test_a_disk_of_another_size_turns_as_the_original_does_in_its_time(label: str) -> None:
+    problem = problems()[f"radius of the disk in m: {label}, Model 1"]
+    scale = float(label) / STEEL_DISK.radius
+    times, scenario = problem.times, problem.scenario
+    found = analysis.simulate(scenario, times, tolerance=1e-8)
+    original = analysis.simulate(Scenario(), times / np.sqrt(scale), tolerance=1e-8)
+    np.testing.assert_allclose(found.coordinates[:, 3:], original.coordinates[:, 3:], atol=1e-6)
 
 
 # --- What they are called -----------------------------------------------------------------------
@@ -157,6 +168,29 @@ def test_failed_refused_and_unfinished_runs_are_told_apart(
     assert str(error) in found["reason"] or "50000 steps taken" in found["reason"]
 
 
+@pytest.mark.parametrize(
+    ("planted", "column", "told"),
+    [
+        ("coordinates", 2, {"position": 1e-3, "energy": 1e-3 / STEEL_DISK.radius}),
+        ("rates", 0, {"momentum": 1e-3 / (STEEL_DISK.radius * 40.0)}),
+    ],
+)
+def test_what_a_long_run_does_not_keep_is_told_in_parts_of_weight_and_speed(
+    planted: str, column: int, told: dict[str, float]
+) -> None:
+    def spoilt(scenario: Scenario, times: np.ndarray, **_: Any) -> Trajectory:
+        run = analysis.simulate(scenario, times, local_tolerance=1e-9)
+        # A millimetre, or one per second, in the second half.
+        values = getattr(run, planted).copy()
+        values[times > 1.0, column] += 1e-3
+        return replace(run, **{planted: values})
+
+    way: Any = SimpleNamespace(source="in-house", run=spoilt)
+    free = conservation.FREE[DOP853.name]
+    (found,) = conservation.measure(free._replace(way=way))
+    assert {name: found[name] for name in told} == pytest.approx(told, rel=1e-3)
+
+
 # --- Whatever is wrong fails a check ------------------------------------------------------------
 
 
@@ -189,6 +223,7 @@ def test_stored_cases_hold_and_are_told_with_their_numbers(rows: Rows) -> None:
     assert numbers["answer"] == "yes"
     shown = tables["outcomes"].set_index("what is extreme")
     assert shown.to_numpy().sum() == numbers["total"] == len(rows["robustness"])
+    assert not shown["crashed"].any()
     assert tables["causes"]["cases"].sum() == numbers["without"]
 
 

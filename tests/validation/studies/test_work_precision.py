@@ -1,7 +1,7 @@
 """Error against run time: what its ladders, orders and cheapest ways tell, and what fails it."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, nan
 
 import numpy as np
 import pandas as pd
@@ -47,6 +47,17 @@ def test_the_fastest_ways_stand_under_the_side_that_has_taken_them() -> None:
     assert told["in the engine"].str.startswith(("contact-tree", "euler-tree", "floating")).any()
     assert told["in-house"].str.startswith(("index-1", "reduced")).any()
     assert not told["in-house"].str.contains("tree|floating").any()
+
+
+def test_runs_to_a_tolerance_are_judged_by_the_cheapest_that_would_have_done() -> None:
+    ladder = {"problem": "model-1", "formulation": "contact-tree", "scheme": "RK44"}
+    goal, parts = measuring.GOALS[0], np.array((0.5, 2.0, 0.1, 4.0, inf))
+    runs = pd.DataFrame({"kind": ["step"] * 2 + ["tolerance"] * 3, "work": [40, 10, 100, 70, 0]})
+    errors = {"error": parts * goal, "angle_error": 0.5 * parts * goal}
+    found = wp.asked(runs.assign(**ladder, **errors, setting=goal, failed=parts == inf))
+    np.testing.assert_allclose(found["ratio"], [0.05, 2.0, nan])
+    np.testing.assert_array_equal(found["excess"], [2.5, nan, nan])
+    assert found["worse"].tolist() == [False, True, False]
 
 
 def test_everything_stored_holds_but_for_what_is_broken_in_doubt_or_of_another_order() -> None:

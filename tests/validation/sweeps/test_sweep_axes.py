@@ -25,6 +25,9 @@ def points(found: Design) -> Any:
 def test_grid_holds_all_combinations_with_the_last_axis_fastest() -> None:
     found = points(design("spin=1,2,3", "mu=0.1", "beta=0.5:0.75:2"))
     assert list(map(tuple, found)) == list(product((1.0, 2.0, 3.0), (0.1,), (0.5, 0.75)))
+    # Also where there are more than can be counted in 64 bits.
+    huge = design("spin=0:60:4000000000", "mu=0.1:0.3:4000000000", "gamma=0:1:9")
+    assert [*huge.values_of(huge.size - 1).values()] == [60.0, 0.3, 1.0]
 
 
 def test_ends_of_a_range_are_exact_and_steps_even() -> None:

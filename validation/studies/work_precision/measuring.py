@@ -338,7 +338,6 @@ CURVES = Study(
         "model-3, floating, trapezoidal",
         "stiff, contact-tree, DOPRI5",
     ),
-    timed=True,
     columns={
         "kind": "what is asked for: a step, a tolerance of each step, of the whole run, or steps "
         "down to one, extrapolated",
