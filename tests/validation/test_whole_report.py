@@ -66,6 +66,8 @@ def test_all_results_state_what_the_report_has_found(folder: Path) -> None:
             continue
         # What rounding leaves differs from machine to machine.
         lost = missing(said, values(found))
+        heads = [re.findall(r"^\|.*(?=\n\| ?[:-])", part, re.MULTILINE) for part in (said, found)]
+        assert heads[0] == heads[1]
         assert len(lost) <= 0.02 * len(values(said)), (said.partition("\n")[0], lost)
 
 
