@@ -4,10 +4,12 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
+from analysis.nonlinear.collocation import NoCycleError
 from analysis.nonlinear.heteroclinic import Connection
 from analysis.problem.choices import SOURCES
 from tests.calls import printed, refusal
@@ -128,6 +130,19 @@ def test_a_family_that_is_not_there_is_a_failure(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(f"{FAMILIES}._amplitudes", lambda _: (0.5, 1.0))
     said = refusal("cycles --asymmetric", code=1)
     assert "no cycle of the family loses its symmetry" in said
+
+
+def test_motions_are_told_where_what_happens_along_them_is_not_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(f"{FAMILIES}._amplitudes", lambda _: (0.5, 1.0))
+    monkeypatch.setattr(
+        "validation.commands.nonlinear.events", Mock(side_effect=NoCycleError("lost"))
+    )
+    said = printed("cycles")
+    assert "Bifurcations along the family" not in said
+    assert "What happens along the family was not found: lost." in said
+    assert "Periodic motions of the reduced system" in said
 
 
 def test_a_decaying_pair_is_not_told_as_two_real_eigenvalues() -> None:
