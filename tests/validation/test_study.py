@@ -169,7 +169,7 @@ def test_a_second_call_measures_and_draws_nothing(
         assert not tasks
         return iter(())
 
-    monkeypatch.setattr(kept, "_run", none)
+    monkeypatch.setattr(kept, "_called", none)
     assert make().sections == first.sections
 
 
@@ -188,7 +188,7 @@ def test_part_of_a_report_has_the_sections_that_are_asked_for(make: Make) -> Non
 def test_two_reports_do_not_work_in_one_folder(
     make: Make, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kept, "_run", lambda *_: make())
+    monkeypatch.setattr(kept, "_called", lambda *_: make())
     with pytest.raises(OSError, match="another process works in it"):
         make()
 

@@ -156,14 +156,11 @@ def _run_panels(
 
 def _columns(found: Uncertainty | None) -> dict[str, float | None]:
     """The uncertainty exponent of a map, and the parts of pairs that it comes from."""
-    parts = [None] * len(DISTANCES) if found is None else found.parts.tolist()
-    return {
-        "uncertainty exponent": None if found is None else found.exponent,
-        "standard deviation": None if found is None else found.error,
-        **{
-            f"part at {each:.3g} widths": part for each, part in zip(DISTANCES, parts, strict=True)
-        },
-    }
+    heads = ["uncertainty exponent", "standard deviation"]
+    heads += [f"part at {each:.3g} widths" for each in DISTANCES]
+    if found is None:
+        return dict.fromkeys(heads)
+    return dict(zip(heads, (found.exponent, found.error, *found.parts.tolist()), strict=True))
 
 
 def _fineness(found: Uncertainty | None) -> str:

@@ -99,7 +99,7 @@ def animate(
         GIF only: width and height in pixels (480).
     """
     try:
-        out = out or writable(".html")(str(file.with_suffix(".html")))
+        out = out or writable(str(file.with_suffix(".html")), ".html")
     except ArgumentTypeError as error:
         raise ArgumentError("out", f"{error}; --out leads elsewhere") from None
     of_gif = {"fps": fps, "width": width}

@@ -157,9 +157,6 @@ def _remarks(motion: SpatialMotion) -> Iterator[str]:
 
 def _lacking(losses: Dissipation) -> str:
     """What a disk needs that is to come to rest, and does not have."""
-    needs = []
-    if not losses.rolling_dry and not losses.rolling_viscous:
-        needs.append("lying flat needs --rolling or --rolling-viscous")
-    if not losses.pivoting:
-        needs.append("lying still needs --pivoting")
-    return "".join(f"; {each}" for each in needs)
+    rolls_freely = not losses.rolling_dry and not losses.rolling_viscous
+    flat = "; lying flat needs --rolling or --rolling-viscous" if rolls_freely else ""
+    return flat if losses.pivoting else f"{flat}; lying still needs --pivoting"

@@ -61,11 +61,9 @@ def eigenvalues(
     if source == "engine":
         from validation.studies.comparisons import engine_matrices
 
-        matrices = [
-            engine_matrices(scenario, np.array([each]), formulation=formulation, motion=motion)
-            for each in counted(spins, "spins")
-        ]
-        values = np.linalg.eigvals(np.concatenate(matrices)).astype(complex)
+        shown = counted(spins, "spins")
+        matrices = engine_matrices(scenario, shown, formulation=formulation, motion=motion)
+        values = np.linalg.eigvals(matrices).astype(complex)
         found = spectra.matched(found, found, values)
     found = found + 0.0  # zeros without a sign
     rows = [

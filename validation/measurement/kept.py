@@ -57,7 +57,9 @@ def measured(
             for (rows,) in file.execute(_FIND, asked):
                 found[task.key] = json.loads(rows)
         left = [task for task in tasks if task.key not in found]
-        for task, rows in _run(left, os.cpu_count() or 1 if workers is None else workers, title):
+        most = os.cpu_count() or 1 if workers is None else workers
+        for task, call in bar(title, iterable=_called(left, most), total=len(left), unit="cases"):
+            rows = _outcome(task, call)
             if not isinstance(rows, Exception):
                 row = (*task.key, hang_on[task.study.name], json.dumps(rows))
                 file.execute("REPLACE INTO kept VALUES (?, ?, ?, ?)", row)
@@ -95,22 +97,13 @@ def _hang_on(study: Study) -> str:
     return json.dumps([code, versions(*PACKAGES), machine(), engine, study.rests_on])
 
 
-def _run(
-    tasks: Sequence[Task], workers: int, title: str
-) -> Iterator[tuple[Task, list[Row] | Exception]]:
-    """Rows of each task as they come, or what it crashed with."""
-    with bar(title, total=len(tasks), unit="cases") as shown:
-        for task, call in _called(tasks, min(workers, len(tasks))):
-            yield task, _outcome(task, call)
-            shown.update()
-
-
 def _called(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Callable[[], list[Row]]]]:
     """Each task with a call for its rows: as it is finished by a process, or to be made here."""
-    if not workers:
+    processes = min(workers, len(tasks))
+    if not processes:
         yield from ((task, partial(rows_of, task.study.measure, task.case)) for task in tasks)
         return
-    with Processes(workers) as pool:
+    with Processes(processes) as pool:
         futures = {
             pool.submit(rows_of, task.study.measure, task.case, limit=task.study.limit): task
             for task in tasks
@@ -119,6 +112,7 @@ def _called(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Callabl
 
 
 def _outcome(task: Task, call: Callable[[], list[Row]]) -> list[Row] | Exception:
+    """Rows of a task, or what it crashed with."""
     try:
         return call()
     except ProcessExpired as error:

@@ -148,7 +148,7 @@ class OfScenario(NamedTuple):
         """Add the options for the file and for the quantities, a group for each table."""
         how: dict[str, Any] = {} if self.flag.startswith("-") else {"nargs": "?"}
         about = "scenario, .toml, or a stored run to repeat, .npz"
-        parser.add_argument(self.flag, **file(existing(), help=about), **how)
+        parser.add_argument(self.flag, **file(existing, help=about), **how)
         for table in self.tables:
             group = parser.add_argument_group(table or "problem", SECTIONS[table].about)
             for quantity in of_table(table).values():

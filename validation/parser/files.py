@@ -21,71 +21,63 @@ PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""
 
 
-def file(check: Callable[[str], Path], metavar: str = "FILE", **how: Any) -> dict[str, Any]:
-    """Keywords of `argparse` for an option that takes a path."""
+def file(check: Callable[..., Path], *suffixes: str, **how: Any) -> dict[str, Any]:
+    """Keywords of `argparse` for an option that takes a path, with one of some suffixes or any."""
 
     def checked(value: str) -> Path:
         try:
-            return check(value)
+            return check(value, *suffixes)
         except OSError as error:
             # A name that is too long, or a folder that may not be looked into.
             fault = f"is no path here, got {value!r} ({error.strerror})"
             raise ArgumentTypeError(fault) from error
 
-    return {"type": checked, "metavar": metavar} | how
+    return {"type": checked, "metavar": "FILE"} | how
 
 
 def folder(value: str) -> Path:
     """Type of an argument that names a folder to write to, which is made if there is none."""
-    path = _with_suffix(value, ())
+    path = _with_suffix(value)
     there = next(each for each in (path, *path.absolute().parents) if os.path.lexists(each))
     if not there.is_dir() or not _is_writable(there):
         raise ArgumentTypeError(f"must be a folder that can be written to, got {value!r}")
     return path
 
 
-def existing(*suffixes: str) -> Callable[[str], Path]:
+def existing(value: str, *suffixes: str) -> Path:
     """Type of an argument that names a file to read, with one of these suffixes or any."""
-
-    def checked(value: str) -> Path:
-        path = _with_suffix(value, suffixes)
-        if path.is_dir() or not os.access(path, os.R_OK):
-            raise ArgumentTypeError(f"must be an existing file that can be read, got {value!r}")
-        return path
-
-    return checked
+    path = _with_suffix(value, *suffixes)
+    if path.is_dir() or not os.access(path, os.R_OK):
+        raise ArgumentTypeError(f"must be an existing file that can be read, got {value!r}")
+    return path
 
 
-def writable(*suffixes: str) -> Callable[[str], Path]:
+def writable(value: str, *suffixes: str) -> Path:
     """Type of an argument that names a file to write, with one of these suffixes.
 
     A pipe, a device or standard output, `-`, needs no suffix, and is taken for a file with the
     first.
     """
-
-    def checked(value: str) -> Path:
-        if value == "-":
-            if sys.__stdout__ is None:
-                raise ArgumentTypeError("needs standard output, which is closed")
-            # Known by this name also on systems that have no such file.
-            return Path("/dev/stdout")
-        path = Path(value)
-        if path.exists() and (not path.is_file() or path.is_relative_to("/dev")):
-            target = path
-        else:
-            # A link leads to the file that is replaced.
-            path = _with_suffix(value, suffixes)
-            led = Path(os.path.realpath(path))
-            target = led.parent
-            if led.is_symlink():
-                raise ArgumentTypeError(f"must lead to a file, and leads in a circle: {value!r}")
-            if not target.is_dir():
-                raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
-        if path.is_dir() or not _is_writable(target):
-            raise ArgumentTypeError(f"must be a file that can be written, got {value!r}")
-        return path
-
-    return checked
+    if value == "-":
+        if sys.__stdout__ is None:
+            raise ArgumentTypeError("needs standard output, which is closed")
+        # Known by this name also on systems that have no such file.
+        return Path("/dev/stdout")
+    path = Path(value)
+    if path.exists() and (not path.is_file() or path.is_relative_to("/dev")):
+        target = path
+    else:
+        # A link leads to the file that is replaced.
+        path = _with_suffix(value, *suffixes)
+        led = Path(os.path.realpath(path))
+        target = led.parent
+        if led.is_symlink():
+            raise ArgumentTypeError(f"must lead to a file, and leads in a circle: {value!r}")
+        if not target.is_dir():
+            raise ArgumentTypeError(f"must lie in an existing folder, got {value!r}")
+    if path.is_dir() or not _is_writable(target):
+        raise ArgumentTypeError(f"must be a file that can be written, got {value!r}")
+    return path
 
 
 def _is_writable(place: Path) -> bool:
@@ -102,13 +94,13 @@ def _is_writable(place: Path) -> bool:
 
 def store(value: str) -> Path:
     """Type of an argument that names a database to write, which can be no pipe."""
-    path = writable(".db")(value)
+    path = writable(value, ".db")
     if path.exists() and not (path.is_file() and _is_writable(path)):
         raise ArgumentTypeError(f"must be a regular file that can be written, got {value!r}")
-    return _with_suffix(value, (".db",))
+    return _with_suffix(value, ".db")
 
 
-def _with_suffix(value: str, suffixes: tuple[str, ...]) -> Path:
+def _with_suffix(value: str, *suffixes: str) -> Path:
     if not value:
         # It would be the working directory.
         raise ArgumentTypeError("must not be empty")
@@ -118,8 +110,8 @@ def _with_suffix(value: str, suffixes: tuple[str, ...]) -> Path:
     return path
 
 
-CsvOut = Annotated[Path | None, file(writable(".csv"))]
-PictureOut = Annotated[Path | None, file(writable(*PICTURES), "PICTURE")]
+CsvOut = Annotated[Path | None, file(writable, ".csv")]
+PictureOut = Annotated[Path | None, file(writable, *PICTURES, metavar="PICTURE")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -30,16 +30,16 @@ ReducedProblem = Annotated["Problem", OfScenario(_PLAIN, model=4)]
 Numbers = Annotated[Result, Group(Result.deliver, "json", "csv")]
 """A result without a picture."""
 
-Run = Annotated[Path, file(existing(".npz"))]
-Runs = Annotated[list[Path], file(existing(".npz"), nargs="+")]
-Toml = Annotated[Path | None, file(existing())]
-MotionOut = Annotated[Path | None, file(writable(".npz"))]
+Run = Annotated[Path, file(existing, ".npz")]
+Runs = Annotated[list[Path], file(existing, ".npz", nargs="+")]
+Toml = Annotated[Path | None, file(existing)]
+MotionOut = Annotated[Path | None, file(writable, ".npz")]
 StoreOut = Annotated[Path, file(store)]
-AnimationOut = Annotated[Path | None, file(writable(".html", ".gif"))]
-PageOut = Annotated[Path, file(writable(".html"))]
-TextOut = Annotated[Path | None, file(writable(".md"))]
-Folder = Annotated[Path, file(folder, "DIR")]
-OtherFolder = Annotated[Path | None, file(folder, "DIR")]
+AnimationOut = Annotated[Path | None, file(writable, ".html", ".gif")]
+PageOut = Annotated[Path, file(writable, ".html")]
+TextOut = Annotated[Path | None, file(writable, ".md")]
+Folder = Annotated[Path, file(folder, metavar="DIR")]
+OtherFolder = Annotated[Path | None, file(folder, metavar="DIR")]
 
 DISK = ("modelled", "inversion", "claims", "stability", "nonlinear", "rest", "maps")
 METHOD = ("crosscheck", "work-precision", "robustness", "lean", "numbers")

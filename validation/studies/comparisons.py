@@ -5,7 +5,7 @@ compared: accelerations and constraint forces at random states that the constrai
 motion from the scenario's own start, and the eigenvalues of both stationary spinning motions.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from math import inf
@@ -389,17 +389,12 @@ def spinning(
     return Scene(scenario=replace(scenario, start=start), formulation=formulation)
 
 
-def engine_matrices(
-    scenario: Scenario,
-    spins: Array,
-    *,
-    formulation: Formulation | None = None,
-    motion: Motion = "inverted",
-) -> Array:
-    """State matrices of the engine over the spin, shape (n, k, k): `mbs_models.state_matrix`."""
-    scenes = (
-        spinning(scenario, spin, formulation=formulation, motion=motion) for spin in spins.tolist()
-    )
+def engine_matrices(scenario: Scenario, spins: Iterable[float], **how: Any) -> Array:
+    """State matrices of the engine over the spin, shape (n, k, k): `mbs_models.state_matrix`.
+
+    The further arguments are those of `spinning`.
+    """
+    scenes = (spinning(scenario, float(spin), **how) for spin in spins)
     return np.array([mbs_models.state_matrix(scene) for scene in scenes])
 
 

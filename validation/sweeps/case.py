@@ -17,12 +17,11 @@ from validation.comparison.differences import deviation
 from validation.sweeps.plan import TIME, Plan
 from validation.sweeps.sweep import Sweep
 
+_OF_WITNESS = ("inversion", "ending", "face_end", "error_estimate", "seconds")
+
 COLUMNS: Mapping[str, str | None] = {
     **OUTCOMES,
-    **dict.fromkeys(("other_inversion", "other_ending")),
-    "other_face_end": "",
-    "other_error_estimate": "rad",
-    "other_seconds": "s",
+    **{f"other_{name}": OUTCOMES[name] for name in _OF_WITNESS},
     "difference": "rad",
     "code": None,
 }
@@ -134,14 +133,8 @@ def _told_by_witness(plan: Plan, motion: StoredRun) -> Row:
     (found,) = outcomes([other]).rows()
     if found["status"] != DONE:
         return {"other_inversion": WITNESS_FAILED, "reason": found["reason"]}
-    return {
-        "other_inversion": found["inversion"],
-        "other_ending": found["ending"],
-        "other_face_end": found["face_end"],
-        "other_error_estimate": found["error_estimate"],
-        "other_seconds": seconds,
-        "difference": deviation(motion, other),
-    }
+    told = {f"other_{name}": found[name] for name in _OF_WITNESS}
+    return told | {"other_seconds": seconds, "difference": deviation(motion, other)}
 
 
 def series(motion: StoredRun, names: Sequence[str]) -> dict[str, bytes]:

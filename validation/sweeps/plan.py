@@ -113,18 +113,10 @@ class Plan(CaseOptions):
     @property
     def witness(self) -> "Plan":
         """How the other side runs a case."""
-        tolerance = self.witness_tolerance or self.tolerance
-        return Plan(
-            source=SOURCES[self.source == SOURCES[0]],
-            tolerance=tolerance if self.witness_step is None else None,
-            step=self.witness_step,
-            stop_when=self.stop_when,
-            allow_pulling=self.allow_pulling,
-            time_limit=self.time_limit,
-            end=self.end,
-            spacing=self.spacing,
-            to_rest=self.to_rest,
-        )
+        how = self.given("stop_when", "allow_pulling", "time_limit", "end", "spacing", "to_rest")
+        if self.witness_step is None:
+            how["tolerance"] = self.witness_tolerance or self.tolerance
+        return Plan(source=SOURCES[self.source == SOURCES[0]], step=self.witness_step, **how)
 
     def motion(self, scenario: Scenario) -> StoredRun:
         """Motion of a case."""

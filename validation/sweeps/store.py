@@ -135,22 +135,22 @@ class Store:
         self.commit()
         self._file.close()
 
+    def _found(self, query: str, *values: int) -> list[tuple[Any, ...]]:
+        with plain_errors(self.path):
+            return self._file.execute(query, values).fetchall()
+
     def count(self) -> int:
         """Number of rows."""
-        with plain_errors(self.path):
-            return int(self._file.execute("SELECT count(*) FROM cases").fetchone()[0])
+        return int(self._found("SELECT count(*) FROM cases")[0][0])
 
     def failed(self) -> list[int]:
         """Numbers of the cases that have failed, on either side."""
-        with plain_errors(self.path):
-            found = self._file.execute(f"SELECT number FROM cases WHERE {_FAILED}")
-            return [number for (number,) in found]
+        return [number for (number,) in self._found(f"SELECT number FROM cases WHERE {_FAILED}")]
 
     def failures(self) -> dict[str, int]:
         """Numbers of cases that have failed, by what has become of them."""
         asked = f"SELECT iif(status = '{DONE}', '{ELSEWHERE}', status), count(*) FROM cases "
-        with plain_errors(self.path):
-            return dict(self._file.execute(f"{asked} WHERE {_FAILED} GROUP BY 1"))
+        return dict(self._found(f"{asked} WHERE {_FAILED} GROUP BY 1"))
 
     def missing(self, numbers: Iterable[int], *, retry: bool = False) -> Iterator[int]:
         """Those of some cases that have no row yet; they are asked for as these are.
@@ -163,13 +163,9 @@ class Store:
         """
         left = iter(numbers)
         while block := list(islice(left, _LOOK)):
-            with plain_errors(self.path):
-                found = self._file.execute(
-                    "SELECT number FROM cases WHERE number BETWEEN ? AND ? "
-                    f"AND NOT (? AND {_FAILED})",
-                    (min(block), max(block), retry),
-                )
-                present = {number for (number,) in found}
+            asked = "SELECT number FROM cases WHERE number BETWEEN ? AND ? AND NOT"
+            found = self._found(f"{asked} (? AND {_FAILED})", min(block), max(block), retry)
+            present = {number for (number,) in found}
             yield from (number for number in block if number not in present)
 
     def add(self, rows: Iterable[CaseRow]) -> None:
@@ -243,14 +239,8 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
     # A kill between two commits may leave a journal, which whoever opens it first plays back.
     mode = "rw" if place.with_name(f"{place.name}-journal").exists() else "ro"
     address = f"{place.absolute().as_uri()}?mode={mode}"
-    with (
-        plain_errors(place),
-        closing(
-            sqlite3.connect(
-                address, uri=True, timeout=_PATIENCE, detect_types=sqlite3.PARSE_DECLTYPES
-            )
-        ) as file,
-    ):
+    how: Any = {"uri": True, "timeout": _PATIENCE, "detect_types": sqlite3.PARSE_DECLTYPES}
+    with plain_errors(place), closing(sqlite3.connect(address, **how)) as file:
         try:
             with foreign_names():
                 sweep = Sweep.from_values(_stored_sweep(file, place))

@@ -6,6 +6,7 @@ Of Sections 1, 3.2 and 7; the critical speeds are those of Sections 3 and 6.
 from bisect import bisect_left
 from collections import Counter
 from functools import cache
+from itertools import product, starmap
 from math import acos, nan, pi
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -112,13 +113,8 @@ class Starts(NamedTuple):
 
 def cases() -> dict[str, Starts]:
     """Blocks of starts of each model, tilt and spin."""
-    found = [
-        Starts(level, tilt, spin, first)
-        for level in (1, 4)
-        for tilt in TILTS
-        for spin in SPINS
-        for first in range(0, NUMBER, BLOCK)
-    ]
+    levels: tuple[Level, ...] = (1, 4)
+    found = starmap(Starts, product(levels, TILTS, SPINS, range(0, NUMBER, BLOCK)))
     return {each.label: each for each in found}
 
 
