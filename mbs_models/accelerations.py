@@ -28,7 +28,7 @@ from mbs_models.endings import LOCAL
 from mbs_models.friction import slip_velocity
 from mbs_models.probe import Probe
 from mbs_models.scene import CLASSES, Scene, build
-from mbs_models.solving import solving
+from mbs_models.solving import solving, stepping
 
 _NAMES = (*COORDINATES, *(f"{name}_rate" for name in COORDINATES))
 """What tells a whole state: coordinates, and then rates."""
@@ -237,6 +237,8 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     ------
     ValueError
         If the state breaks a constraint.
+    EngineError
+        If the contact jams there, so that there is no solution.
 
     Examples
     --------
@@ -249,7 +251,7 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     if state is not None:
         scene = scene.starting_at(instance("state", state, State))
     motion = AccelerationProblem(scene, {})
-    with closing(motion.model) as model, solving(motion.system):
+    with closing(motion.model) as model, stepping(motion.system):
         second_derivatives, algebraic = motion.probe.solved()
         z, u = model.start.coordinates, model.start.rates
         forces = motion.forces([(list(z), list(u), second_derivatives, algebraic)])
@@ -281,6 +283,8 @@ def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     ------
     ValueError
         If the table leans, the contact is one of penalty, or the start is not stationary.
+    EngineError
+        If the contact jams there.
 
     Examples
     --------
@@ -319,7 +323,7 @@ def state_matrix(scene: Scene | Scenario) -> Array:
         part, rim_speed = 1.0, min(SLIDING * bending, PART_OF_SLIP * slip, speed)
     motion = AccelerationProblem(scene, {}, part)
     motion.quick = False
-    with closing(motion.model), solving(motion.system):
+    with closing(motion.model), stepping(motion.system):
         return _linearised(motion, turning, rim_speed)
 
 

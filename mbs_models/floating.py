@@ -52,12 +52,11 @@ class Floating(Model):
         coordinates, rates = np.array([start.coordinates]), np.array([start.rates])
         position, rotation = frames.poses(coordinates)
         velocity, angular = frames.twists(coordinates, rates)
+        inertia = RigidBodyInertia(mass=disk.mass, com=[disk.eccentricity, 0.0, 0.0])
+        # Given at once, the tensor of a lamina is warned of on the console, by a rounding.
+        inertia.inertiaTensor = disk.tensor
         self._body = self.system.CreateRigidBody(
-            inertia=RigidBodyInertia(
-                mass=disk.mass,
-                inertiaTensor=disk.tensor,
-                com=[disk.eccentricity, 0.0, 0.0],
-            ),
+            inertia=inertia,
             nodeType=self._node_type,
             referencePosition=position[0],
             referenceRotationMatrix=rotation[0],

@@ -96,7 +96,8 @@ def simulate_to_rest(
     criterion : RestCriterion, optional
     stop_when : str, callable or sequence of them
         What else ends the run: "inverted", "lost", or functions of a `State` that turn
-        negative there. They are not asked where the disk lies flat.
+        negative there. They are not asked where the disk lies flat, and see alpha and gamma
+        between -pi and pi: one that changes sign as these jump ends the run there.
     time_limit : float, optional
         Processor time in s after which the motion is returned as far as it has come, with its
         `ending`.

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import Lock
 from typing import Any
 
 import exudyn as exu
@@ -25,6 +26,10 @@ _OF_MATH = (
 """How messages of Python's functions about infinite numbers begin, from 3.14 on the last ones. A
 step that was too long calls a user function there; the engine may be back at the start of the step
 when that is seen here."""
+
+
+_LOCK, _callers = Lock(), list[bool]()
+"""For each call on the way, in any thread, whether the engine printed before the first of them."""
 
 
 class Ended(Exception):  # noqa: N818 - nothing is wrong
@@ -67,8 +72,9 @@ def solving(system: Any) -> Iterator[None]:
         If the engine itself has failed, or a user function raised `Ended` or could not make sense
         of a state that is `ABSURD`.
     """
-    before = exu.config.printToConsole
-    exu.config.printToConsole = False
+    with _LOCK:
+        _callers.append(_callers[0] if _callers else exu.config.printToConsole)
+        exu.config.printToConsole = False
     try:
         yield
     except _PASSED_ON as error:
@@ -81,7 +87,9 @@ def solving(system: Any) -> Iterator[None]:
             raise exu.SolverError("a step was so long that the motion exploded") from error
         raise raised from None
     finally:
-        exu.config.printToConsole = before
+        with _LOCK:
+            printed = _callers.pop()
+            exu.config.printToConsole = printed and not _callers
 
 
 @contextmanager

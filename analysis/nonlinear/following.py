@@ -24,7 +24,7 @@ Measure = Callable[[PeriodicMotion], float]
 _HALVINGS = 5
 """How often a step that fails is halved before a family ends there."""
 
-_LONGEST, _SHORTEST = 0.05, 1e-3
+_LONGEST, _SHORTEST = 0.05, 5e-6
 """Step of pseudo-arclength at most and at least, in parts of value, spin and duration."""
 
 _BEND = 2.0
@@ -156,8 +156,9 @@ def onward(
     try:
         for value in values:
             gained = float(last.times[-1] - before.times[-1])
-            # Of the first motion, nobody knows which way it goes on.
-            way, stray = (1.0, np.inf) if last is before else (last.value - before.value, _STRAY)
+            # Where it stands, nobody knows which way it goes on.
+            way = last.value - before.value
+            way, stray = (way, _STRAY) if way else (1.0, np.inf)
             spin = last.spin + (last.spin - before.spin) / way * (value - last.value)
             place = last.place_with(value=value, spin=spin)
             before, last = last, continue_to(last, place, gained=gained, stray=stray)
@@ -195,7 +196,7 @@ def _ahead(before: PeriodicMotion, last: PeriodicMotion) -> PeriodicMotion:
                 return found
         except NoCycleError as error:
             why = str(error)
-        step /= 2.0
+        step /= 4.0
     raise NoCycleError(why)
 
 

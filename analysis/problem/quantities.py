@@ -71,6 +71,9 @@ STEEPEST_FRICTION = 1e12
 FASTEST_TURN = 1e5
 """Rate of an angle at the start in rad/s; long before, the rim of a steel disk bursts."""
 
+FARTHEST = 1e6
+"""Place in m, or speed in m/s, at the start; farther out, places have too few digits."""
+
 THINNEST_RIM = 1e-9
 """Half thickness of a rounded rim in m: some atoms."""
 
@@ -251,6 +254,11 @@ def _rate(key: str, meaning: str, usual: str) -> Quantity:
     return Quantity(key, meaning, "rad/s", least=-FASTEST_TURN, most=FASTEST_TURN, usual=usual)
 
 
+def _place(key: str, meaning: str, unit: str) -> Quantity:
+    usual = "by the constraints"
+    return Quantity(key, meaning, unit, least=-FARTHEST, most=FARTHEST, usual=usual)
+
+
 def _angle(key: str, meaning: str, default: float = 0.0) -> Quantity:
     # The last digits of larger ones are too coarse for a motion.
     return Quantity(key, meaning, "rad", default, -1e6, 1e6)
@@ -346,13 +354,12 @@ _DECLARED = (
     _angle("start.alpha", "direction of the disk's edge"),
     _rate("start.beta_rate", "rate of beta", "0, or what the constraints leave"),
     _rate("start.gamma_rate", "rate of gamma", "-spin * cos(beta)"),
-    Quantity("start.x", "of the geometric centre in the frame that turns with alpha", "m",
-             usual="by the constraints"),
-    Quantity("start.y", "of the same", "m", usual="by the constraints"),
-    Quantity("start.x_rate", "rate of x", "m/s", usual="by the constraints"),
-    Quantity("start.y_rate", "rate of y", "m/s", usual="by the constraints"),
+    _place("start.x", "of the geometric centre in the frame that turns with alpha", "m"),
+    _place("start.y", "of the same", "m"),
+    _place("start.x_rate", "rate of x", "m/s"),
+    _place("start.y_rate", "rate of y", "m/s"),
     Quantity("start.height", "of the lowest point over the table; 0 on an ideal contact", "m",
-             least=0.0, usual="pressed in by the weight"),
+             least=0.0, most=FARTHEST, usual="pressed in by the weight"),
 )  # fmt: skip
 
 QUANTITIES: dict[str, Quantity] = {each.key: each for each in _DECLARED}

@@ -135,7 +135,7 @@ class Kinds(Named[str, type[T]]):
         """
         kind = self.find(given.pop(self._key, None))
         try:
-            return kind(**given)
+            return kind(**{name: _frozen(each) for name, each in given.items()})
         except ValueError:
             raise
         except (Exception, SystemExit) as error:
@@ -153,6 +153,11 @@ class Kinds(Named[str, type[T]]):
                 raise
             subject = f"{self._what} {self.name_of(type(one))!r}:"
             raise ArgumentError(self._key, error_text(error, ValueError), subject) from error
+
+
+def _frozen(value: Any) -> Any:
+    """A value with tuples in place of lists, which is how files tell them."""
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
 
 
 def error_text(error: BaseException, *plain: type[Exception]) -> str:

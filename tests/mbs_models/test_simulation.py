@@ -3,6 +3,7 @@
 import gc
 import weakref
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
@@ -293,10 +294,33 @@ def test_runs_print_nothing_and_write_nothing(
     monkeypatch.chdir(tmp_path)
     mbs_models.simulate(scene_of(2, friction=LOADED), SHORT, step=2e-4)
     mbs_models.simulate_to_rest(rest_scene(), 0.01)
+    # A lamina but for rounding, which the engine would warn of.
+    inertia = {"inertia_x": 1.51875e-4, "inertia_y": 1.81875e-4, "inertia_z": 3.3375e-4}
+    lamina = Disk(radius=0.045, mass=0.3, eccentricity=0.01, **inertia)
+    mbs_models.simulate(scene_of(1, "floating", disk=lamina), SHORT, step=1e-3)
     with pytest.raises(EngineError):
         mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
     assert capfd.readouterr() == ("", "")
     assert not list(tmp_path.iterdir())
+
+
+def test_the_engine_prints_again_after_calls_from_several_threads() -> None:
+    before, exu.config.printToConsole = exu.config.printToConsole, True
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            runs = list(pool.map(lambda _: mbs_models.simulate(Scenario(), SHORT), range(4)))
+        assert exu.config.printToConsole
+    finally:
+        exu.config.printToConsole = before
+    for run in runs[1:]:
+        np.testing.assert_array_equal(run.coordinates, runs[0].coordinates)
+
+
+def test_accelerations_where_the_contact_jams_are_refused() -> None:
+    law = SmoothCoulomb(coefficient=4.0, smoothing=0.01, load="contact")
+    jammed = Scenario(friction=law, start=Start(beta=2.8, spin=0.0, y_rate=2.0))
+    with pytest.raises(EngineError, match="the contact jams"):
+        mbs_models.acceleration(jammed)
 
 
 def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_refused() -> None:

@@ -183,6 +183,13 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     assert found.reason.endswith(" at a spin of 30.91 rad/s")
 
 
+def test_a_family_may_begin_with_the_motion_that_leads_to_it() -> None:
+    born = 1e-6
+    found = cycle_family(PAPER, (born, 0.1))
+    assert [each.value for each in found.motions] == [born, 0.1]
+    assert found.reason is None
+
+
 def test_cycles_may_fold_right_beside_the_hopf_point() -> None:
     disk = replace(PAPER.disk, eccentricity=0.0195)
     scenario = replace(PAPER, disk=disk, friction=SmoothCoulomb(smoothing=0.3))

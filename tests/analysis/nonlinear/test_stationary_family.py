@@ -32,6 +32,11 @@ def test_an_eccentric_disk_spins_upright_or_not_at_all(constraints: ConstraintSe
     assert noninverted.growth > 1.0
 
 
+def test_spinning_upright_is_found_without_luck() -> None:
+    found = stationary_motions(Scenario(), 60.0, starts=1)
+    assert [each.gamma for each in found] == pytest.approx([np.pi / 2, -np.pi / 2])
+
+
 @pytest.mark.parametrize(
     ("constraints", "least"),
     [

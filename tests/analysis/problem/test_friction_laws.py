@@ -1,5 +1,6 @@
 """Friction laws: their closed properties, and those of one's own, right or wrong, in all uses."""
 
+import json
 import sys
 from dataclasses import dataclass, replace
 from functools import partial
@@ -134,12 +135,16 @@ class Silent(FrictionLaw):
 
     @dataclass(frozen=True, slots=True, kw_only=True)
     class Inner(Own):
-        """A law in a class."""
+        """A law in a class, with a table of numbers."""
+
+        steps: tuple[tuple[float, float], ...] = ((0.1, 0.3), (1.0, 0.2))
 
 
 def test_a_law_in_a_class_is_stored_and_read_again() -> None:
     scenario = Scenario(friction=Silent.Inner())
     assert Scenario.from_values(scenario.values()) == scenario
+    # A file knows no tuples.
+    assert Scenario.from_values(json.loads(json.dumps(scenario.values()))) == scenario
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

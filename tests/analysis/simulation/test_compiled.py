@@ -80,6 +80,7 @@ ROUGH = [SmoothCoulomb(load=load, coefficient=0.2, smoothing=0.5) for load in LO
 REDUCED_OF = [replace(drawn(MODELS[4], law()), table=Table()) for law in LAWS.values()]
 SYSTEMS = [
     *(each for each in REDUCED_OF if each.friction.is_simple),
+    replace(REDUCED_OF[0], friction=SmoothCoulomb(coefficient=0.0)),
     drawn(MODELS[1], SmoothCoulomb(), products=0.1),
     *(Scenario(disk=each, start=MOVING) for each in (TIPPE_TOP, ELLIPSE, SHARED)),
     *(drawn(held, law) for held in POSSIBLE_SETS for law in ROUGH),
