@@ -56,6 +56,13 @@ class _Lines(tqdm):  # type: ignore[misc] # it brings no types
         self._reached, self._told = reached, 0.0
         super().__init__(**how, file=io.StringIO(), mininterval=EVERY, miniters=0)
 
+    def __iter__(self) -> Iterator[Any]:
+        """Its items, counted one by one: tqdm counts wrong where the interval of lines grows."""
+        with self:
+            for each in self.iterable:
+                yield each
+                self.update()
+
     def display(self, msg: str | None = None, pos: int | None = None) -> bool:  # noqa: ARG002
         """Write a line; an empty one would only clear a bar."""
         if msg == "":
