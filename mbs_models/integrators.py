@@ -96,9 +96,9 @@ class Integrator:
         explicit and need a scene without constraints; DOPRI5 controls its step, the others keep
         it. GeneralizedAlpha has a ripple in constraint forces where it begins, of first order in
         the step, and where uneven times change that: at steps of 1 ms on Model 3 from Table 3,
-        1e-4 N on `euler-tree`, and 2e-2 N on `floating` and `floating-lie`. The last
-        three are SciPy's, step the engine's accelerations and control their steps; Radau and LSODA
-        are for stiff friction.
+        1e-4 N on `euler-tree`, and 2e-2 N on `floating` and `floating-lie`. The last three are
+        SciPy's, step the engine's accelerations and control their steps; Radau and LSODA are for
+        stiff friction.
     newton : Newton, optional
         Of implicit integrators.
     spectral_radius : float, optional

@@ -35,7 +35,7 @@ _DISK_FORMS = f"{'; or '.join(map(', '.join, _SHAPES))}; or body and what it tak
 Names = tuple[str, ...]
 
 _HOLDING_TILT = {"fixed-cog", "no-slip-across", "held-tilt-rate"}
-"""Constraints of which each follows from the others where the disk is centred."""
+"""Constraints that hold the tilt twice where the disk is centred."""
 
 
 @dataclass(frozen=True, kw_only=True)

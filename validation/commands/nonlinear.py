@@ -110,7 +110,8 @@ def _motions(rows: Sequence[Motion], family: Family | None = None, **shown: Any)
     reason = None if family is None else family.reason
     ends = dict.fromkeys(("hopf", "growth", "connection"))
     values = {"motions": rows, "events": [], "reason": reason, **ends} | shown.pop("values", {})
-    notes = [*([f"The family ends: {reason}."] if reason else []), *shown.pop("notes", [])]
+    notes = [f"The family ends: {reason}."] if reason else []
+    notes += shown.pop("notes", [])
     return Result(**shown, values=values, notes=notes)
 
 

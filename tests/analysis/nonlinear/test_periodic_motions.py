@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from analysis import Disk, FrictionLaw, Scenario, SmoothCoulomb, Stribeck, Table, TanhCoulomb
 from analysis.mechanics import reduced
 from analysis.nonlinear import families, flow
-from analysis.nonlinear.collocation import NoCycleError, solve
+from analysis.nonlinear.collocation import NoCycleError, hopf_cycle, solve
 from analysis.nonlinear.families import (
     asymmetric_family,
     cycle_at,
@@ -184,7 +184,7 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
 
 
 def test_a_family_may_begin_with_the_motion_that_leads_to_it() -> None:
-    born = 1e-6
+    born = hopf_cycle(PAPER).value
     found = cycle_family(PAPER, (born, 0.1))
     assert [each.value for each in found.motions] == [born, 0.1]
     assert found.reason is None
