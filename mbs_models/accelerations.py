@@ -7,6 +7,7 @@ The accelerations are those of the scene's own formulation.
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from math import cos, hypot, sin
 
 import exudyn as exu
@@ -18,7 +19,7 @@ from analysis.problem.checks import Array, instance
 from analysis.problem.choices import Method
 from analysis.problem.constraints import demanded, independent_coordinates, prescribed
 from analysis.problem.limits import LEAST_TILT
-from analysis.problem.scenario import Scenario, require_level
+from analysis.problem.scenario import Scenario, require_lasting
 from analysis.problem.start import COORDINATES, State
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
@@ -47,7 +48,10 @@ ComplexArray = npt.NDArray[np.complex128]
 
 CHANGE = 1e-3
 """Part of the size of a disk, and of its turning, by which differences change its motion: by less
-they would lose digits to the engine's rounding."""
+they would lose digits to the engine's rounding;"""
+
+YIELDING = 1e-5
+"""and on a penalty contact, whose force is stiff and known to more digits."""
 
 AT_NO_SLIP, SLIPPING, SLIDING = 1e-5, 1e-6, 3e-3
 """Parts of the finest speed of friction: at which the slope at no slip is taken, where it hardly
@@ -270,19 +274,19 @@ def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     Parameters
     ----------
     scene : Scene or Scenario
-        A scenario stands for its default scene. On a horizontal table with the ideal contact,
-        such as one with `Start.stationary`.
+        A scenario stands for its default scene. On a horizontal table, such as one with
+        `Start.stationary`.
 
     Returns
     -------
     ndarray, complex, shape (n,)
         In the coordinates of `independent_coordinates`: 8 for Model 1, 4 for Model 2, 3 for
-        Models 3 and 4.
+        Models 3 and 4, and 10 on a penalty contact.
 
     Raises
     ------
     ValueError
-        If the table leans, the contact is one of penalty, or the start is not stationary.
+        If the table leans, the spin decays by dissipation, or the start is not stationary.
     EngineError
         If the contact jams there.
 
@@ -310,12 +314,15 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     """
     scene = Scene.of(scene)
     scenario = scene.scenario
-    require_level(scenario, "the linearisation of a spinning motion")
+    require_lasting(scenario, "the linearisation of a spinning motion")
+    change = CHANGE
     if scenario.contact is not None:
-        raise ValueError("contact must be left out: a penalty contact is not linearised")
+        # Differences may be larger than the penetration, and the contact is not to open.
+        held = replace(scenario.contact, bilateral=True)
+        scene, change = replace(scene, scenario=replace(scenario, contact=held)), YIELDING
     state, disk, bending = scenario.initial_state, scenario.disk, scenario.finest_slip
     turning = abs(state.rates[3]) + 1.0
-    speed = CHANGE * disk.radius * turning
+    speed = change * disk.radius * turning
     part, rim_speed = min(1.0, AT_NO_SLIP * bending / speed), speed
     # A disk that slides is linearised there, where friction has another slope than at no slip.
     slip = hypot(*slip_velocity(disk.radius, state.coordinates, state.rates))

@@ -219,7 +219,8 @@ class Dissipation(Described):
         Density of the air times drag coefficient of a plate in kg/m³. Pressure acts on the faces
         alone, as if translation and each tumbling rate passed the air by themselves.
     rolling_smoothing : float
-        Contour speed in m/s at which half of the dry rolling resistance acts, positive.
+        Contour speed in m/s at which half of the dry rolling resistance acts, positive. Below it
+        a nearly flat disk creeps on: the smaller it is, the later the disk lies still.
     pivoting_smoothing : float
         Spin in rad/s at which half of the pivoting friction acts, positive.
 

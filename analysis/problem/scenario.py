@@ -223,8 +223,13 @@ class Scenario(Described):
         """State at the start, consistent with the constraints unless given as a `State`."""
         if isinstance(self.start, State):
             return self.start
-        sunk = 0.0 if self.contact is None else self.contact.resting_penetration(self.weight)
+        sunk = self.resting_penetration
         return self.start.state(self.constraints, self.disk, self.half_thickness, -sunk)
+
+    @property
+    def resting_penetration(self) -> float:
+        """Depth in m to which the weight presses the body into the table; 0 if that is hard."""
+        return 0.0 if self.contact is None else self.contact.resting_penetration(self.weight)
 
     @property
     def half_thickness(self) -> float:
@@ -269,6 +274,18 @@ def require_level(scenario: Scenario, analysis: str) -> None:
             f"needs a horizontal table, got an inclination of {scenario.table.inclination:g} rad"
         )
         raise ArgumentError("inclination", fault, analysis)
+
+
+def require_lasting(scenario: Scenario, analysis: str) -> None:
+    """Raise `ValueError` unless a spin lasts: on a horizontal table, without what brakes it."""
+    require_level(scenario, analysis)
+    loss = scenario.dissipation
+    if loss.pivoting or loss.air_drag:
+        fault = (
+            "must have neither pivoting friction nor air drag, by which the spin decays, got "
+            f"{loss.pivoting:g} m and {loss.air_drag:g} kg/m³"
+        )
+        raise ArgumentError("dissipation", fault, analysis)
 
 
 def require_plain(scenario: Scenario, analysis: str) -> None:

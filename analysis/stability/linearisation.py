@@ -17,9 +17,9 @@ that leaving them out leaves the other eigenvalues as they are:
 Without them Models 1 to 4 have 6 of the 8 eigenvalues of Eq. (55), 4, and twice the 3 of (111).
 
 The equations of motion are quadratic in the velocities, but for friction, whose law is one of the
-slip and at no slip linear in it. For upright spinning, which has no slip, all derivatives are
-therefore polynomials of degree 2 in the spin, taken from three spins. All lengths count in radii
-and all times in sqrt(r / g).
+slip and at no slip linear in it, and rolling resistance, likewise. For upright spinning, which
+neither slips nor rolls, all derivatives are therefore polynomials of degree 2 in the spin, taken
+from three spins. All lengths count in radii and all times in sqrt(r / g).
 """
 
 from dataclasses import replace
@@ -37,12 +37,11 @@ from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.penalty import Solver
 from analysis.problem.checks import Array, checked, choice, finite_row, instance, turn_rate
 from analysis.problem.constraints import ConstraintSet
-from analysis.problem.contact import Dissipation
 from analysis.problem.elementary import Numbers
 from analysis.problem.friction import ViscousFriction
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import QUANTITIES, STEEPEST_FRICTION, Level
-from analysis.problem.scenario import Scenario, require_level, require_plain
+from analysis.problem.scenario import Scenario, require_lasting, require_level, require_plain
 from analysis.problem.start import MOTIONS, Motion, Start
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -124,6 +123,12 @@ def eigenvectors(matrix: Array, value: complex) -> tuple[Any, Any]:
     return left[:, -1], right[-1].conj()
 
 
+def steady(scenario: Scenario) -> Scenario:
+    """The scenario without pivoting friction and air drag, with which no spinning lasts."""
+    lasting = replace(scenario.dissipation, pivoting=0.0, air_drag=0.0)
+    return replace(scenario, dissipation=lasting)
+
+
 def upright(scenario: Scenario, gamma: float) -> Place:
     """Where the disk spins upright: G, or a centre of gravity that is held, above the origin."""
     is_held = not has_drift(scenario.constraints)
@@ -146,7 +151,8 @@ def turning_state(
         That of the scenario with its numbers of another kind.
     """
     x, y, beta, gamma = place
-    height, *_ = scenario.disk.clearance(beta, gamma)
+    height = scenario.disk.clearance(beta, gamma, scenario.half_thickness)[0]
+    height -= scenario.resting_penetration
     coordinates, rates = (x, y, height, 0.0, beta, gamma), (0.0, 0.0, 0.0, spin, 0.0, 0.0)
     return state_of(disk or scenario.disk, coordinates, rates)
 
@@ -168,7 +174,7 @@ class Linearisation:
     Parameters
     ----------
     scenario : Scenario
-        On a horizontal table, with the ideal contact and any constraints.
+        On a horizontal table, with any constraints, or on a penalty contact. See `steady`.
     place : tuple of 4 floats
         Of the stationary motion, see `Place`.
     spin : float, optional
@@ -176,7 +182,7 @@ class Linearisation:
     """
 
     def __init__(self, scenario: Scenario, place: Place, spin: float | None = None) -> None:
-        require_spinning(scenario, "the numeric linearisation")
+        require_lasting(scenario, "the numeric linearisation")
         self._scenario, self.place = scenario, place
         self.frequency = spin_scale(scenario)
         """Unit sqrt(g / r) of the spin in rad/s."""
@@ -198,9 +204,11 @@ class Linearisation:
 
     def equations(self, disk: Any, solve: Solver, state: Numbers) -> list[Any]:
         """Time derivative of a state and residuals of constraints, 12 + m numbers of any kind."""
-        constraints = self._scenario.constraints
+        changes, constraints = solve(*state)[:12], self._scenario.constraints
+        if self._scenario.contact is not None:
+            return [*changes]
         return [
-            *solve(*state)[:12],
+            *changes,
             *position_residuals(constraints, disk, state),
             *velocity_residuals(constraints, disk, state),
         ]
@@ -285,7 +293,7 @@ class Linearisation:
         others = np.setdiff1d(np.arange(12), self._neutral)
         triangle, best = qr(self._powers[0][12:, others], mode="r", pivoting=True)
         pivots, count = np.abs(np.diag(triangle)), normals.shape[1]
-        if pivots[count - 1] < ROUND_OFF * pivots[0]:
+        if np.any(pivots[:count] < ROUND_OFF * pivots[:1]):
             raise ArithmeticError(
                 f"singular linearisation of {self._scenario.name}: one of its constraints holds "
                 "nothing that the others leave free"
@@ -303,8 +311,8 @@ def spinning(scenario: Scenario, motion: Motion = "inverted") -> Linearisation:
     Raises
     ------
     ValueError
-        If the motion is unknown, the table leans, the contact is compliant or it is no stationary
-        motion of the body.
+        If the motion is unknown, the table leans, the spin decays by dissipation or it is no
+        stationary motion of the body.
     """
     instance("scenario", scenario, Scenario)
     choice("motion", motion, MOTIONS)
@@ -331,7 +339,7 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     Parameters
     ----------
     scenario : Scenario
-        On a horizontal table, with the ideal contact and any constraints.
+        On a horizontal table, with any constraints, or on a penalty contact. See `steady`.
     spin : float
         In rad/s.
     place : tuple of 4 floats
@@ -340,7 +348,7 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     Raises
     ------
     ValueError
-        If the table leans, the contact is compliant, or a number is out of range.
+        If the table leans, the spin decays by dissipation, or a number is out of range.
     ArithmeticError
         If the motion is not stationary.
     """
@@ -371,7 +379,7 @@ def unstable_start(scenario: Scenario) -> str | None:
     """Say so if a scenario starts exactly on a stationary motion that is unstable.
 
     Such a run stays there until rounding has grown, and rounding decides when and to which side
-    it leaves. On a penalty contact the stability is that of the same disk on the ideal one.
+    it leaves. Of dissipation that lets the spin decay, nothing is taken into account.
 
     Parameters
     ----------
@@ -391,10 +399,8 @@ def unstable_start(scenario: Scenario) -> str | None:
     if friction.is_simple:
         # Only its slope at no slip matters, and neither its kink nor its load.
         friction = ViscousFriction(viscosity=min(friction.gradient, STEEPEST_FRICTION))
-    ideal = replace(
-        scenario, friction=friction, contact=None, dissipation=Dissipation(), start=Start()
-    )
-    system = Linearisation(ideal, upright(ideal, gamma))
+    lasting = replace(steady(scenario), friction=friction, start=Start())
+    system = Linearisation(lasting, upright(lasting, gamma))
     values = np.linalg.eigvals(system.matrices(np.array([spin]))[0])
     growth = float(np.max(values.real))
     if growth <= _SLOWEST * system.frequency + ROUND_OFF * np.max(np.abs(values)):

@@ -24,6 +24,7 @@ from analysis.stability.linearisation import (
     ComplexArray,
     Linearisation,
     eigenvectors,
+    require_spinning,
     spin_scale,
     spinning,
     turning_state,
@@ -76,6 +77,7 @@ def sensitivities(
         more than one eigenvalue crosses there, such as beside one that is always zero.
     """
     instance("crossing", crossing, Crossing)
+    require_spinning(scenario, "sensitivities")
     system = spinning(scenario, motion)
     (matrix,) = system.matrices(np.array([crossing.spin]))
     values = np.linalg.eigvals(matrix)

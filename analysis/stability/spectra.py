@@ -108,7 +108,8 @@ def chosen_system(scenario: Scenario, system: System | None = None) -> System:
     instance("scenario", scenario, Scenario)
     if system is not None:
         return choice("system", system, SYSTEMS)
-    if not (scenario.disk.is_plain and scenario.friction.is_simple):
+    is_paper = scenario.disk.is_plain and scenario.friction.is_simple
+    if not is_paper or scenario.contact is not None:
         return "numeric"
     closed = (name for name, (level, _) in CLOSED.items() if level == scenario.model)
     return next(closed, "numeric")
@@ -124,11 +125,11 @@ def matrices_over_spin(
     Parameters
     ----------
     scenario : Scenario
-        On a horizontal table, with the ideal contact; "full" takes that of Model 1 alone, and
-        "reduced" that of Model 4.
+        On a horizontal table, with no dissipation but rolling resistance; "full" takes Model 1 on
+        the ideal contact alone, and "reduced" Model 4.
     system : {"full", "reduced", "numeric"}, optional
-        Eq. (55), Eq. (111), or any constraints linearised by dual numbers; by default the one
-        that is closed for this scenario, and "numeric" if none is.
+        Eq. (55), Eq. (111), or any constraints or a penalty contact linearised by dual numbers;
+        by default the one that is closed for this scenario, and "numeric" if none is.
     motion : {"inverted", "noninverted"}
 
     Raises
@@ -153,6 +154,8 @@ def eigenvalues(
     motion: Motion = "inverted",
 ) -> ComplexArray:
     """Eigenvalues in 1/s, k = 8, 4, 3, 3 for Models 1 to 4, by falling real and imaginary part.
+
+    On a penalty contact there are 10.
 
     The drift pair of a disk whose centre of gravity is not held is exactly +-i spin.
 

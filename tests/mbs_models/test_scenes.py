@@ -201,6 +201,9 @@ COMPARED: list[Scenario] = [
     *(model(level, friction=law) for level in (1, 3) for law in (*ON_CONTACT, Slanted())),
     *(Scenario(contact=PenaltyContact(stiffness=2e5, damping=20.0), friction=law)
       for law in ON_CONTACT if not law.is_simple),
+    *(Scenario(contact=PenaltyContact.damped(stiffness, STEEL_DISK, half_thickness=rim),
+               dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=0.1))
+      for stiffness in (1e5, 1e8) for rim in (0.0, 2e-4, STEEL_DISK.radius)),
     *(Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(smoothing=0.01, load=load))
       for load in LOADS),
     # Where nothing rubs, it does not matter how finely friction would bend.

@@ -19,7 +19,7 @@ from validation.display import figures
 from validation.display.progress import counted
 from validation.display.tables import Table
 from validation.parser.files import Result
-from validation.parser.kinds import PlainProblem, Spectrum, Spins
+from validation.parser.kinds import Spectrum, SpinningProblem, Spins
 
 _WIDEST = 70
 """Letters in a line of a label."""
@@ -30,7 +30,7 @@ _MODELS = {name: level for name, (level, _) in spectra.CLOSED.items()}
 
 def eigenvalues(
     *,
-    problem: PlainProblem,
+    problem: SpinningProblem,
     spectrum: Spectrum,
     source: Source = "in-house",
     formulation: EngineFormulation | None = None,
@@ -41,8 +41,8 @@ def eigenvalues(
     Eigenvalues of the stationary spinning motions over the spin, in 1/s.
 
     full: the eight of Eq. (55), Model 1; reduced: the three of Eq. (111), Model 4; numeric: those
-    of any constraints, linearised by dual numbers. With --source engine they come from the engine.
-    Columns follow the branches.
+    of any constraints, or on a compliant contact, linearised by dual numbers. With --source engine
+    they come from the engine. Columns follow the branches.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def eigenvalues(
 
 def critical(
     *,
-    problem: PlainProblem,
+    problem: SpinningProblem,
     spectrum: Spectrum,
     spin: Spins = ("0:60",),
 ) -> Result:
@@ -87,7 +87,8 @@ def critical(
 
     For each model the spins at which inverted spinning is stable, all of its eigenvalues together;
     then the spins at which one of them, or a pair, becomes stable or unstable, with its frequency,
-    beside the closed form of the reduced system, Eq. (126). Other bodies have Model 1 alone.
+    beside the closed form of the reduced system, Eq. (126). Other bodies, and a compliant contact,
+    have Model 1 alone.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ def critical(
     # Of other bodies the reduced system, Model 4 and a closed form know nothing; without friction
     # nothing is damped.
     is_damped = scenario.rubs and scenario.friction_gradient > 0.0
-    is_known = scenario.disk.is_plain and is_damped
+    is_known = scenario.disk.is_plain and is_damped and scenario.contact is None
     closed = critical_speed(scenario, motion) if is_known else None
     crossings = _critical_table(found, _closed_form(closed) if closed else "")
 
@@ -128,7 +129,8 @@ def critical(
 def _stable_table(found: CriticalSpeeds) -> Table:
     """Where spinning is stable under these constraints and those of the models of the body."""
     scenario, interval, motion = found.scenario, found.interval, found.motion
-    sets = [MODELS[level] for level in (LEVELS if scenario.disk.is_round_disk else LEVELS[:1])]
+    takes_all = scenario.disk.is_round_disk and scenario.contact is None
+    sets = [MODELS[level] for level in (LEVELS if takes_all else LEVELS[:1])]
     if scenario.model is None:
         sets.append(scenario.constraints)
     compared = (replace(scenario, constraints=each, start=Start()) for each in sets)

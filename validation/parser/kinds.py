@@ -21,11 +21,11 @@ NamedProblem = Annotated["Problem", OfScenario(tuple(SECTIONS), "scenario")]
 """With its file as an argument."""
 
 _PLAIN = ("", "disk", "friction", "table")
-PlainProblem = Annotated["Problem", OfScenario(_PLAIN)]
-"""On the ideal contact, from whatever start."""
+SpinningProblem = Annotated["Problem", OfScenario((*_PLAIN, "contact", "dissipation"))]
+"""From whatever start."""
 
 ReducedProblem = Annotated["Problem", OfScenario(_PLAIN, model=4)]
-"""The same of Model 4."""
+"""The same of Model 4, on the ideal contact."""
 
 Numbers = Annotated[Result, Group(Result.deliver, "json", "csv")]
 """A result without a picture."""

@@ -15,6 +15,7 @@ from analysis import (
     STEEL_DISK,
     AnisotropicCoulomb,
     ConstraintSet,
+    Dissipation,
     Level,
     Motion,
     PenaltyContact,
@@ -23,6 +24,7 @@ from analysis import (
     Start,
     Table,
 )
+from analysis.mechanics import paper
 from analysis.problem.constraints import set_name
 from analysis.stability.critical import critical_speeds
 from analysis.stability.linearisation import (
@@ -32,7 +34,7 @@ from analysis.stability.linearisation import (
     unstable_start,
     upright,
 )
-from analysis.stability.spectra import System, eigenvalues
+from analysis.stability.spectra import System, eigenvalues, full_matrices
 from tests.bodies import COMPOSED, TIPPE_TOP
 from tests.helpers import model, not_none, random_disk
 
@@ -63,6 +65,26 @@ def test_a_place_that_is_not_stationary_is_refused() -> None:
     system = Linearisation(Scenario(), upright(Scenario(), pi / 2 - 0.2))
     with pytest.raises(ArithmeticError, match="change of the spin or of the place of Model 1"):
         system.matrices(np.array([20.0]))
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_on_a_hard_table_rolling_resistance_damps_the_turning_of_the_printed_system(
+    motion: Motion,
+) -> None:
+    """Its moment on gamma is that part of the weight times r² times the rate of gamma."""
+    loss, law = Dissipation(rolling_viscous=0.2, rolling_dry=1e-3), SmoothCoulomb(load="contact")
+    hard = PenaltyContact.damped(1e9, STEEL_DISK)
+    scenario = Scenario(contact=hard, dissipation=loss, friction=law)
+    damping = (0.2 + 1e-3 / loss.rolling_smoothing) * scenario.weight * STEEL_DISK.radius**2
+    mass = paper.printed_matrices(paper.paper_numbers(Scenario(), motion))["M"]
+    damped = full_matrices(Scenario(), SPINS, motion)
+    damped[:, 2:, 5] -= np.linalg.solve(mass, (0.0, 0.0, 0.0, damping))
+    found = eigenvalues(scenario, SPINS, motion=motion)
+    # Beside those of the contact, and of the drift.
+    slow = np.sort_complex(np.linalg.eigvals(damped))
+    nearest = np.min(np.abs(found[:, :, None] - slow[:, None, :]), axis=1)
+    assert np.max(nearest) < 3e-4
+    assert np.all(np.sort(np.abs(found))[:, -2:] > 1e4)
 
 
 @pytest.mark.parametrize("radius", [0.05, 0.1])
@@ -136,6 +158,18 @@ def test_same_motion_told_otherwise_elsewhere_or_on_a_penalty_contact_is_one() -
     steep = SmoothCoulomb(smoothing=1e-8, load="contact")
     for scenario in (hard, Scenario(friction=steep, start=Start.stationary(5.0))):
         assert unstable_start(scenario) is not None
+
+
+def test_rolling_resistance_and_a_round_rim_move_the_limit_of_stability() -> None:
+    def told(loss: Dissipation, half_thickness: float, start: Start) -> str | None:
+        contact = PenaltyContact.damped(1e6, STEEL_DISK, half_thickness=half_thickness)
+        return unstable_start(Scenario(contact=contact, dissipation=loss, start=start))
+
+    rolls = Dissipation(rolling_viscous=0.3, pivoting=1e-4)
+    assert told(rolls, 2e-4, SPINNING) is None
+    assert "at 35 rad/s" in not_none(told(rolls, 2e-4, Start.stationary(35.0)))
+    # A ball whose centre of gravity is low.
+    assert told(Dissipation(), STEEL_DISK.radius, Start.stationary(1.0, "noninverted")) is None
 
 
 BESIDE = {"beta_rate": 1e-9, "gamma_rate": 1e-9, "x": 1e-6, "x_rate": 1e-6}
