@@ -28,8 +28,9 @@ from analysis import (
 from analysis.motion.interpolation import running_mean
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
+from analysis.solve.effort import usual_method
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import spin_scale
+from analysis.stability.linearisation import spin_scale, steady
 from analysis.stability.spectra import matrices_over_spin
 from validation.display.tables import Table
 from validation.run import even_times, run, run_to_rest
@@ -41,9 +42,16 @@ SPACING, STEP = 2e-3, 2e-4
 """Of the samples, and of the engine on a compliant contact, in s, for the paper's disk; others
 have as much in parts of sqrt(r / g)."""
 
+LOCAL = 1e-11
+"""Local tolerance of other runs: a deviation may shrink to 1e-7 before it grows, and beyond the
+loss no tolerance of the whole motion can be kept."""
+
 _DAMPED = -1.35
 """Real part over `spin_scale` below which an eigenvalue belongs to the slip, and not to an
 oscillation."""
+
+_FLAT = 0.01
+"""Inclination in rad below which a lost disk is not followed."""
 
 RANGE = (0.3, 10.0)
 """Spins over `spin_scale` in which the crossing is looked for."""
@@ -62,7 +70,7 @@ class SlowPair:
     Parameters
     ----------
     scenario : Scenario
-        With the ideal contact.
+        With no dissipation but rolling resistance.
     spin, frequency : float
         Of the Hopf point in rad/s, without sign.
     sense : float
@@ -81,29 +89,28 @@ class SlowPair:
 
     @classmethod
     def of(cls, scenario: Scenario) -> "SlowPair":
-        """That of a scenario; a compliant contact and dissipation are left out.
+        """That of a scenario; what lets the spin decay is left out.
 
         Raises
         ------
         ValueError
             If the scenario has no such pair, or no linear system.
         """
-        ideal = replace(scenario, contact=None, dissipation=Dissipation(), start=Start())
+        lasting = replace(steady(scenario), start=Start())
         # With products of inertia, the two senses are not each other's mirror images.
         sense = -1.0 if scenario.initial_state.rates[3] < 0.0 else 1.0
-        least, most = (spin_scale(ideal) * end for end in RANGE)
+        least, most = (spin_scale(lasting) * end for end in RANGE)
         low, high = sorted((sense * least, sense * most))
         faster = "above" if sense > 0.0 else "below"
-        found = [
-            each for each in critical_speeds(ideal, (low, high)).hopf if each.stable_side == faster
-        ]
+        hopf = critical_speeds(lasting, (low, high)).hopf
+        found = [each for each in hopf if each.stable_side == faster]
         if not found:
             raise ValueError(
                 f"scenario must have a Hopf point above which inverted spinning gains stability, "
                 f"and {scenario.name} has none from {least:.4g} to {most:.4g} rad/s"
             )
         last = max(found, key=lambda each: abs(each.spin))
-        return cls(scenario=ideal, spin=abs(last.spin), frequency=last.frequency, sense=sense)
+        return cls(scenario=lasting, spin=abs(last.spin), frequency=last.frequency, sense=sense)
 
     def rates_at(self, spins: Array) -> tuple[Array, Array | None]:
         """Growth rate of the slow pair in 1/s, and frequency of a fast one in rad/s, shape (n,).
@@ -171,7 +178,14 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
             f"motion must go on for {2.0 * measured:.3g} s after the inversion at t = "
             f"{inversion.time:.3g} s, or until that is lost"
         )
-    path = motion if isinstance(motion, Trajectory) else motion.to_trajectory(beyond)
+    if isinstance(motion, SpatialMotion):
+        if inversion.lost is not None:
+            # It may lie flat that soon afterwards, where Euler angles end.
+            lying = motion.times[(motion.leaning < _FLAT) & (motion.times > inversion.lost)]
+            beyond = float(np.nextafter(np.min(lying, initial=beyond), 0.0))
+        path = motion.to_trajectory(beyond)
+    else:
+        path = motion
     near = path.times <= beyond
     times, gamma, rates = (
         each[near] for each in (path.times, path.coordinate("gamma"), path.rate("alpha"))
@@ -228,15 +242,17 @@ def follow(
     ArithmeticError
         If the run fails.
     """
-    how: dict[str, Any] = {"source": source, "progress": progress}
     pair = SlowPair.of(scenario)
     engine, longer = source == "engine", spin_scale(Scenario()) / spin_scale(scenario)
     spacing = longer * SPACING
+    how: dict[str, Any] = {"source": source, "progress": progress, "local_tolerance": LOCAL}
     if scenario.contact is None:
         times = even_times(scenario, end, round(end / spacing) + 1, "end")
-        how |= {"tolerance": 1e-6} if engine else {"local_tolerance": 1e-9}
+        if engine:
+            how["integrator"] = usual_method(scenario, times, local_tolerance=LOCAL)
         return measure(run(scenario, times, **how), pair)
-    how |= {"step": longer * STEP} if engine else {"local_tolerance": 1e-8}
+    if engine:
+        how |= {"local_tolerance": None, "step": longer * STEP}
     return measure(run_to_rest(scenario, end, spacing=spacing, **how), pair)
 
 
@@ -275,7 +291,7 @@ def slowed(lever: float) -> Passage:
     lever : float
         Of the pivoting friction in m.
     """
-    spin = SlowPair.of(Scenario()).spin
+    spin = SlowPair.of(Scenario.rest()).spin
     start = Start(beta=np.pi / 2, gamma=np.pi / 2 + SMALL, spin=spin)
     scenario = Scenario.rest(dissipation=Dissipation(pivoting=lever), start=start)
     # What the slowest takes, and less for the others: the slower the spin falls, the later.
@@ -316,7 +332,7 @@ def delay_law(rates: npt.ArrayLike, delays: npt.ArrayLike) -> DelayLaw:
     if x.size < 3 or not np.all(np.isfinite([x, y])):
         raise ValueError("rates must be 3 or more, of disks that fall through the Hopf point")
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
-    pair = SlowPair.of(Scenario())
+    pair = SlowPair.of(Scenario.rest())
     below, above = pair.rates_at(pair.spin + np.array((-0.5, 0.5)))[0]
     growths = np.exp(2.0 * y - x) * (below - above) / 2.0
     return DelayLaw(float(slope), float(np.sqrt(covariance[0, 0])), float(np.mean(growths)))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from analysis import Dissipation
 from analysis.mechanics.paper import CriticalSpeed, critical_speed
 from validation.comparison.limits import largest
 from validation.display.figures import COLOURS, ENGINE, angle_axis, legend_above
@@ -62,6 +63,7 @@ def present(rows: Rows) -> Content:
             "growth": np.log(passage.LOST / passage.SMALL),
             "stable": stable,
             "late": late,
+            "smoothing": Dissipation().rolling_smoothing,
             "answers": {
                 "swings": grade(yes=stable == len(cycles), partly=stable > 0),
                 "lost": grade(yes=(late < SOON).all(), partly=(late < SOON).any()),
