@@ -387,11 +387,16 @@ class Spectra:
             values = self._at(spin)
             return values[np.argsort(np.abs(values - centre))[:2]]
 
-        # What is taken for real beside it may be a narrow pair.
-        low, high = ends
-        wider = np.clip((2.0 * low - high, 2.0 * high - low), *self._whole[0][[0, -1]]).tolist()
-        ends = (wider[0], high) if side == "above" else (low, wider[1])
-        spin = _root(lambda spin: float((np.diff(pair(spin))[0] ** 2).real), *ends)
+        def apart(spin: float) -> float:
+            return float((np.diff(pair(spin))[0] ** 2).real)
+
+        # What is taken for real beside it may be a narrow pair, over many such steps.
+        real, paired = ends if side == "above" else ends[::-1]
+        for _ in range(_HALVINGS + 2):
+            if apart(real) > 0.0:
+                break
+            real = float(np.clip(2.0 * real - paired, *self._whole[0][[0, -1]]))
+        spin = _root(apart, *sorted((real, paired)))
         return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)
 
 

@@ -31,6 +31,16 @@ from tests.bodies import of_six
 from tests.helpers import ROLLING, model, not_none
 
 
+@pytest.mark.parametrize(("smoothing", "spin"), [(1e-4, 0.0152944), (1e-5, 0.00152944)])
+def test_a_pair_is_born_where_steep_friction_hides_how_narrow_it_is(
+    smoothing: float, spin: float
+) -> None:
+    law = SmoothCoulomb(smoothing=smoothing)
+    (change,) = critical_speeds(model(4, friction=law)).pair_changes
+    # By the discriminant of the characteristic polynomial, in rational numbers.
+    assert change.spin == pytest.approx(spin, rel=1e-5)
+
+
 def test_pairs_are_born_where_the_discriminant_vanishes() -> None:
     first, *others = critical_speeds(model(4), (0.0, 100.0)).pair_changes
     assert first.spin == pytest.approx(12.51344, abs=5e-6)
