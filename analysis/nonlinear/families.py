@@ -225,13 +225,19 @@ def cycles_over(
         raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
     for scenario in scenarios:
         flow.require_cycles(scenario, STEEPEST)
-    amplitude = None if amplitude is None else flow.open_amplitude(amplitude)
     spin = None if spin is None else turn_rate("spin", spin)
+    if amplitude is not None:
+        amplitude = flow.open_amplitude(amplitude)
+        # One step from the Hopf point may be too far, and halving it of no help.
+        rising = np.append(AMPLITUDES[amplitude > AMPLITUDES], amplitude)
 
     def first(scenario: Scenario) -> PeriodicMotion:
         if spin is not None:
             return cycle_at(scenario, spin)
-        return cycle_family(scenario, np.array([amplitude])).motions[-1]
+        family = cycle_family(scenario, rising)
+        if family.reason is not None:
+            raise NoCycleError(family.reason)
+        return family.motions[-1]
 
     def further(last: PeriodicMotion, scenario: Scenario) -> PeriodicMotion:
         with suppress(NoCycleError):

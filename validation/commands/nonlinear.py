@@ -184,7 +184,7 @@ def _cycles_over(
 
 
 def heteroclinic(*, problem: ReducedProblem, over: Axis = None) -> Result:
-    """The heteroclinic connection in which the cycles end.
+    """The heteroclinic connection in which the cycles mostly end.
 
     Find the spin at which the motion that leaves noninverted spinning ends in it again, to 1e-9
     rad/s, beside its prediction to first order on the slow manifold. The picture shows that motion

@@ -144,7 +144,7 @@ def connection_table(found: Connection, slow: SlowOrbit | None) -> Table:
             ("largest friction over weight on it", slow.friction),
         ]
     return Table(
-        title=f"The heteroclinic connection, where the cycles end, at {found.spin:.9f} rad/s",
+        title=f"The heteroclinic connection, at {found.spin:.9f} rad/s",
         columns=("quantity", "value"),
         rows=rows,
         note="Cycles near the connection are stable where the saddle index exceeds 1."

@@ -170,6 +170,16 @@ def test_a_cycle_at_a_spin_or_followed_over_a_parameter_is_that_of_the_family(sp
     assert held.value == pytest.approx(cycle.value, abs=1e-7)
 
 
+@pytest.mark.slow
+def test_a_large_cycle_of_another_disk_is_found_though_it_lies_far_from_the_hopf_point() -> None:
+    inertia = {"inertia_x": 0.05, "inertia_y": 0.07, "inertia_z": 0.1}
+    disk = Disk(mass=2.0, radius=0.3, eccentricity=0.03, **inertia)
+    law = TanhCoulomb(coefficient=0.4, smoothing=0.01)
+    (cycle,) = cycles_over([replace(PAPER, disk=disk, friction=law)], amplitude=2.0).motions
+    # By small steps from the Hopf point.
+    assert cycle.spin == pytest.approx(11.1339, abs=1e-4)
+
+
 def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
