@@ -1,5 +1,12 @@
 """The tippedisk built from Exudyn's own bodies, markers, joints and constraints."""
 
+import sys
+from contextlib import redirect_stdout
+
+# Where it is the build without range checks, it says so, and standard output may be JSON.
+with redirect_stdout(sys.stderr):
+    import exudyn as _exudyn  # noqa: F401
+
 from analysis.problem.choices import ACCELERATED, INTEGRATORS, IntegratorName
 from analysis.problem.choices import ENGINE_FORMULATIONS as FORMULATIONS
 from analysis.problem.choices import EngineFormulation as Formulation

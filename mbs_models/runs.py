@@ -152,8 +152,9 @@ def _begin(model: Model, integrator: Integrator) -> None:
     # A run before, or a search, may have left it elsewhere.
     data.SetSystemState(data.GetSystemState(_INITIAL))
     if integrator.implicit or model.closes_contact:
-        # Full Newton renews its Jacobian, and failed in more scenes with this than without.
-        if integrator.newton is not None and integrator.newton.modified:
+        # Out of proportion to the load, full Newton failed in more scenes with it than without.
+        newton, law = integrator.newton, model.scenario.friction
+        if newton is not None and (newton.modified or law.IS_PROPORTIONAL):
             complete_jacobian(model, Probe(model))
         # The last, since a probe sets back what is settled.
         settle(model)

@@ -36,6 +36,9 @@ on from step to step, are those of another motion."""
 BETA, TURNING = 4, [3, 5]
 """and of angles among the coordinates; the turning ones are alpha and gamma."""
 
+GRAZING = 0.5
+"""Part of the weight up to which a contact that pulls by a run may press by its motion."""
+
 NEARLY_FLAT = 0.1
 """Sine of the inclination below which a failure is likely to come from the Euler angles."""
 
@@ -161,6 +164,12 @@ def _upto_ending(
         watch=call.watch,
         allow_pulling=not call.must_not_pull,
     )
+    pressing = values[-1, NORMAL_FORCE]
+    if ended == CONTACT_WOULD_PULL and pressing > GRAZING * call.motion.scenario.weight:
+        raise EngineError(
+            f"the constraint force of this run goes up and down, and pulls at t = "
+            f"{moments[-1]:.6g} s, where by its motion the contact presses with {pressing:.3g} N"
+        )
     if ended is None and recording.failure is not None:
         raise _failed(recording.failure, moments, values)
     return ended, moments, values

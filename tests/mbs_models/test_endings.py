@@ -10,7 +10,7 @@ import pytest
 
 import analysis
 import mbs_models
-from analysis import STEEL_DISK, PenaltyContact, Scenario, Start, State
+from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start, State
 from analysis.motion.endings import StopWhen
 from analysis.problem.choices import SOURCES, Source
 from analysis.solve.stepping import SolverError
@@ -88,6 +88,20 @@ def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later()
     coarse, fine = (not_none(run.ending) for run in runs)
     assert coarse.reason == fine.reason == "contact would pull"
     assert coarse.time < fine.time
+
+
+def test_a_constraint_force_that_goes_up_and_down_is_no_pull() -> None:
+    scene = scene_of(
+        4,
+        "floating-lie",
+        friction=SmoothCoulomb(coefficient=0.16, smoothing=0.04),
+        start=Start(beta=0.95, gamma=1.93, spin=31.7),
+    )
+    # In-house, the contact presses with 3.77 N or more all the way.
+    with pytest.raises(EngineError, match=r"up and down.* presses with 4\.31 N; .*smaller step"):
+        mbs_models.simulate(
+            scene, np.linspace(0.0, 0.8, 81), step=0.01, integrator="GeneralizedAlpha"
+        )
 
 
 def test_an_ending_that_cannot_be_located_is_no_time_limit(

@@ -206,9 +206,14 @@ def test_friction_out_of_proportion_to_its_load_breaks_no_run_of_full_newton_off
     assert run.ending is None
 
 
-def test_modified_newton_converges_where_friction_under_the_contact_force_is_strong() -> None:
+def test_newton_converges_where_friction_under_the_contact_force_is_strong() -> None:
     strong = SmoothCoulomb(coefficient=3.0, load="contact")
     scene = scene_of(3, "floating", friction=strong, start=Start(spin=300.0))
     run = mbs_models.simulate(scene, [0.0, 1e-3], step=1e-5, integrator="GeneralizedAlpha")
-    # Without the Jacobian's column for that force it breaks off within a millisecond.
+    # Without the Jacobian's column for that force it breaks off within a millisecond,
     assert run.ending is None
+    scene = scene_of(2, "floating", friction=strong, start=Start(beta=1.2, gamma=0.3, spin=30.0))
+    full = Integrator(name="TrapezoidalIndex2", newton=Newton(modified=False))
+    run = mbs_models.simulate(scene, [0.0, 0.01, 0.02], step=1e-3, integrator=full)
+    # and so with a Jacobian that is renewed.
+    assert run.counts["newton_iterations"] < 150

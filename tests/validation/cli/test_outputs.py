@@ -1,6 +1,7 @@
 """Where results go: links, pipes, modes of files, streams that are lost, names in any case."""
 
 import io
+import json
 import os
 import re
 import stat
@@ -34,6 +35,14 @@ every = pytest.mark.parametrize("name", WAYS)
 
 def save(name: str, path: Path | str = "") -> None:
     assert run(WAYS[name], str(path or name)) == 0
+
+
+def test_json_stands_alone_whatever_the_engine_says_as_it_is_loaded() -> None:
+    command = [sys.executable, "-m", "validation", "scene", "--model", "1", "--json"]
+    env = os.environ | {"EXUDYN_MODULE": "fast"}
+    shown = subprocess.run(command, env=env, capture_output=True, check=True)
+    assert b"fast" in shown.stderr
+    assert json.loads(shown.stdout)
 
 
 @posix
