@@ -232,7 +232,7 @@ def draw(case: tuple[str, Found, Path]) -> list[Row]:
                 rows[study.name] = studying.whole_table(study, found)
                 number = len(rows[study.name])
                 checks.append(Check(f"{study.name}: rows", number, "some", "fresh", number > 0))
-        except (RuntimeError, ValueError, OSError) as error:
+        except (ArithmeticError, ValueError, OSError) as error:
             checks.append(Check(f"{study.name}: table", str(error), "is there", "fresh", False))
     try:
         content = module.present(rows)
@@ -331,7 +331,7 @@ def measure(
 
     Raises
     ------
-    RuntimeError
+    ArithmeticError
         If cases crashed; all others are kept for the next call.
     OSError
         If a folder cannot be written, or another process works in it.

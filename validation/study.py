@@ -234,7 +234,7 @@ def _of_numpy(value: Any) -> Any:
 
 
 def whole_table(study: Study, found: Found) -> pd.DataFrame:
-    """Table of all measurements of a study; `RuntimeError` if a case crashed."""
+    """Table of all measurements of a study; `ArithmeticError` if a case crashed."""
     crashed, table = [], []
     for task in study.tasks(whole=True):
         if isinstance(rows := found[task.key], Exception):
@@ -242,7 +242,8 @@ def whole_table(study: Study, found: Found) -> pd.DataFrame:
         else:
             table += [{"case": task.label, **row} for row in rows]
     if crashed:
-        raise RuntimeError(f"{study.name}: {len(crashed)} cases crashed:\n" + "\n".join(crashed))
+        part = f"{len(crashed)} of {len(study.cases())} cases crashed"
+        raise ArithmeticError(f"{study.name}: {part}: " + "; ".join(crashed))
     return pd.DataFrame(table)
 
 

@@ -75,6 +75,14 @@ def _contact_rate() -> LeftOver:
     return (common - r * each * np.cos(beta) for each in (beta_rate**2, second[4]))
 
 
+def _height_rate() -> LeftOver:
+    state = random_state(Scenario(), np.random.default_rng(1))
+    r, beta, beta_rate = STEEL_DISK.radius, state.coordinates[4] - np.pi / 2, state.rates[4]
+    second = mbs_models.acceleration(Scenario(), state)[0]
+    common = second[2] + r * second[4] * np.sin(beta)
+    return (common + sign * r * beta_rate**2 * np.cos(beta) for sign in (-1.0, 1.0))
+
+
 def _frame() -> LeftOver:
     e_x, e_y, e_z = np.eye(3)
     return (np.linalg.norm(np.cross(e_z, e_x) - axis) for axis in (e_x, e_y))
@@ -101,6 +109,7 @@ def _start() -> LeftOver:
 
 
 PLACES = {
+    "(39)": _height_rate,
     "(41), (42)": _remainder,
     "(53), (54)": _linear_friction,
     "(74)": _contact_rate,

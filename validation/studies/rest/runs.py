@@ -1,6 +1,6 @@
 """The runs from Table 3 to rest, and what is told of each of them."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,12 @@ CASES = {
     SHOWN: Dissipation(rolling_dry=1e-3, pivoting=5e-5),
     VISCOUS: Dissipation(rolling_viscous=1e-3, pivoting=5e-5),
 }
+
+SMOOTHED = {
+    "pivoting smoothed over 1 rad/s": replace(CASES[SHOWN], pivoting_smoothing=1.0),
+    "rolling smoothed over 1 mm/s": replace(CASES[SHOWN], rolling_smoothing=1e-3),
+}
+"""Losses that set in over ten times, or a tenth of, the usual speeds."""
 
 SPACING = 5e-3
 """Of the samples in s."""
@@ -68,10 +74,11 @@ class Case(NamedTuple):
     @property
     def scenario(self) -> Scenario:
         """What is run."""
+        losses = (CASES | SMOOTHED)[self.losses]
         contact = PenaltyContact.rounded(
             STEEL_DISK, stiffness=self.stiffness, half_thickness=self.half_thickness
         )
-        return Scenario.rest(contact=contact, dissipation=CASES[self.losses], start=self.start)
+        return Scenario.rest(contact=contact, dissipation=losses, start=self.start)
 
     def run(self) -> SpatialMotion:
         """Until it rests, or to its end."""
@@ -87,6 +94,7 @@ VARIANTS = {
     "stiffness doubled": Case(SHOWN, stiffness=2e6),
     "rim half as thick": Case(SHOWN, half_thickness=1e-4),
     **{name: Case(SHOWN, start=Start(spin=40.0 + more)) for name, more in FASTER.items()},
+    **{name: Case(name) for name in SMOOTHED},
 }
 """What is changed against the in-house run."""
 

@@ -43,6 +43,7 @@ COMPARED: dict[str, tuple[str, dict[str, float]]] = {
     runs.IDEAL: (INHOUSE[SLIDING], {"phases in s": SHIFT}),
     **{name: (INHOUSE[SHOWN], {"phases in s": SHIFT}) for name in VARIANTS},
     "rim half as thick": (INHOUSE[SHOWN], {"phases in s": 0.2}),
+    **{name: (INHOUSE[SHOWN], {"face": 0.0}) for name in runs.SMOOTHED},
 }
 """What each run is compared with, and by how much it may differ."""
 
@@ -168,7 +169,8 @@ def numbers(courses: Mapping[str, Row]) -> Row:
         "change_before": np.max(large[times < base["inversion_lost"]]),
         "change": np.max(large),
         "growth": float(np.max(large) / np.max(small)),
-        "shifts": apart_by.loc[[*VARIANTS, ENGINE[SHOWN]], "phases in s"].tolist(),
+        "shifts": apart_by.loc[[*VARIANTS, ENGINE[SHOWN]], "phases in s"].dropna().tolist(),
+        "smoothed": {name: courses[name] for name in runs.SMOOTHED},
         "ideal": courses[runs.IDEAL],
         "sliding": courses[INHOUSE[SLIDING]],
     }
