@@ -50,7 +50,7 @@ CHANGE = 1e-3
 """Part of the size of a disk, and of its turning, by which differences change its motion: by less
 they would lose digits to the engine's rounding;"""
 
-YIELDING = 1e-5
+YIELDING = 6e-6
 """and on a penalty contact, whose force is stiff and known to more digits."""
 
 AT_NO_SLIP, SLIPPING, SLIDING = 1e-5, 1e-6, 3e-3
