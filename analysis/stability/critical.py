@@ -311,14 +311,7 @@ class Spectra:
         kept: list[Crossing] = []
         for each in sorted(found, key=lambda each: each.spin):
             # Of a pair born just before it crosses, both members may count as the upper one.
-            again = (
-                each.kind == "hopf"
-                and kept
-                and all(
-                    isclose(getattr(each, name), getattr(kept[-1], name), rel_tol=1e-6)
-                    for name in ("spin", "frequency")
-                )
-            )
+            again = each.kind == "hopf" and any(_is_same(each, last) for last in kept[-1:])
             if each.frequency >= 0.0 and not again:
                 kept.append(each)
         return tuple(kept)
@@ -398,6 +391,13 @@ class Spectra:
             real = float(np.clip(2.0 * real - paired, *self._whole[0][[0, -1]]))
         spin = _root(apart, *sorted((real, paired)))
         return PairChange(spin=spin, value=float(pair(spin).mean().real), complex_side=side)
+
+
+def _is_same(one: Crossing, other: Crossing) -> bool:
+    """Whether two crossings are one but for rounding."""
+    return isclose(one.spin, other.spin, rel_tol=1e-6) and isclose(
+        one.frequency, other.frequency, rel_tol=1e-6
+    )
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

@@ -102,7 +102,7 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
     times = [_times(panel) for panel in panels.values()]
     known = np.concatenate([each[np.isfinite(each)] for each in times])
     # Of many, a few late ones are not to take the colours of the others.
-    highest = 98 if known.size > _MANY else 100
+    highest, extend = (98, "max") if known.size > _MANY else (100, "neither")
     norm = mpl.colors.Normalize(
         *(np.percentile(known, [0, highest]) if known.size else (0.0, 1.0))
     )
@@ -117,7 +117,6 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
         each.set_axis_off()
     if known.size:
         image = mpl.cm.ScalarMappable(norm, "viridis")
-        extend = "max" if known.size > _MANY else "neither"
         figure.colorbar(image, ax=axes.tolist(), label="time to inversion in s", extend=extend)
     present = {name for panel in panels.values() for name in panel.cells["outcome"]}
     shown: dict[str, Any] = {
