@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import root
 
+from analysis.mechanics.paper import paper_numbers, printed_matrices
 from analysis.problem.checks import Array, positive
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
@@ -35,6 +36,12 @@ _STEP = 0.1
 
 _MET = 1e-9
 """Largest residual at a corner."""
+
+_NO_FREQUENCY = 1e-30
+"""In place of none, to divide by."""
+
+_TURNED = np.array(((0.0, -1.0, -1.0, 0.0), (1.0, 0.0, 0.0, 0.0)))
+"""Slip by the places of the linear full system, over the spin and in radii."""
 
 Kind = Literal["double zero", "zero hopf", "double hopf"]
 
@@ -99,7 +106,7 @@ def hopf_curves(
     gradients : array_like, shape (n,)
         Friction gradients mu / epsilon in s/m, positive, two or more.
     spins : tuple of 2 floats
-        Lowest, not negative, and highest spin in rad/s.
+        Lowest and highest spin in rad/s.
     motion : {"inverted", "noninverted"}
 
     Returns
@@ -159,6 +166,12 @@ class _Pairs:
         require_spinning(scenario, "the full system", 1)
         self._unit = spin_scale(scenario)
         self._matrices = partial(full_matrices, scenario, motion=motion)
+        numbers, disk = paper_numbers(scenario, motion), scenario.disk
+        m, r = disk.mass, disk.radius
+        units = {"m": m, "r": r, "e": r, **dict.fromkeys("ABC", m * r * r), "mg": scenario.weight}
+        whole = {name: numbers[name] / unit for name, unit in units.items()}
+        self._printed = printed_matrices(whole).values()
+        self._soft = 1.0 / (r * self._unit)
 
     def matrices(self, places: Array) -> Array:
         """State matrices over `spin_scale`, shape (n, k, k), at n places."""
@@ -192,15 +205,26 @@ class _Pairs:
         return f"near {spin:.6g} rad/s with a friction gradient of {gradient:.6g} s/m"
 
     def _on_axis(self, places: Array) -> Array:
-        """What is zero at Hopf points, shape (n, 2).
+        """What is zero at Hopf points, shape (n, 2): of det(lambda - A) at lambda = i frequency.
 
-        The sum of a pair, and its product less the squared frequency. Both are smooth, also where
-        the pair comes together in zero.
+        Its real part, and its imaginary part over the frequency, are smooth, also where the pair
+        comes together in zero. The force of friction is an unknown of its own, so that what steep
+        friction leaves of damping is no difference of large numbers.
         """
-        squared, values = places[:, 2] ** 2, np.linalg.eigvals(self.matrices(places))
-        nearest = np.argsort(np.abs(values**2 + squared[:, None]), axis=1)[:, :2]
-        pairs = np.take_along_axis(values, nearest, axis=1)
-        return np.column_stack((pairs.sum(axis=1).real, pairs.prod(axis=1).real - squared))
+        M, G_h, K_h, K_f, D_C, _ = self._printed
+        spin, soft = places[:, :1, None], self._soft * np.exp(-places[:, 1])
+        frequency = np.where(places[:, 2] == 0.0, _NO_FREQUENCY, places[:, 2])
+        each = 1j * frequency[:, None, None]
+        whole = np.zeros((len(places), 6, 6), dtype=complex)
+        whole[:, :4, :4] = spin**2 * K_h + K_f + each * (spin * G_h + each * M)
+        whole[:, :4, 4:] = -D_C[:, :2]
+        whole[:, 4:, :4] = each * D_C[:2] + spin * _TURNED
+        whole[:, 4:, 4:] = soft[:, None, None] * np.eye(2)
+        # Velocities of G in place of its places, which leaves the drift out.
+        whole[:, :4, :2] = M[:, :2] @ (each * np.eye(2) + spin * _TURNED[:, :2])
+        whole[:, 4:, :2] = np.eye(2)
+        found = np.linalg.det(whole)
+        return np.column_stack((found.real, found.imag / frequency / soft))
 
     def corners_along(self, line: Array) -> Iterator[Corner]:
         """Corners along a Hopf curve at which a real eigenvalue or a faster pair crosses."""

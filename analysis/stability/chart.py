@@ -90,10 +90,12 @@ def static_gradient(
         d² ((B - A + m e r) Omega² + m e g) ((C - A + 2 m e r + m r²) Omega² + m g (r + e))
         = (m Omega)² ((A - B_bar) Omega² - m e g) ((C - A - m e²) Omega² + m g (r + e)).
 
-    Below the gradient found, an odd number of eigenvalues is unstable: inverted spinning falls
-    over without oscillating. Where there is no such gradient the result is nan; so it is at every
-    spin for noninverted spinning of a disk with A >= B_bar, whose right side is positive and
-    whose left side is not: it is unstable at every spin and with every friction.
+    An odd number of eigenvalues is unstable where the left side is smaller than the right one:
+    where the factor of d² is positive, as for inverted spinning of the paper's disk, that is below
+    the gradient found, and the disk falls over without oscillating; else above. Where there is no
+    such gradient the result is nan; so it is at every spin for noninverted spinning of a flat
+    disk (C = A + B_bar) with A >= B_bar, whose right side is positive and whose left side is not:
+    it is unstable at every spin and with every friction.
 
     Parameters
     ----------

@@ -147,9 +147,10 @@ def _moments(scenario: Scenario) -> tuple[float, float]:
 
 def _across(disk: Body) -> float:
     """Moment of inertia A across the axis of a centred disk."""
-    if disk.eccentricity or abs(disk.inertia_x - disk.inertia_y) > 1e-9 * disk.inertia_x:
+    uneven = abs(disk.inertia_x - disk.inertia_y) > 1e-9 * disk.inertia_x
+    if disk.eccentricity or uneven or not disk.is_plain:
         raise ValueError(
-            "disk must be centred with inertia_x = inertia_y, got eccentricity "
+            "disk must be a round one, centred with inertia_x = inertia_y, got eccentricity "
             f"{disk.eccentricity:g}, inertia_x {disk.inertia_x:g}, inertia_y {disk.inertia_y:g}"
         )
     return disk.inertia_x

@@ -99,9 +99,6 @@ def test_the_creeps_law_and_its_deviation_are_found() -> None:
 def test_the_creep_is_as_far_down_as_is_said_after_the_stated_times(rows: Rows) -> None:
     shown = creep.present(rows[creep.STUDY.name]).tables["creep"]
     rates = shown["growth in 1/s, fitted"]
-    for column, unit, tilt in (
-        ("from 0.28 to 0.14 rad in min", 60.0, 0.14),
-        ("to 0.05 rad in h", 3600.0, 0.05),
-    ):
+    for column, unit, tilt in (("from 0.28 to 0.14 rad in min", 60.0, 0.14),):
         reached = (0.28**-2 + rates * unit * shown[column]) ** -0.5
         np.testing.assert_allclose(reached, tilt, rtol=1e-12)
