@@ -13,7 +13,7 @@ from analysis.problem.checks import Array
 STAYING = 1.0
 """Time in s for which it then stays above the geometric centre.
 
-A disk that rolls without slip reaches 0.90, and falls below the centre within 0.2 s.
+A disk that rolls without slip reaches 0.90, and falls below the centre within 0.22 s.
 """
 
 _LAST_DIGITS = 1e-12

@@ -99,7 +99,7 @@ class Connection:
         Of the cycles next to it in rad: the largest deviation of gamma from pi/2 of the motion
         that turns back. It is pi where a motion ends in the saddle with rising gamma, and more
         where it has swung beyond: about a saddle-focus, and where the eccentricity is above a
-        fifth of the radius, with the paper's friction.
+        fifth of the radius or more, with the paper's friction.
     least_tilt : float
         Of the rotating motions next to it in rad: zero where `last_amplitude` is pi. Where a
         motion swings beyond noninverted spinning, it passes with a tilt before it comes back.

@@ -11,7 +11,7 @@ REST_SPACING = 2e-3
 """Time in s between samples of a motion to rest that is asked for none."""
 
 MOST_STEPS = 100_000_000
-"""Steps of a run, of all its repetitions together; each takes 30 µs or more."""
+"""Steps of a run, of all its repetitions together; each takes 20 µs or more, a compiled one 2."""
 
 OVERRUN = 3.0
 """Times the steps that a run was expected to take, and"""
@@ -38,7 +38,8 @@ MOST_SPINS = 100_000
 """Spins for which eigenvalues may be asked for at once."""
 
 MOST_SCENARIOS = 10_000
-"""Scenarios through which cycles or connections are followed; each takes a tenth of a second."""
+"""Scenarios through which cycles or connections are followed; a cycle takes a tenth of a second, a
+connection some seconds."""
 
 MOST_STARTS = 10_000
 """Starts of a search for stationary motions; each takes some 20 ms."""
@@ -96,7 +97,7 @@ def duration(seconds: float) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effort:
-    """What a run will take, told from its arguments to within a factor of some three.
+    """What a run will take, told from its arguments to within a factor of some three for most.
 
     Parameters
     ----------
