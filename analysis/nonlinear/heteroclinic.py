@@ -98,8 +98,8 @@ class Connection:
     last_amplitude : float
         Of the cycles next to it in rad: the largest deviation of gamma from pi/2 of the motion
         that turns back. It is pi where a motion ends in the saddle with rising gamma, and more
-        where it has swung beyond: about a saddle-focus, and where the eccentricity is above a
-        fifth of the radius or more, with the paper's friction.
+        where it has swung beyond: about a saddle-focus, and with the paper's friction where the
+        eccentricity is above a fifth to a quarter of the radius.
     least_tilt : float
         Of the rotating motions next to it in rad: zero where `last_amplitude` is pi. Where a
         motion swings beyond noninverted spinning, it passes with a tilt before it comes back.
