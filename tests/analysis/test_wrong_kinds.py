@@ -31,6 +31,7 @@ from analysis import (
     RestCriterion,
     Scenario,
     SmoothCoulomb,
+    Sphere,
     Start,
     Table,
     Trajectory,
@@ -216,6 +217,9 @@ def test_what_is_of_the_wrong_kind_is_refused_in_one_line_by_the_name_of_its_arg
 
 
 PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
+BALL = Sphere(
+    mass=0.1, radius=0.045, eccentricity=0.0, inertia_x=1e-4, inertia_y=1e-4, inertia_z=1e-4
+)
 SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
 LEANING = Table(inclination=0.1)
 LOADED = SmoothCoulomb(load="contact")
@@ -323,7 +327,9 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (branches, {"spins": [1.0, 1.0]}, "spins must increase strictly, got 1 before 1"),
     (closed_form, rubbing(coefficient=0.0), "friction must have a positive grad"),
     # Rolling.
-    (rolling.euler_disk_precession, {"scenario": FULL}, "disk must be centred"),
+    (rolling.euler_disk_precession, {"scenario": FULL}, "disk must be .*, centred"),
+    (rolling.rolling_start, {"disk": BALL, "beta": 0.8, "precession": 20.0, "spin": -10.0},
+     "disk must be a round one"),
     (rolling.euler_disk_energy, {"scenario": replace(CENTRED, table=LEANING)}, ".*horizontal"),
     (rolling.time_to_flat, {"scenario": ROLLING_BOTH}, ".*either rolling_dry or rolling_viscous"),
     (fit_power_law, {"times": [0.0, 1.0], "values": [0.0, 1.0]}, "values must be positive, got 0"),

@@ -61,6 +61,12 @@ def test_hopf_curves_pass_every_crossing_once(name: str) -> None:
         np.testing.assert_allclose(found[order], expected[wanted], atol=0.05)
 
 
+def test_hopf_curves_go_on_to_friction_so_steep_that_hardly_anything_slips() -> None:
+    curves = hopf_curves(Scenario(), np.geomspace(0.3, 1e5, 9))
+    # Without slip, by polynomials in rational numbers.
+    assert np.sort(passing(curves, 9e4)[:, 0]) == pytest.approx([25.435972, 30.272197], abs=1e-5)
+
+
 @pytest.mark.parametrize("name", CURVES)
 def test_hopf_curves_have_a_pair_on_the_axis_that_changes_little_along_them(name: str) -> None:
     scenario, motion = CURVES[name]
