@@ -115,6 +115,43 @@ def test_an_ending_that_cannot_be_located_is_no_time_limit(
         mbs_models.simulate(scene_of(1, "euler-tree"), LONG, step=5e-3, stop_when="inverted")
 
 
+def test_a_search_has_some_steps_of_its_own_and_tells_no_progress(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("mbs_models.endings.MOST_STEPS_OF_A_SEARCH", 20)
+    told: list[tuple[float, float]] = []
+    watch = Watch(progress=lambda *at: told.append(at))
+    watch.steps = 100
+    motion = AccelerationProblem(Scene(Scenario()), {})
+    record, work = np.append(Scenario().initial_state.vector, 0.0), Counter[str]()
+
+    def search(width: float, reason: str) -> str | None:
+        suspect, how = Suspect(0, width, reason), {"margin": 0.0, "work": work, "watch": watch}
+        return until_ending(LONG, record[None], [suspect], motion, **how)[0]  # type: ignore[arg-type]
+
+    assert search(1e-4, "") is None
+    assert work["steps"] > 0
+    assert search(0.5, "") is None
+    with pytest.raises(
+        EngineError, match=r"'lost' after t = 0 s is not found: .*20 steps are too few"
+    ):
+        search(0.5, "lost")
+    assert not told
+
+
+def test_an_ending_on_steep_friction_is_located_by_implicit_steps() -> None:
+    steep = Scenario(friction=SmoothCoulomb(smoothing=1e-8))
+    condition = reaching("alpha", 1.0)
+    known = analysis.simulate(steep, [0.0, 0.02, 0.1], stop_when=condition)
+    record = np.hstack((known.coordinates[1], known.rates[1], known.multipliers[1]))
+    motion = AccelerationProblem(Scene(steep), {"turned": condition})
+    how: dict[str, Any] = {"margin": 0.0, "work": Counter(), "watch": Watch()}
+    suspect = Suspect(0, 0.08, "turned")
+    reason, moments, _ = until_ending(known.times[1:2], record[None], [suspect], motion, **how)
+    assert reason == "turned"
+    assert moments[-1] == pytest.approx(not_none(known.ending).time, abs=1e-7)
+
+
 ENDS = [problem for name, problem in problems().items() if name.startswith(ENDED)]
 QUICK = [
     *((number, "engine") for number in (4, 5, 8, 12, 16, 17)),

@@ -137,6 +137,15 @@ def test_growth_of_the_cycles_is_that_of_the_normal_form(law: FrictionLaw) -> No
     assert small[0].period == pytest.approx(2.0 * np.pi / normal.frequency, rel=2e-3)
 
 
+def test_a_hopf_point_is_told_by_the_sign_of_its_coefficient_unless_it_is_rounding() -> None:
+    normal = hopf_type(PAPER)
+    kinds = [
+        replace(normal, lyapunov=part * normal.frequency).kind
+        for part in (-1e-3, -1e-13, 0.0, 1e-13, 1e-3)
+    ]
+    assert kinds == ["supercritical", *["degenerate"] * 3, "subcritical"]
+
+
 @pytest.mark.slow
 def test_stability_changes_where_events_are_found_and_the_spin_is_extreme_in_a_fold(
     weak: Family,
@@ -195,9 +204,11 @@ def test_a_cycle_that_ends_over_a_parameter_names_the_last_good_one(
 
 def test_a_family_may_begin_with_the_motion_that_leads_to_it() -> None:
     born = hopf_cycle(PAPER).value
-    found = cycle_family(PAPER, (born, 0.1))
+    told: list[tuple[float, float]] = []
+    found = cycle_family(PAPER, (born, 0.1), progress=lambda *at: told.append(at))
     assert [each.value for each in found.motions] == [born, 0.1]
     assert found.reason is None
+    assert told == [(1.0, 2.0), (2.0, 2.0)]
 
 
 def test_cycles_may_fold_right_beside_the_hopf_point() -> None:

@@ -347,6 +347,7 @@ def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
     motion = run_to_rest(SCENARIO, 0.1, source=source, spacing=spacing, stop_when=TILTED, **how)
     ending = not_none(motion.ending)
     assert (ending.reason, ending.time) == (TILTED.__name__, motion.times[-1])
+    assert ending.value == 0.0
     assert motion.rest_time is None
     assert abs(ending.time - truth) <= (motion.error_estimate or 1e-7)
     assert motion.tilt[-1] == pytest.approx(LIMIT, abs=1e-9)

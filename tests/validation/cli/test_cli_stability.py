@@ -9,8 +9,9 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from analysis import Scenario
 from analysis.nonlinear.collocation import NoCycleError
-from analysis.nonlinear.heteroclinic import Connection
+from analysis.nonlinear.heteroclinic import Connection, NoConnectionError
 from analysis.problem.choices import SOURCES
 from tests.calls import printed, refusal
 from validation.nonlinear.tables import connection_table
@@ -160,6 +161,27 @@ def test_the_connection_is_told_beside_its_prediction_and_followed() -> None:
     ends = json.loads(printed("heteroclinic --over mu=0.1,0.3 --json"))["ends"]
     assert [end["friction.coefficient"] for end in ends] == [0.1, 0.3]
     assert ends[1]["connection"]["spin"] == found["spin"]
+
+
+def test_connections_over_a_parameter_stand_beside_the_hopf_points_or_say_why_there_is_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def connection(scenario: Scenario) -> Connection:
+        if scenario.friction.gradient < 2.0:
+            raise NoConnectionError("there is none")
+        return Connection(spin=30.1, below=30.1, above=30.1, growing=10, slow=-15, strong=-200)
+
+    monkeypatch.setattr("validation.nonlinear.tables.heteroclinic_connection", connection)
+    drawn: list[Any] = []
+    monkeypatch.setattr("validation.parser.files.save", lambda figure, _: drawn.append(figure))
+    shown = printed("heteroclinic --over mu=0.1,0.3 --plot over.png")
+    assert re.search(r"^0\.1 +30\.9168 +– +30\.387 +–$", shown, re.MULTILINE)
+    assert re.search(r"^0\.3 +30\.9168 +30\.1 +30\.1978 +1\.5$", shown, re.MULTILINE)
+    assert "friction.coefficient = 0.1: there is none." in shown
+    lines = {line.get_label(): line.get_ydata() for line in drawn[0].axes[0].lines}
+    assert lines["Hopf point"] == pytest.approx([30.9168] * 2, abs=1e-4)
+    assert lines["connection"] == pytest.approx([np.nan, 30.1], nan_ok=True)
+    assert lines["first-order prediction"] == pytest.approx([30.3870, 30.1978], abs=1e-4)
 
 
 def test_a_picture_of_eigenvalues_has_room_below_the_least_of_them(

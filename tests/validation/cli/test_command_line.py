@@ -77,6 +77,12 @@ def test_help_says_what_counts_as_inverted_and_what_ends_a_run() -> None:
     assert f"exact time: {', '.join(CONDITIONS)}, or where" in shown
 
 
+@pytest.mark.parametrize(("command", "model"), [("simulate", 1), ("cycles", 4)])
+def test_help_says_which_model_is_taken(command: str, model: int) -> None:
+    shown = printed(command, "--help")
+    assert f"constraints of a model of the paper ({model})\n" in shown
+
+
 def options_of(command: Command) -> list[Action]:
     """Options of a command but --help."""
     return [each for each in command.parser().actions if each.option_strings][1:]

@@ -20,6 +20,7 @@ from analysis.problem.disk import STEEL_RING
 from analysis.stability import spectra
 from tests.helpers import not_none
 from validation.nonlinear import passage
+from validation.nonlinear.figures import passage_diagram
 from validation.nonlinear.passage import SlowPair, delay_law, follow, measure, slowed
 
 
@@ -170,6 +171,17 @@ def test_a_passage_does_not_depend_on_when_its_motion_begins(pair: SlowPair) -> 
     for name in ("lost", "predicted"):
         assert later[name] == pytest.approx(100.0 + not_none(found[name]), abs=1e-6)
     np.testing.assert_allclose(later["linear"], found["linear"], rtol=1e-6)
+
+
+def test_deviations_are_drawn_below_the_spins_with_what_is_predicted_of_them(
+    pair: SlowPair,
+) -> None:
+    motion = simulate(SOON_LOST, np.linspace(0.0, 3.0, 601), local_tolerance=1e-9)
+    found = measure(motion, pair)
+    drawn = passage_diagram([("soon", found)]).axes
+    for panel, names in zip(drawn, (("spins",), ("deviations", "linear")), strict=True):
+        paths = [line.get_ydata() for line in panel.lines if len(line.get_xdata()) > 2]
+        np.testing.assert_array_equal(paths, [found[name] for name in names])
 
 
 def test_a_motion_that_ends_before_it_is_lost_tells_what_a_longer_one_does_and_no_more() -> None:

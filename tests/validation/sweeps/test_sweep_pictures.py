@@ -9,6 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from analysis import MODELS, Scenario, Start, Table, Trajectory, simulate_to_rest
+from analysis.problem import limits
 from tests.sweeps import sweep, swept
 from validation.maps.figures import check_drawable, draw_sweep
 from validation.run import run
@@ -127,7 +128,9 @@ def test_what_can_be_kept_is_all_that_a_motion_holds() -> None:
     assert not {"number", *COLUMNS} & {TIME, *known, *known_to_rest}
 
 
-def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_none() -> None:
+def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     wanted = sweep("spin=30:40:2", "mu=0.3,-0.1", keep=KEEP)
     # A sweep that goes on keeps them, too.
     swept(wanted, numbers=[0, 1])
@@ -142,6 +145,11 @@ def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_n
         with pytest.raises(ValueError, match=f"holds no series{said}"):
             held.series(1)
     pytest.importorskip("xarray")
+    with monkeypatch.context() as patched:
+        # All 4 cases have 11 samples of 3 numbers, of 8 bytes each.
+        patched.setattr(limits, "LARGEST_STORAGE", 4 * 11 * 3 * 8 - 1)
+        with pytest.raises(ValueError, match=r"^to_xarray asks for 44 samples of 3 numbers each"):
+            results.to_xarray()
     cube = results.to_xarray()
     units = {name: cube[name].attrs["units"] for name in (TIME, *KEEP, "start.spin", "end")}
     assert units == {TIME: "s", "beta": "rad", "normal_force": "N", "start.spin": "rad/s"} | {
