@@ -147,6 +147,7 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
         look = {"color": figures.COLOURS[index % 4]}
         style, times = figures.STYLES[index % 4], passage["times"]
         axes[0].plot(times, passage["spins"], style, label=name, **look)
+        axes[0].axhline(passage["hopf"], linewidth=0.8, **look)
         axes[1].plot(times, passage["deviations"], style, **look)
         axes[1].plot(times, passage["linear"], linewidth=0.8, **look)
         predicted, hopf, last = passage["predicted"], passage["hopf"], passage["spins"][-1]
@@ -161,8 +162,7 @@ def passage_diagram(named: Sequence[tuple[str, Passage]]) -> Any:
         if predicted is not None and predicted > times[-1]:
             onward = (times[-1], predicted), (passage["linear"][-1], LOST)
             axes[1].plot(*onward, ":", linewidth=0.8, **look)
-    hopf = named[0][1]["hopf"]
-    axes[0].axhline(hopf, color=GREY, linewidth=0.8, label=f"Hopf point, {hopf:.2f} rad/s")
+    axes[0].plot([], [], color="black", linewidth=0.8, label="Hopf point of each")
     axes[1].axhline(LOST, color=GREY, linewidth=0.8, label="γ off by π/2")
     axes[0].set(ylabel="mean spin in rad/s")
     axes[1].set(xlabel="time in s", yscale="log")
