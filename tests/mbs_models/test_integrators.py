@@ -86,7 +86,9 @@ def test_observed_order_is_that_of_the_integrator(
             scene_of(2, "floating", start=Start(spin=30.0, gamma=0.3, beta=1.2)),
             scene_of(1, "euler-tree", start=Start(spin=20.0, gamma=0.3, beta=1.2)),
         )),
-        (scene_of(3, "floating"), "TrapezoidalIndex2", 1e-12, 2e4),
+        pytest.param(
+            scene_of(3, "floating"), "TrapezoidalIndex2", 1e-12, 2e4, marks=pytest.mark.slow
+        ),
     ],
 )  # fmt: skip
 def test_implicit_steps_are_extrapolated_by_the_orders_of_their_error(

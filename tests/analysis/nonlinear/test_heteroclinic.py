@@ -21,7 +21,7 @@ from analysis.nonlinear.heteroclinic import (
 )
 from analysis.nonlinear.slow_manifold import needed_friction, slow_connection, slow_cycle
 from tests.bodies import of_six
-from tests.helpers import model
+from tests.helpers import model, mostly_slow
 
 PAPER = model(4)
 TO_THE_END = np.append((1.0, 2.0, 2.7, 3.0), np.pi - np.append(np.geomspace(9e-3, 9e-5, 4), 1e-6))
@@ -56,7 +56,7 @@ def test_motions_fall_to_different_sides_of_the_connection(
     assert fall(scenario, spin - 1e-6).side > 0.0 > fall(scenario, spin + 1e-6).side
 
 
-@pytest.mark.parametrize("smoothing", [1e-4, 5e-5])
+@pytest.mark.parametrize("smoothing", mostly_slow([1e-4, 5e-5], [1e-4]))
 def test_stiff_motions_fall_to_different_sides_as_near_to_it(smoothing: float) -> None:
     # It nears that on the slow manifold with the square of the smoothing.
     limit = slow_connection(PAPER).spin

@@ -67,7 +67,8 @@ print(run_sweep(sweep("spin=30,40"), "a.db", workers=2))
 """
 
 
-@pytest.mark.parametrize("script", [MANY, pytest.param(SWEEP, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("script", [MANY, SWEEP])
 def test_script_without_guard_is_told_so_and_gets_nothing(script: str, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(script)
     done = python("script.py", folder=tmp_path, code=1)

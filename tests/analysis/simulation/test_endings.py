@@ -202,6 +202,7 @@ def test_disk_ends_flat_when_it_lies_flat(
     assert_ends(found, "flat", time_of_fall(scenario), 1e-7)
 
 
+@pytest.mark.slow
 def test_disk_that_passes_nearly_flat_goes_on_alike_on_both_sides() -> None:
     asked = zip(SIDES, (1e-6, 1e-4), strict=False)
     one, other = (run(HIDDEN, [0.0, 0.05], tolerance=each, **side) for side, each in asked)

@@ -104,7 +104,7 @@ def test_a_disk_lies_at_rest_by_its_own_measures() -> None:
     assert lying.leaning[-1] == pytest.approx(lean, rel=1e-2)
 
 
-@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("source", mostly_slow(SOURCES, ["in-house"]))
 def test_a_tippe_top_lies_still_on_a_leaning_table_where_it_is_balanced(source: Source) -> None:
     top = of_six(0.02, 0.02, 3e-3, 2e-6, 3e-6, 3e-6, kind=Sphere)
     scenario = Scenario.rest(

@@ -42,7 +42,9 @@ FALLING_FAR = Start(beta=0.6, spin=2.0, gamma=0.3)
         ),
         ({"start": Start(beta=2.0)}, {"method": "RK45", "tolerance": 1e-6}),
         ({"start": Start(beta=0.01)}, {"tolerance": 1e-8}),
-        ({"start": FALLING}, {"method": "Radau", "tolerance": 1e-6}),
+        pytest.param(
+            {"start": FALLING}, {"method": "Radau", "tolerance": 1e-6}, marks=pytest.mark.slow
+        ),
         ({"start": FALLING_FAR}, {"method": "Radau", "tolerance": 1e-8}),
         # As short as steps have to be here, friction is not stiff.
         ({"start": FALLING_FAR, "friction": SmoothCoulomb(smoothing=1e-3)}, {"tolerance": 1e-8}),

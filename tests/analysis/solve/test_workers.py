@@ -36,6 +36,7 @@ INTERRUPTIBLE = ["env", "--default-signal=INT", sys.executable, "-c", PARENT]
 started = partial(subprocess.Popen, INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True)
 
 
+@pytest.mark.slow
 def test_workers_that_are_interrupted_as_they_start_say_nothing() -> None:
     with started(stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as parent:
         children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")

@@ -6,6 +6,7 @@ import pytest
 from analysis import MODELS, MOTIONS, POSSIBLE_SETS, Level, Motion, Scenario, SmoothCoulomb
 from analysis.problem.constraints import set_name
 from analysis.stability.spectra import System, branches, eigenvalues, follow, matrices_over_spin
+from tests.helpers import mostly_slow
 from validation.studies.comparisons import distance
 
 
@@ -34,7 +35,9 @@ SMOOTH = {f"smoothing {eps}": Scenario(friction=SmoothCoulomb(smoothing=eps)) fo
 SETS = {set_name(held): Scenario(constraints=held) for held in POSSIBLE_SETS}
 
 
-@pytest.mark.parametrize("name", [*SETS, *SMOOTH])
+@pytest.mark.parametrize(
+    "name", mostly_slow([*SETS, *SMOOTH], [*map(set_name, MODELS.values()), *SMOOTH])
+)
 def test_branches_are_continuous(name: str) -> None:
     scenario = {**SETS, **SMOOTH}[name]
     for motion in MOTIONS:

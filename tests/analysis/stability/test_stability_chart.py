@@ -15,6 +15,7 @@ from analysis.stability.critical import Crossing, critical_speeds
 from analysis.stability.sensitivities import POWERS, sensitivities
 from analysis.stability.spectra import eigenvalues, full_matrices
 from tests.bodies import ELLIPSE, TIPPE_TOP, of_six
+from tests.helpers import mostly_slow
 
 PAPER = Scenario()
 
@@ -47,7 +48,7 @@ def passing(curves: tuple[HopfCurve, ...], gradient: float) -> Array:
     return np.array(found).reshape(-1, 2)
 
 
-@pytest.mark.parametrize("name", CURVES)
+@pytest.mark.parametrize("name", mostly_slow(CURVES, MOTIONS))
 def test_hopf_curves_pass_every_crossing_once(name: str) -> None:
     scenario, motion = CURVES[name]
     curves = hopf_curves(scenario, GRADIENTS, motion=motion)

@@ -36,7 +36,7 @@ from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.disk import CENTRED_DISK
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP
-from tests.helpers import not_none
+from tests.helpers import mostly_slow, not_none
 from validation import play
 from validation.animation import picture as drawing
 from validation.animation.body import LOOK, in_sight, outline, shape
@@ -350,7 +350,7 @@ def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -
 @pytest.mark.parametrize(
     ("spin", "hole"), [(30.0, 20), (32.0, 20), (36.0, 20), (40.0, 20), (40.0, 0)]
 )
-@pytest.mark.parametrize("coefficient", [0.1, 0.3])
+@pytest.mark.parametrize("coefficient", mostly_slow([0.1, 0.3], [0.3]))
 def test_page_says_what_an_inversion_is_everywhere_else(
     spin: float, hole: int, coefficient: float
 ) -> None:

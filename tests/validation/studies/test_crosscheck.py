@@ -174,6 +174,7 @@ def test_motions_are_compared_until_before_the_disk_jams() -> None:
     assert found.detail.startswith(why)
 
 
+@pytest.mark.slow
 def test_a_run_that_fails_nearly_flat_is_no_disagreement(monkeypatch: pytest.MonkeyPatch) -> None:
     dropped = Scenario(start=Start(spin=0.0, beta=0.5))
     for formulation in ("euler-tree", "floating-lie"):
