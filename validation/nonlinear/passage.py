@@ -245,14 +245,13 @@ def follow(
     pair = SlowPair.of(scenario)
     engine, longer = source == "engine", spin_scale(Scenario()) / spin_scale(scenario)
     spacing = longer * SPACING
-    how: dict[str, Any] = {"source": source, "progress": progress, "local_tolerance": LOCAL}
+    how: dict[str, Any] = {"source": source, "progress": progress}
     if scenario.contact is None:
         times = even_times(scenario, end, round(end / spacing) + 1, "end")
         if engine:
             how["integrator"] = usual_method(scenario, times, local_tolerance=LOCAL)
-        return measure(run(scenario, times, **how), pair)
-    if engine:
-        how |= {"local_tolerance": None, "step": longer * STEP}
+        return measure(run(scenario, times, local_tolerance=LOCAL, **how), pair)
+    how |= {"step": longer * STEP} if engine else {"local_tolerance": LOCAL}
     return measure(run_to_rest(scenario, end, spacing=spacing, **how), pair)
 
 
