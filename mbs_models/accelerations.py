@@ -81,7 +81,7 @@ class AccelerationProblem:
     Raises
     ------
     ValueError
-        If the start breaks a constraint.
+        If the start breaks a constraint, or makes constraints depend on each other.
 
     Attributes
     ----------
@@ -240,7 +240,7 @@ def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[A
     Raises
     ------
     ValueError
-        If the state breaks a constraint.
+        If the state breaks a constraint, or makes constraints depend on each other.
     EngineError
         If the contact jams there, so that there is no solution.
 

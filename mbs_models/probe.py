@@ -21,6 +21,9 @@ _QUICK = 1e-5, (1, -1), np.array((0.5, -0.5))
 _MET = 1e-9
 """Residual up to which a start meets a constraint, in m, and in m/s for a spin up to 1 rad/s."""
 
+_DEPENDENT = 1e-12
+"""Part of what a constraint holds below which the others leave nothing of it."""
+
 _PART = 1e-6
 """Part of a contact force over which friction is differentiated by it."""
 
@@ -69,7 +72,7 @@ class Probe:
         data.SetODE2Coordinates_t(velocity)
 
     def check_start(self) -> None:
-        """Raise `ValueError` if the model's start breaks a constraint."""
+        """Raise `ValueError` if the model's start breaks a constraint, or they are dependent."""
         model = self._model
         if model.scenario.contact is not None:
             # A penalty contact is no constraint.
@@ -95,6 +98,15 @@ class Probe:
                         f"start breaks the constraint '{constraint}' of {model.scenario.name} on "
                         f"{level} level by {value:.3e} {unit}, allowed is {allowed:.1e}"
                     )
+        rows = self._saddle_matrix()[self._size :, : self._size]
+        # The engine has equations of what a joint leaves free, too.
+        sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+        rows, sizes = (each[sizes[:, 0] > 0.0] for each in (rows, sizes))
+        if np.min(np.linalg.svd(rows / sizes, compute_uv=False), initial=1.0) < _DEPENDENT:
+            raise ValueError(
+                f"start must be one where the constraints of {model.scenario.name} do not depend "
+                f"on each other, as they do at beta = {beta:g} and gamma = {gamma:g} rad"
+            )
 
     def solved(self, *, quick: bool = False) -> tuple[Array, Array]:
         """Second derivatives of the engine's coordinates, shape (n,), and multipliers, (m,).

@@ -104,7 +104,8 @@ def simulate(
     ------
     ValueError
         If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
-        breaks a constraint or needs a contact that pulls.
+        breaks a constraint, makes constraints depend on each other or needs a contact that
+        pulls.
     EngineError
         If the engine does not reach the end.
     FlatError

@@ -165,8 +165,7 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         _, cos_beta, gamma = place(np.asarray(theta))
         return needed_friction(scenario, spin, np.arccos(cos_beta), gamma)
 
-    def gain(spin: float) -> float:
-        asked = needed(_GRID, spin)
+    def gain(spin: float, asked: Array) -> float:
         _slips(scenario, asked)
         signs = np.sign(asked)
         # Where friction changes its sign, the slip that it takes has a kink; in the middle, it
@@ -184,17 +183,19 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
 
     def bounded(spin: float) -> float:
         """The same between -1 and 1, where it is infinite as friction cannot give more."""
+        asked = needed(_GRID, spin)
         try:
-            gained = gain(spin)
+            gained = gain(spin, asked)
         except NoManifoldError:
-            asked = needed(_GRID, spin)
             return float(np.sign(asked[np.argmax(np.abs(asked))]))
         return gained / (abs(gained) + disk.radius / scenario.friction.gradient)
 
     critical = critical_speed(scenario).spin
     spin = next(roots_around(bounded, critical), None)
+    told = critical if spin is None else spin
+    asked = needed(_GRID, told)
     # Either may be where friction cannot hold the disk, and then says so.
-    gain(critical if spin is None else spin)
+    gain(told, asked)
     if spin is None:
         raise NoManifoldError(
             f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
@@ -205,5 +206,5 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
         ends = -np.pi / 2, np.pi / 2
         slowness, _ = fixed_quad(lambda theta: np.cos(theta) / place(theta)[1], *ends, n=_NODES)
         period = float(-2.0 / spin * amplitude * slowness)
-    friction = float(np.max(np.abs(needed(_GRID, spin))))
+    friction = float(np.max(np.abs(asked)))
     return SlowOrbit(amplitude=amplitude, spin=spin, period=period, friction=friction)

@@ -1,7 +1,7 @@
 """The whole description of a problem, for both sides and every analysis, also as plain data."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache, cached_property
 from math import inf
 from typing import Any
@@ -276,11 +276,17 @@ def require_level(scenario: Scenario, analysis: str) -> None:
         raise ArgumentError("inclination", fault, analysis)
 
 
+def steady(scenario: Scenario) -> Scenario:
+    """The scenario without pivoting friction and air drag, with which no spinning lasts."""
+    lasting = replace(scenario.dissipation, pivoting=0.0, air_drag=0.0)
+    return replace(scenario, dissipation=lasting)
+
+
 def require_lasting(scenario: Scenario, analysis: str) -> None:
     """Raise `ValueError` unless a spin lasts: on a horizontal table, without what brakes it."""
     require_level(scenario, analysis)
-    loss = scenario.dissipation
-    if loss.pivoting or loss.air_drag:
+    if scenario != steady(scenario):
+        loss = scenario.dissipation
         fault = (
             "must have neither pivoting friction nor air drag, by which the spin decays, got "
             f"{loss.pivoting:g} m and {loss.air_drag:g} kg/m³"

@@ -40,9 +40,6 @@ _MET = 1e-9
 _NO_FREQUENCY = 1e-30
 """In place of none, to divide by."""
 
-_TURNED = np.array(((0.0, -1.0, -1.0, 0.0), (1.0, 0.0, 0.0, 0.0)))
-"""Slip by the places of the linear full system, over the spin and in radii."""
-
 Kind = Literal["double zero", "zero hopf", "double hopf"]
 
 
@@ -211,17 +208,18 @@ class _Pairs:
         comes together in zero. The force of friction is an unknown of its own, so that what steep
         friction leaves of damping is no difference of large numbers.
         """
-        M, G_h, K_h, K_f, D_C, _ = self._printed
+        # The slip is D_C times the velocities and B_C times the turned places; in radii, these.
+        M, G_h, K_h, K_f, D_C, B_C = self._printed
         spin, soft = places[:, :1, None], self._soft * np.exp(-places[:, 1])
         frequency = np.where(places[:, 2] == 0.0, _NO_FREQUENCY, places[:, 2])
         each = 1j * frequency[:, None, None]
         whole = np.zeros((len(places), 6, 6), dtype=complex)
         whole[:, :4, :4] = spin**2 * K_h + K_f + each * (spin * G_h + each * M)
         whole[:, :4, 4:] = -D_C[:, :2]
-        whole[:, 4:, :4] = each * D_C[:2] + spin * _TURNED
+        whole[:, 4:, :4] = each * D_C[:2] + spin * B_C[:2]
         whole[:, 4:, 4:] = soft[:, None, None] * np.eye(2)
         # Velocities of G in place of its places, which leaves the drift out.
-        whole[:, :4, :2] = M[:, :2] @ (each * np.eye(2) + spin * _TURNED[:, :2])
+        whole[:, :4, :2] = M[:, :2] @ (each * np.eye(2) + spin * B_C[:2, :2])
         whole[:, 4:, :2] = np.eye(2)
         found = np.linalg.det(whole)
         return np.column_stack((found.real, found.imag / frequency / soft))

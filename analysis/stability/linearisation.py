@@ -41,7 +41,13 @@ from analysis.problem.elementary import Numbers
 from analysis.problem.friction import ViscousFriction
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import QUANTITIES, STEEPEST_FRICTION, Level
-from analysis.problem.scenario import Scenario, require_lasting, require_level, require_plain
+from analysis.problem.scenario import (
+    Scenario,
+    require_lasting,
+    require_level,
+    require_plain,
+    steady,
+)
 from analysis.problem.start import MOTIONS, Motion, Start
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -121,12 +127,6 @@ def eigenvectors(matrix: Array, value: complex) -> tuple[Any, Any]:
     """
     left, _, right = np.linalg.svd(matrix - value * np.eye(len(matrix)))
     return left[:, -1], right[-1].conj()
-
-
-def steady(scenario: Scenario) -> Scenario:
-    """The scenario without pivoting friction and air drag, with which no spinning lasts."""
-    lasting = replace(scenario.dissipation, pivoting=0.0, air_drag=0.0)
-    return replace(scenario, dissipation=lasting)
 
 
 def upright(scenario: Scenario, gamma: float) -> Place:

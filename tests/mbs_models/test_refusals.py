@@ -48,6 +48,11 @@ PIVOTING: dict[str, Any] = {
     "dissipation": Dissipation(pivoting=0.05),
 }
 
+# Upright, its tilt is held twice.
+TWICE = Scenario(
+    constraints=("contact", "fixed-cog", "no-slip-across", "held-tilt-rate"), start=SPINNING
+)
+
 RISING = State(coordinates=Scenario().initial_state.coordinates, rates=(0, 0, 2e-9, 0, 0, 0))
 
 REFUSED: list[tuple[Callable[[], object], str]] = [
@@ -64,6 +69,8 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(Integrator, name="GeneralizedAlpha", spectral_radius=1.5), "from 0 to 1, got 1.5"),
     (partial(mbs_models.acceleration, scene_of(start=RISING)),
      "breaks the constraint 'contact' of Model 1 on velocity level by 2.000e-09 m/s"),
+    *((partial(call, TWICE), "start must be one where the constraints of contact .* depend on")
+      for call in (mbs_models.eigenvalues, mbs_models.acceleration)),
     (partial(scene_of, 2, "contact-tree"), "exists for Model 1 alone, got Model 2"),
     (partial(scene_of, 1, "contact-tree", friction=LOADED),
      "load 'contact' of the friction law .* use one of euler-tree"),

@@ -28,9 +28,10 @@ from analysis import (
 from analysis.motion.interpolation import running_mean
 from analysis.problem.checks import Array
 from analysis.problem.choices import Source
+from analysis.problem.scenario import steady
 from analysis.solve.effort import usual_method
 from analysis.stability.critical import critical_speeds
-from analysis.stability.linearisation import spin_scale, steady
+from analysis.stability.linearisation import spin_scale
 from analysis.stability.spectra import matrices_over_spin
 from validation.display.tables import Table
 from validation.run import even_times, run, run_to_rest
