@@ -11,7 +11,7 @@ other side each becomes a rotating motion of its own (a gluing bifurcation).
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import accumulate
+from itertools import accumulate, islice
 from operator import methodcaller
 
 import numpy as np
@@ -47,6 +47,9 @@ from analysis.solve.watch import Progress
 AMPLITUDES: Array = np.append(0.03, np.linspace(0.1, 3.0, 30))
 """Amplitudes in rad from near the Hopf point, where its family may fold at once; further ones
 close in on the connection."""
+
+_LEAD = 0.9
+"""Part of the first of other amplitudes up to which those above lead there."""
 
 BEYOND: Array = np.concatenate(((0.005, 0.02), np.linspace(0.05, 4.5, 90)))
 """Amplitudes in rad beyond that of the bifurcation, at which cycles without symmetry are looked
@@ -110,11 +113,14 @@ def cycle_family(
     if progress is not None:
         function("progress", progress)
     flow.require_cycles(scenario, STEEPEST)
-    values, count = _amplitudes(scenario), AMPLITUDES.size + _CLOSING
+    values, count, before = _amplitudes(scenario), AMPLITUDES.size + _CLOSING, 0
     if amplitudes is not None:
         wanted = _rising("amplitudes", amplitudes, 0.0, 2.0 * np.pi, "between 0 and 2 pi")
-        values, count = iter(wanted.tolist()), wanted.size
+        # One step from the Hopf point may be too far, and halving it of no help.
+        lead = AMPLITUDES[_LEAD * wanted[0] > AMPLITUDES]
+        values, count, before = iter((*lead, *wanted)), wanted.size, lead.size
     found = onward(hopf_cycle(scenario), values, through_folds=amplitudes is None)
+    found = islice(found, before, None)
     return Family.of(critical_speed(scenario).spin, found, progress=progress, wanted=count)
 
 
@@ -226,18 +232,12 @@ def cycles_over(
     for scenario in scenarios:
         flow.require_cycles(scenario, STEEPEST)
     spin = None if spin is None else turn_rate("spin", spin)
-    if amplitude is not None:
-        amplitude = flow.open_amplitude(amplitude)
-        # One step from the Hopf point may be too far, and halving it of no help.
-        rising = np.append(AMPLITUDES[amplitude > AMPLITUDES], amplitude)
+    wanted = () if amplitude is None else (flow.open_amplitude(amplitude),)
 
     def first(scenario: Scenario) -> PeriodicMotion:
         if spin is not None:
             return cycle_at(scenario, spin)
-        family = cycle_family(scenario, rising)
-        if family.reason is not None:
-            raise NoCycleError(family.reason)
-        return family.motions[-1]
+        return cycle_family(scenario, wanted).motions[0]
 
     def further(last: PeriodicMotion, scenario: Scenario) -> PeriodicMotion:
         with suppress(NoCycleError):
