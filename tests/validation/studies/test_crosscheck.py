@@ -17,14 +17,11 @@ import mbs_models
 from analysis import (
     MOTIONS,
     POSSIBLE_SETS,
-    STEEL_DISK,
     Dissipation,
     FlatError,
-    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
-    Table,
     Trajectory,
 )
 from analysis.motion.endings import TIME_LIMIT, Ending
@@ -35,7 +32,7 @@ from tests.helpers import failing, model, not_none, planted
 from tests.scenes import JAMMING
 from validation.run import run
 from validation.studies import comparisons, crosscheck
-from validation.studies.comparisons import Comparison, compare_scenario, compare_scene, distance
+from validation.studies.comparisons import Comparison, compare_scene, distance
 
 PULLING = Scene(Scenario(start=Start(spin=100.0, beta=1.0)))
 """Ends where the contact would pull."""
@@ -44,15 +41,6 @@ PULLING = Scene(Scenario(start=Start(spin=100.0, beta=1.0)))
 @pytest.fixture(autouse=True)
 def forget() -> None:
     comparisons.reference.cache_clear()
-
-
-def test_every_formulation_agrees_in_all_that_is_defined() -> None:
-    contact, table = PenaltyContact.damped(1e5, STEEL_DISK), Table(inclination=0.03, downhill=0.7)
-    scenario = Scenario(contact=contact, table=table)
-    found = compare_scenario(scenario, states=5, end=0.05)
-    assert {each.formulation for each in found} == set(mbs_models.formulations(scenario))
-    for each in found:
-        assert each.agrees is (None if "eigenvalues" in each.quantity else True), each
 
 
 @pytest.mark.parametrize(

@@ -8,27 +8,14 @@ import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
-import mbs_models
-from analysis import POSSIBLE_SETS, ConstraintSet, Scenario
-from analysis.problem.constraints import set_name
-from analysis.stability import spectra
+from analysis import Scenario
 from analysis.stability.critical import critical_speeds
 from tests.faults import GONE, Rows, faults
 from tests.helpers import failing, planted
 from validation import study as studying
-from validation.studies.comparisons import EIGENVALUE_LIMIT, distance, engine_matrices
 from validation.studies.stability import figures, measured
 from validation.studies.stability.section import STUDIES, present
 from validation.studies.stability.variants import PRINTED, reproduces, variants
-
-
-@pytest.mark.parametrize("constraints", POSSIBLE_SETS, ids=set_name)
-def test_engine_and_in_house_eigenvalues_agree_under_every_set(constraints: ConstraintSet) -> None:
-    scenario, spins = Scenario(constraints=constraints), np.array([0.0, 33.0])
-    for formulation in mbs_models.formulations(scenario)[:2]:
-        found = np.linalg.eigvals(engine_matrices(scenario, spins, formulation=formulation))
-        for one, other in zip(found, spectra.eigenvalues(scenario, spins), strict=True):
-            assert distance(one.astype(complex), other) <= EIGENVALUE_LIMIT
 
 
 def test_no_choice_gives_the_printed_speeds_and_printed_signs_the_wrong_directions() -> None:
