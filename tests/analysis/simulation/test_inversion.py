@@ -11,6 +11,7 @@ from analysis import (
     STEEL_DISK,
     Inversion,
     Level,
+    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -73,12 +74,14 @@ def test_motion_that_ends_at_a_level_is_there_whatever_its_last_digit(last: floa
 
 RISES = Scenario(friction=SmoothCoulomb(coefficient=0.2), start=Start(spin=44.326))
 FALLS = Scenario(table=Table(inclination=0.07056958, downhill=0.7))
+SOFT = Scenario(contact=PenaltyContact(stiffness=1e6, damping=300.0))
 LOCATED: list[tuple[Scenario, Any, float, float]] = [
     *((model(level), "inverted", *each)
       for level in LEVELS for each in ((0.2, 0.2), (0.05, 1e-4), (0.01, 1e-8))),
     # Between two samples.
     (RISES, "inverted", 0.01, 1e-6),
     (FALLS, "lost", 0.01, 1e-6),
+    (SOFT, "inverted", 0.01, 1e-6),
 ]  # fmt: skip
 """Motions whose first rise or fall lasts, spacings of the samples, and errors they may leave."""
 
