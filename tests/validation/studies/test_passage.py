@@ -18,15 +18,27 @@ from analysis import (
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.disk import STEEL_RING
 from analysis.stability import spectra
-from tests.helpers import not_none
+from tests.helpers import mostly_slow, not_none
 from validation.nonlinear import passage
 from validation.nonlinear.figures import passage_diagram
-from validation.nonlinear.passage import SlowPair, delay_law, follow, measure, slowed
+from validation.nonlinear.passage import Passage, SlowPair, delay_law, follow, measure, slowed
+
+SOON_LOST = Scenario(start=Start(beta=np.pi / 2, gamma=np.pi / 2 + 0.02, spin=20.0))
 
 
 @pytest.fixture(scope="module")
 def pair() -> SlowPair:
     return SlowPair.of(Scenario())
+
+
+@pytest.fixture(scope="module")
+def paper() -> Passage:
+    return follow(Scenario(), 11.0, "in-house")
+
+
+@pytest.fixture(scope="module")
+def soon() -> Passage:
+    return follow(SOON_LOST, 3.0, "in-house")
 
 
 def test_the_growth_rate_is_the_real_part_of_the_slow_pair(pair: SlowPair) -> None:
@@ -97,7 +109,7 @@ def test_nothing_is_predicted_where_inverted_spinning_is_statically_unstable() -
     assert found["deviations"][-1] < 1.0
 
 
-@pytest.mark.parametrize("lever", [5e-5, 2e-5])
+@pytest.mark.parametrize("lever", mostly_slow([5e-5, 2e-5], [5e-5]))
 def test_a_loss_is_predicted_whether_or_not_the_disk_spins_up_as_it_falls(lever: float) -> None:
     found = slowed(lever)
     assert found["spins"][-1] > found["lowest_spin"] + 1.0
@@ -122,7 +134,7 @@ def test_a_disk_that_spins_the_other_way_passes_alike() -> None:
     assert found["rate"] > 0.0
 
 
-def test_a_passage_is_the_same_in_other_units_of_length_and_time() -> None:
+def test_a_passage_is_the_same_in_other_units_of_length_and_time(paper: Passage) -> None:
     small = {name: 0.1 * length for name, length in STEEL_RING.items()}
     small["density"] = STEEL_RING["density"]
     faster = 10.0**0.5
@@ -131,14 +143,11 @@ def test_a_passage_is_the_same_in_other_units_of_length_and_time() -> None:
         friction=SmoothCoulomb(smoothing=0.1 / faster),
         start=Start(spin=40.0 * faster),
     )
-    whole, found = (
-        follow(Scenario(), 11.0, "in-house"),
-        follow(scenario, 11.0 / faster, "in-house"),
-    )
-    assert found["hopf"] == pytest.approx(faster * whole["hopf"], rel=1e-9)
-    assert found["crossing"] == pytest.approx(whole["crossing"] / faster, rel=1e-3)
+    found = follow(scenario, 11.0 / faster, "in-house")
+    assert found["hopf"] == pytest.approx(faster * paper["hopf"], rel=1e-9)
+    assert found["crossing"] == pytest.approx(paper["crossing"] / faster, rel=1e-3)
     for name in ("deviations", "linear"):
-        assert found[name] == pytest.approx(whole[name], rel=1e-4)
+        assert found[name] == pytest.approx(paper[name], rel=1e-4)
 
 
 def test_a_disk_that_is_exactly_upright_and_slow_passes_nothing_and_is_not_lost() -> None:
@@ -147,22 +156,18 @@ def test_a_disk_that_is_exactly_upright_and_slow_passes_nothing_and_is_not_lost(
     assert not np.any(found["linear"])
 
 
-SOON_LOST = Scenario(start=Start(beta=np.pi / 2, gamma=np.pi / 2 + 0.02, spin=20.0))
-
-
-def test_what_follows_a_loss_is_left_out() -> None:
-    found, longer = (follow(SOON_LOST, end, "in-house") for end in (3.0, 4.0))
-    assert found["times"][-1] == pytest.approx(found["lost"], abs=passage.SPACING)
+def test_what_follows_a_loss_is_left_out(soon: Passage) -> None:
+    longer = follow(SOON_LOST, 4.0, "in-house")
+    assert soon["times"][-1] == pytest.approx(soon["lost"], abs=passage.SPACING)
     for name in ("lost", "predicted", "lowest_spin", "deviations"):
-        assert longer[name] == pytest.approx(found[name], rel=1e-9)
+        assert longer[name] == pytest.approx(soon[name], rel=1e-9)
 
 
-def test_beyond_a_loss_the_predicted_deviation_grows_on_at_its_last_rate() -> None:
-    found = follow(SOON_LOST, 3.0, "in-house")
-    times, grown = found["times"], np.log(found["linear"])
+def test_beyond_a_loss_the_predicted_deviation_grows_on_at_its_last_rate(soon: Passage) -> None:
+    times, grown = soon["times"], np.log(soon["linear"])
     rate = (grown[-1] - grown[-2]) / (times[-1] - times[-2])
     expected = times[-1] + (np.log(np.pi / 2) - grown[-1]) / rate
-    assert found["predicted"] == pytest.approx(expected, rel=1e-9)
+    assert soon["predicted"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_passage_does_not_depend_on_when_its_motion_begins(pair: SlowPair) -> None:
@@ -174,22 +179,22 @@ def test_a_passage_does_not_depend_on_when_its_motion_begins(pair: SlowPair) -> 
 
 
 def test_deviations_are_drawn_below_the_spins_with_what_is_predicted_of_them(
-    pair: SlowPair,
+    soon: Passage,
 ) -> None:
-    motion = simulate(SOON_LOST, np.linspace(0.0, 3.0, 601), local_tolerance=1e-9)
-    found = measure(motion, pair)
-    drawn = passage_diagram([("soon", found)]).axes
+    drawn = passage_diagram([("soon", soon)]).axes
     for panel, names in zip(drawn, (("spins",), ("deviations", "linear")), strict=True):
         paths = [line.get_ydata() for line in panel.lines if len(line.get_xdata()) > 2]
-        np.testing.assert_array_equal(paths, [found[name] for name in names])
+        np.testing.assert_array_equal(paths, [soon[name] for name in names])
 
 
-def test_a_motion_that_ends_before_it_is_lost_tells_what_a_longer_one_does_and_no_more() -> None:
-    found, longer = (follow(Scenario(), end, "in-house") for end in (10.0, 11.0))
+def test_a_motion_that_ends_before_it_is_lost_tells_what_a_longer_one_does_and_no_more(
+    paper: Passage,
+) -> None:
+    found = follow(Scenario(), 10.0, "in-house")
     count = found["times"].size
-    assert count < longer["times"].size
+    assert count < paper["times"].size
     for name in ("spins", "deviations", "linear"):
-        np.testing.assert_allclose(found[name], longer[name][:count], rtol=1e-2)
+        np.testing.assert_allclose(found[name], paper[name][:count], rtol=1e-2)
     assert found["predicted"] is found["lost"] is None
     too_soon = r"must go on for 2\.18 s after the inversion at t = 0\.4"
     with pytest.raises(ValueError, match=too_soon):
