@@ -57,13 +57,12 @@ def test_in_house_side_imports_numpy_and_scipy_only() -> None:
 
 IN_HOUSE = "validation.run.run(analysis.Scenario(), [0.0, 0.01], source='in-house')"
 
+LIGHT = ("exudyn", "matplotlib", "pandas")
 
 ABSENT = {
     "analysis": ("exudyn", "heyoka", "matplotlib", "pandas", "xarray"),
     "mbs_models": ("matplotlib",),
-    "validation.commands.stability": ("exudyn", "matplotlib", "pandas"),
-    "validation.nonlinear.tables": ("exudyn", "matplotlib", "pandas"),
-    "validation.nonlinear.passage": ("exudyn", "matplotlib", "pandas"),
+    "validation.commands.stability; from validation.nonlinear import passage, tables": LIGHT,
     f"analysis, validation.run; {IN_HOUSE}": ("exudyn",),
 }
 

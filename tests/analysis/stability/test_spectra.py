@@ -54,10 +54,10 @@ def test_a_branch_is_the_same_whatever_spins_are_asked_for(
     motion: Motion, gradient: float
 ) -> None:
     scenario = Scenario(friction=SmoothCoulomb(coefficient=gradient, smoothing=1.0))
-    spins = np.linspace(0.0, 100.0, 4001)
+    spins = np.linspace(-100.0, 100.0, 2001)
     fine = branches(scenario, spins, motion=motion)
-    few = branches(scenario, spins[::500], motion=motion)
-    np.testing.assert_allclose(few, fine[::500], atol=1e-9)
+    few = branches(scenario, spins[::250], motion=motion)
+    np.testing.assert_allclose(few, fine[::250], atol=1e-9)
     single = branches(scenario, spins[-1:], motion=motion)
     np.testing.assert_allclose(single, fine[-1:], atol=1e-9)
 
@@ -93,6 +93,3 @@ def test_branches_go_on_from_no_spin_to_turning_the_other_way() -> None:
     found = branches(Scenario(), spins, "full")
     # Of a disk with a plane of symmetry, both senses are each other's mirror images.
     assert distance(found[0], found[2]) < 1e-9
-    # A branch is the same one whatever spins are asked for.
-    for spin, values in zip(spins, found, strict=True):
-        np.testing.assert_allclose(branches(Scenario(), [spin], "full")[0], values, atol=1e-9)

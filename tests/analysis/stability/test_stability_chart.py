@@ -206,7 +206,7 @@ def test_static_crossings_of_a_disk_with_products_move_as_their_closed_form(leve
     expected = {"mass": 1.0, "eccentricity": (r + 2 * e) / (r + e), "radius": r / (r + e),
                 "friction_gradient": 1.0, "size": 0.0}  # fmt: skip
     static = 0
-    for coefficient in np.linspace(0.05, 0.3, 26).tolist():
+    for coefficient in np.linspace(0.05, 0.3, 11).tolist():
         scenario = Scenario(disk=leaning, friction=SmoothCoulomb(coefficient=coefficient),
                             constraints=MODELS[level])  # fmt: skip
         for crossing in critical_speeds(scenario).crossings:
@@ -216,4 +216,4 @@ def test_static_crossings_of_a_disk_with_products_move_as_their_closed_form(leve
                 found = sensitivities(scenario, crossing)
                 assert {name: found[name] for name in expected} == pytest.approx(expected)
                 static += 1
-    assert static > 5
+    assert static > 2

@@ -1,6 +1,7 @@
 """The study of nonlinear dynamics: its page, its checks and its pictures."""
 
-from math import inf, nan
+from functools import cache
+from math import nan
 from pathlib import Path
 from unittest.mock import MagicMock
 
@@ -12,6 +13,7 @@ from tests.faults import GONE, Rows, faults
 from tests.helpers import failing
 from validation.display.figures import new_figure
 from validation.nonlinear import figures
+from validation.nonlinear.passage import SlowPair
 from validation.page.section import Section
 from validation.studies.nonlinear import measured, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
@@ -81,15 +83,19 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: Rows) -> None:
     assert "lost 9.0 to 9.0 s later" in made.verdicts[1].numbers
 
 
+PAIR = cache(SlowPair.of)
+
+
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SlowPair, "of", PAIR)
     drawn = MagicMock()
     drawn.diagram.side_effect = lambda *_, **__: new_figure()[0]
     monkeypatch.setattr(section, "figures", drawn)
 
 
 FITS = "fit over theory less 1"
-WRONG = (0.3, nan, inf)
+WRONG = (0.3, nan)
 LATE = f"{DISSIPATED}, engine"
 
 test_a_wrong_value_none_or_a_missing_row_fails_its_check = pytest.mark.usefixtures("undrawn")(
