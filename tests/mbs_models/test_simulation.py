@@ -316,13 +316,6 @@ def test_the_engine_prints_again_after_calls_from_several_threads() -> None:
         np.testing.assert_array_equal(run.coordinates, runs[0].coordinates)
 
 
-def test_accelerations_where_the_contact_jams_are_refused() -> None:
-    law = SmoothCoulomb(coefficient=4.0, smoothing=0.01, load="contact")
-    jammed = Scenario(friction=law, start=Start(beta=2.8, spin=0.0, y_rate=2.0))
-    with pytest.raises(EngineError, match="the contact jams"):
-        mbs_models.acceleration(jammed)
-
-
 def test_turns_of_a_nearly_flat_disk_are_those_of_the_in_house_motion_or_are_refused() -> None:
     still, soft = SmoothCoulomb(coefficient=0.0), PenaltyContact(stiffness=1e5)
     start = Start(beta=0.3, spin=3.0, gamma_rate=0.0)
