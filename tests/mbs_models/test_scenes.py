@@ -1,6 +1,6 @@
 """What is in a scene, item by item, where it starts, and its accelerations, as in-house."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
@@ -32,10 +32,8 @@ from analysis import (
 from analysis.mechanics.recorded import accelerations
 from mbs_models import Formulation, Scene, formulations
 from mbs_models.friction import slip_velocity
-from mbs_models.integrators import find_integrator
-from mbs_models.inventory import BALLAST, Item, inventory
+from mbs_models.inventory import Item, inventory
 from mbs_models.model import Model
-from mbs_models.runs import run
 from mbs_models.scene import build
 from tests.bodies import BODIES, TIPPE_TOP
 from tests.calls import printed
@@ -132,20 +130,6 @@ def test_command_prints_items_reasons_and_sums() -> None:
     assert "without slip along the edge" in shown
     assert "6 coordinates, 6 algebraic equations (2 of them idle: an unused" in shown
     assert "1 user function." in shown
-
-
-@pytest.mark.parametrize("part", BALLAST.values(), ids=BALLAST)
-def test_ballast_does_not_change_the_motion(part: Callable[[Model], object]) -> None:
-    scene, ends = scene_of(2, "floating", friction=SMOOTH), []
-    for load in (lambda _: None, part):
-        loaded = build(scene)
-        load(loaded)
-        loaded.system.Assemble()
-        integrator = find_integrator(scene, None)
-        times = np.linspace(0.0, 3e-2, 4)
-        records = run(loaded, integrator, times, np.full(3, 10)).records
-        ends.append(np.hstack(loaded.decode(records))[-1])
-    assert float(abs(ends[0] - ends[1]).max()) < 1e-12
 
 
 @pytest.mark.parametrize("level", LEVELS)
