@@ -73,8 +73,7 @@ class Trajectories(InCoordinates):
         if member in self.alone:
             return self.alone[member]
         found = next(each for each in self.compiled if member in each.group.rows)
-        row = int(np.argmax(found.group.rows == member))
-        return found.trajectory(row, self.ensemble[member])
+        return found.trajectory(member, self.ensemble[member])
 
     def __iter__(self) -> Iterator[Trajectory]:
         return (self[member] for member in range(len(self)))

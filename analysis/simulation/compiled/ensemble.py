@@ -111,38 +111,26 @@ class CompiledRuns:
             some = slice(first, first + size)
             yield some, self.samples(some)
 
-    def trajectory(self, row: int, scenario: Scenario) -> Trajectory:
-        """Motion of one of them, which has this scenario."""
-        return self._trajectory(row, scenario, self.samples(slice(row, row + 1)), 0)
-
-    def outcomes(self, scenarios: Sequence[Scenario]) -> Iterator[Trajectory | Exception]:
-        """Motion of each of them, or why it has none, worked out in blocks.
-
-        Parameters
-        ----------
-        scenarios : sequence of Scenario
-            Of all members, not of these alone.
-        """
-        for some, samples in self.blocks():
-            for place, member in enumerate(self.group.rows[some].tolist()):
-                try:
-                    yield self._trajectory(some.start + place, scenarios[member], samples, place)
-                except (ArithmeticError, ValueError) as error:
-                    yield error
-
-    def _trajectory(
-        self, row: int, scenario: Scenario, samples: Samples, place: int
-    ) -> Trajectory:
-        """Motion of one of them, which stands at this place among some samples."""
-        run = self.runs.run(row)
+    def trajectory(self, member: int, scenario: Scenario) -> Trajectory:
+        """Motion of a member, which has this scenario."""
+        row = int(np.argmax(self.group.rows == member))
+        run, samples = self.runs.run(row), self.samples(slice(row, row + 1))
         found = samples.coordinates, samples.rates, samples.multipliers
-        coordinates, rates, forces = (each[place, : run.times.size] for each in found)
+        coordinates, rates, forces = (each[0, : run.times.size] for each in found)
         if self.group.code.structure.formulation == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
             start = scenario.initial_state
             coordinates[0], rates[0] = start.coordinates, start.rates
         arrays = coordinates, rates, forces
         return trajectory(scenario, self.request, run, arrays, method="taylor", watch=self.watch)
+
+    def outcomes(self, scenarios: Sequence[Scenario]) -> Iterator[Trajectory | Exception]:
+        """Motion of each of them, or why it has none, of the scenarios of all members."""
+        for member in self.group.rows.tolist():
+            try:
+                yield self.trajectory(member, scenarios[member])
+            except (ArithmeticError, ValueError) as error:
+                yield error
 
 
 def simulate_compiled(
