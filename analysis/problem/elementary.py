@@ -12,7 +12,7 @@ group goes its own.
 
 import cmath
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -59,15 +59,6 @@ class Members(np.ndarray[Any, np.dtype[Any]]):
 
     def __format__(self, spec: str) -> str:
         return format(np.asarray(self)[0].item(), spec)
-
-
-def in_columns(numbers: Iterable[Any], count: int) -> npt.NDArray[np.float64]:
-    """Numbers of all members, each one number or a `Members`, as an array, shape (count, n)."""
-    given = list(numbers)
-    columns = np.empty((count, len(given)))
-    for column, values in enumerate(given):
-        columns[:, column] = values
-    return columns
 
 
 _LIBRARIES: dict[type, Any] = {

@@ -17,7 +17,7 @@ from analysis.motion.endings import TIME_LIMIT
 from analysis.motion.files import AnyArray
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
-from analysis.problem.elementary import Rows, in_columns
+from analysis.problem.elementary import Rows
 from analysis.problem.limits import CONTACT_JAMS
 from analysis.problem.scenario import Scenario
 from analysis.problem.variations import Ensemble, one_by_one
@@ -165,7 +165,9 @@ def simulate_compiled(
             failures[first + int(rows[0])] = found
             continue
         code, numbers = found
-        pieces[code].append((first + rows, in_columns(numbers, rows.size)))
+        # Of some members a number is one for all, or a `Members`.
+        columns = [np.full(rows.size, each, dtype=float) for each in numbers]
+        pieces[code].append((first + rows, np.array(columns).T))
     compiled = []
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))
