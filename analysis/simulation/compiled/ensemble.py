@@ -166,8 +166,8 @@ def simulate_compiled(
             continue
         code, numbers = found
         # Of some members a number is one for all, or a `Members`.
-        columns = [np.full(rows.size, each, dtype=float) for each in numbers]
-        pieces[code].append((first + rows, np.array(columns).T))
+        filled = [np.full(rows.size, each, dtype=float) for each in numbers]
+        pieces[code].append((first + rows, np.array(filled).T))
     compiled = []
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))

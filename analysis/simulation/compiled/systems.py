@@ -100,36 +100,11 @@ class Structure(NamedTuple):
             If heyoka is not installed or something cannot be expressed in its symbols.
         """
         heyoka()
-        law, disk = scenario.friction, scenario.disk
-        if formulation == "free-body":
-            raise CannotCompileError(
-                "method 'taylor' knows the ideal contact alone, no formulation 'free-body'"
-            )
-        if not disk.is_round_disk and disk.SURFACE is None:
-            kind = type(disk).__name__
-            raise CannotCompileError(f"method 'taylor' takes bodies with a SURFACE, got a {kind}")
-        if disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
-            raise CannotCompileError(
-                "method 'taylor' takes minutes to compile a disk with products of inertia and "
-                f"more than {MOST_FORCES} constraint forces, got {scenario.name}"
-            )
-        if allow_pulling and scenario.rubs and law.load == "contact":
-            raise CannotCompileError(
-                "allow_pulling must be left out with method 'taylor' where friction has the load "
-                "'contact', which then comes and goes"
-            )
-        if not law.is_simple:
-            raise CannotCompileError(
-                "method 'taylor' takes friction that is isotropic and in proportion to the load, "
-                f"got {type(law).__name__}"
-            )
+        law = scenario.friction
+        if fault := _obstacle(scenario, formulation, allow_pulling=allow_pulling):
+            raise CannotCompileError(f"method 'taylor' {fault}")
         values = ((name, getattr(law, name)) for name in _names(type(law)))
         options = tuple(pair for pair in values if not isinstance(pair[1], _NUMBERS))
-        if (slowest := float(np.min(pace_of(scenario)))) < SLOWEST:
-            raise CannotCompileError(
-                f"method 'taylor' takes disks with sqrt(g r) of {SLOWEST:g} m/s or more, got "
-                f"{slowest:.3g} m/s"
-            )
         # The force for each m/s of slip rises or falls from no slip on.
         little = 1e-6 * law.finest_speed
         kinked = bool(
@@ -138,6 +113,26 @@ class Structure(NamedTuple):
         equations = newton_euler.Structure.of(scenario, EulerTurning)
         ends = tuple(conditions.items())
         return cls(formulation, equations, options, kinked, allow_pulling, ends)
+
+
+def _obstacle(scenario: Scenario, formulation: Formulation, *, allow_pulling: bool) -> str:
+    """Why the equations of a scenario cannot be compiled; empty if they can."""
+    law, disk = scenario.friction, scenario.disk
+    if formulation == "free-body":
+        return "knows the ideal contact alone, no formulation 'free-body'"
+    if not disk.is_round_disk and disk.SURFACE is None:
+        return f"takes bodies with a SURFACE, got a {type(disk).__name__}"
+    if disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
+        why = f"more than {MOST_FORCES} constraint forces, got {scenario.name}"
+        return f"takes minutes to compile a disk with products of inertia and {why}"
+    if allow_pulling and scenario.rubs and law.load == "contact":
+        return "takes no allow_pulling where friction has the load 'contact': that comes and goes"
+    if not law.is_simple:
+        kind = type(law).__name__
+        return f"takes friction that is isotropic and in proportion to the load, got {kind}"
+    slowest = float(np.min(pace_of(scenario)))
+    slow = f"takes disks with sqrt(g r) of {SLOWEST:g} m/s or more, got {slowest:.3g} m/s"
+    return slow if slowest < SLOWEST else ""
 
 
 @cache

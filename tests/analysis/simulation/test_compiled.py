@@ -221,7 +221,7 @@ test_what_cannot_be_compiled_is_refused_in_one_line = refusals(
         r"sqrt\(g r\) of 0.001 m/s or more, got 0.000212": partial(
             taylor, Scenario(table=Table(gravity=1e-6))
         ),
-        "allow_pulling must be left out": partial(
+        "takes no allow_pulling where": partial(
             taylor, Scenario(friction=LOADED), allow_pulling=True
         ),
     },
