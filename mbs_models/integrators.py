@@ -9,7 +9,7 @@ from typing import cast
 
 import numpy as np
 
-from analysis.problem.checks import choice, instance, positive, switch, within
+from analysis.problem.checks import choice, instance, optional, positive, switch, within
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import (
     ACCELERATED,
@@ -78,7 +78,7 @@ class Newton:
 
     def __post_init__(self) -> None:
         modified, relative = switch("modified", self.modified), positive("relative", self.relative)
-        absolute = None if self.absolute is None else positive("absolute", self.absolute)
+        absolute = optional(positive, "absolute", self.absolute)
         checked = {"modified": modified, "relative": relative, "absolute": absolute}
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -134,13 +134,10 @@ class Integrator:
             elif value is not None and not applies:
                 fault = f"is no option of integrator {self.name!r}, got {value!r}"
                 raise ArgumentError(option, fault)
-        if self.newton is not None:
-            instance("newton", self.newton, Newton)
-        if self.spectral_radius is not None:
-            within("spectral_radius", self.spectral_radius, 0.0, 1.0)
-        if self.local_tolerance is not None:
-            least = FINEST_LOCAL if self.steps_accelerations else FINEST_ABSOLUTE
-            one_step("local_tolerance", self.local_tolerance, least)
+        least = FINEST_LOCAL if self.steps_accelerations else FINEST_ABSOLUTE
+        optional(instance, "newton", self.newton, Newton)
+        optional(within, "spectral_radius", self.spectral_radius, 0.0, 1.0)
+        optional(one_step, "local_tolerance", self.local_tolerance, least)
 
     @property
     def implicit(self) -> bool:

@@ -15,6 +15,7 @@ from analysis.problem.checks import (
     TimeLimitError,
     ToleranceError,
     increasing_times,
+    optional,
     positive,
     switch,
 )
@@ -166,7 +167,7 @@ def _accuracy(
     """Step and tolerance that are asked for, checked; a tolerance by default."""
     if step is not None and tolerance is not None and not chosen.steps_accelerations:
         raise ValueError("give either step or tolerance, not both")
-    step = None if step is None else positive("step", step)
+    step = optional(positive, "step", step)
     if chosen.local_tolerance is not None:
         if tolerance is not None:
             raise ValueError(

@@ -25,6 +25,7 @@ from analysis.problem.checks import (
     instance,
     not_negative,
     number,
+    optional,
     positive,
     real_array,
     settings,
@@ -86,8 +87,7 @@ class SampledMotion(Quantities):
         """Make the arrays and settings clean ones of this motion's own, or raise `ValueError`."""
         instance("scenario", self.scenario, Scenario)
         choice("source", self.source, SOURCES)
-        if self.ending is not None:
-            instance("ending", self.ending, Ending)
+        optional(instance, "ending", self.ending, Ending)
         size = increasing_times(self.times).size
         for name in filled(type(self)):
             values = real_array(name, getattr(self, name))
@@ -100,9 +100,8 @@ class SampledMotion(Quantities):
         for name in ("method", "counts", "versions"):
             checked = settings(name, getattr(self, name))
             object.__setattr__(self, name, checked)
-        if self.error_estimate is not None:
-            estimate = not_negative("error_estimate", self.error_estimate)
-            object.__setattr__(self, "error_estimate", estimate)
+        estimate = optional(not_negative, "error_estimate", self.error_estimate)
+        object.__setattr__(self, "error_estimate", estimate)
 
     def _columns(self, name: str) -> Columns:
         """Columns of a quantity of this motion."""

@@ -12,7 +12,7 @@ from analysis.motion.interpolation import interpolate, running_mean
 from analysis.motion.quantities import filled, quantities
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.trajectory import Trajectory
-from analysis.problem.checks import Array, choice, instance, positive, within
+from analysis.problem.checks import Array, choice, instance, optional, positive, within
 from analysis.problem.contact import CAUSES
 
 ROLLING = 0.1
@@ -144,9 +144,8 @@ class SpatialMotion(SampledMotion):
         excess = float(np.max(np.abs(np.linalg.norm(self.quaternions, axis=1) - 1.0)))
         if excess > 1e-9:
             raise ValueError(f"quaternions must have unit length, got one off by {excess:.1e}")
-        if self.rest_time is not None:
-            rest = within("rest_time", self.rest_time, *self.times[[0, -1]].tolist())
-            object.__setattr__(self, "rest_time", rest)
+        rest = optional(within, "rest_time", self.rest_time, *self.times[[0, -1]].tolist())
+        object.__setattr__(self, "rest_time", rest)
 
     @property
     def rotations(self) -> Array:

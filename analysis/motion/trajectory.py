@@ -13,7 +13,7 @@ from analysis.motion.frames import from_cog
 from analysis.motion.interpolation import interpolate
 from analysis.motion.quantities import InCoordinates
 from analysis.motion.sampled import SampledMotion, Setting
-from analysis.problem.checks import Array, choice, not_negative, real_array, whole
+from analysis.problem.checks import Array, choice, not_negative, optional, real_array, whole
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.names import ArgumentError
 from analysis.problem.start import COORDINATES, State
@@ -88,8 +88,7 @@ class Trajectory(InCoordinates, SampledMotion):
             if first > last:
                 raise ValueError(f"pulling must hold rising times, got {first:g} before {last:g}")
         object.__setattr__(self, "pulling", tuple(map(tuple, pulling.tolist())))
-        if self.solver_seconds is not None:
-            not_negative("solver_seconds", self.solver_seconds)
+        optional(not_negative, "solver_seconds", self.solver_seconds)
 
     def coordinate(self, name: str) -> Array:
         """Coordinate of this name (one of `COORDINATES`) over time, shape (n,)."""

@@ -35,6 +35,7 @@ from analysis.problem.checks import (
     Array,
     function,
     instance,
+    optional,
     real_array,
     several,
     turn_rate,
@@ -110,8 +111,7 @@ def cycle_family(
     NoCycleError
         If not even the first cycle is found.
     """
-    if progress is not None:
-        function("progress", progress)
+    optional(function, "progress", progress)
     flow.require_cycles(scenario, STEEPEST)
     values, count, before = _amplitudes(scenario), AMPLITUDES.size + _CLOSING, 0
     if amplitudes is not None:
@@ -231,7 +231,7 @@ def cycles_over(
         raise ValueError(f"amplitude or spin must be given, got {amplitude} and {spin}")
     for scenario in scenarios:
         flow.require_cycles(scenario, STEEPEST)
-    spin = None if spin is None else turn_rate("spin", spin)
+    spin = optional(turn_rate, "spin", spin)
     wanted = () if amplitude is None else (flow.open_amplitude(amplitude),)
 
     def first(scenario: Scenario) -> PeriodicMotion:
@@ -280,8 +280,7 @@ def asymmetric_family(
     NoCycleError
         If there is no cycle without symmetry beside the bifurcation.
     """
-    if progress is not None:
-        function("progress", progress)
+    optional(function, "progress", progress)
     if instance("breaking", breaking, Event).kind != "symmetry-breaking":
         raise ValueError(f"breaking must be symmetry-breaking, got {breaking.kind!r}")
     born = breaking.motion
@@ -350,10 +349,8 @@ def rotating_family(
     NoCycleError
         If none is found.
     """
-    if progress is not None:
-        function("progress", progress)
-    if tilts is not None:
-        _rising("tilts", tilts, 0.0, np.pi / 2, "between 0 and pi/2")
+    optional(function, "progress", progress)
+    optional(_rising, "tilts", tilts, 0.0, np.pi / 2, "between 0 and pi/2")
     flow.require_cycles(scenario, STEEPEST)
     connection = heteroclinic_connection(scenario)
     least = connection.least_tilt

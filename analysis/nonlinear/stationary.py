@@ -24,6 +24,7 @@ from analysis.problem.checks import (
     function,
     instance,
     number,
+    optional,
     positive,
     turn_rate,
     whole,
@@ -289,8 +290,7 @@ def stationary_branch(
         raise ValueError("start must be tilted: upright spinning exists at every spin")
     if finite_row("interval", interval).size != 2:
         raise ValueError(f"interval must be lowest and highest value, got {interval!r}")
-    if parameter is not None:
-        instance("parameter", parameter, Parameter)
+    optional(instance, "parameter", parameter, Parameter)
     spins = Parameter(change=lambda _: scenario, value=start.spin, unit=spin_scale(scenario))
     followed = parameter or spins
     value, unit = followed.value, followed.unit

@@ -3,7 +3,7 @@
 import os
 import re
 from abc import ABCMeta
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from inspect import Signature, signature
@@ -29,6 +29,11 @@ class ToleranceError(ArithmeticError):
 
 class TimeLimitError(ArithmeticError):
     """A run met its time limit before it had a result to return."""
+
+
+def optional(check: Callable[..., T], name: str, value: Any, *allowed: Any) -> T | None:
+    """Return None for None, and else what another check makes of `value`."""
+    return None if value is None else check(name, value, *allowed)
 
 
 def number(name: str, value: Any) -> float:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
-from analysis.problem.checks import Array, choice, increasing_times, positive, switch
+from analysis.problem.checks import Array, choice, increasing_times, optional, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import FORMULATIONS, METHODS, Formulation, Method
 from analysis.problem.limits import DEFAULT_TOLERANCE, MOST_STEPS, Effort
@@ -63,10 +63,8 @@ class Request:
         progress: Progress | None = None,
     ) -> None:
         self.times = increasing_times(times)
-        self.formulation = (
-            None if formulation is None else choice("formulation", formulation, FORMULATIONS)
-        )
-        self.method = None if method is None else choice("method", method, METHODS)
+        self.formulation = optional(choice, "formulation", formulation, FORMULATIONS)
+        self.method = optional(choice, "method", method, METHODS)
         self.tolerance, self.local_tolerance = tolerance, local_tolerance
         if local_tolerance is None:
             wanted = DEFAULT_TOLERANCE if tolerance is None else tolerance

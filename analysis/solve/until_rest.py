@@ -25,6 +25,7 @@ from analysis.problem.checks import (
     ToleranceError,
     function,
     instance,
+    optional,
     positive,
 )
 from analysis.problem.choices import Method, Source
@@ -118,7 +119,7 @@ class WayToRest(ABC):
         self.criterion = instance("criterion", criterion, RestCriterion)
         named = named_conditions(stop_when, scenario.initial_state)
         self.conditions = of_states(named, self.to_paper)
-        tell = None if progress is None else function("progress", progress)
+        tell = optional(function, "progress", progress)
         # A stretch knows no end but its own.
         self.watch = Watch(time_limit, tell and (lambda reached, _: tell(reached, end)))
         self.build()

@@ -13,7 +13,7 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
 from analysis.motion.endings import CONTACT_WOULD_PULL, Condition
-from analysis.problem.checks import Array, ToleranceError, function, positive
+from analysis.problem.checks import Array, ToleranceError, function, optional, positive
 from analysis.problem.limits import MOST_STEPS
 from analysis.problem.start import State
 
@@ -57,7 +57,7 @@ class Watch:
         self._most = int(most if time_limit is None else MOST_STEPS)
         self.steps = 0
         self.flattest = (0.0, inf)
-        self._progress = None if progress is None else function("progress", progress)
+        self._progress = optional(function, "progress", progress)
         # With many threads it takes long to read.
         self._begin = time.process_time() if self._limit < inf else 0.0
 
