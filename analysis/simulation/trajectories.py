@@ -1,6 +1,6 @@
 """The motions of an ensemble as arrays, and each of them as a `Trajectory` if it is asked for."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -90,45 +90,42 @@ class Trajectories(InCoordinates):
 
     @property
     def _eccentricity(self) -> Array:
-        return self._kinematics[2]
+        return self._sampled[3]
 
     def _lowest(self, up: Any) -> Any:
         # Behind an ending there are no numbers, which complex division would warn of.
         with np.errstate(invalid="ignore"):
             return np.array([lowest(*each) for each in zip(self.ensemble, up, strict=True)])
 
-    @property
+    @cached_property
     def ends(self) -> Array:
         """Time of the end of each motion in s, shape (m,)."""
-        return self._ended[0]
+        return self._of_each("ends", np.nan, lambda motion: motion.times[-1])
 
-    @property
+    @cached_property
     def error_estimates(self) -> Array:
         """Estimated errors of beta and gamma in rad, shape (m,); nan where there is none."""
-        return self._ended[1]
+        return self._of_each("estimates", np.nan, lambda motion: motion.error_estimate)
 
-    @property
+    @cached_property
     def endings(self) -> AnyArray:
         """Why motions ended before the last time asked for, or None, shape (m,); see `Ending`."""
-        return self._ended[2]
+        return self._of_each("reasons", None, lambda run: run.ending and run.ending.reason)
 
     @property
     def coordinates(self) -> Array:
         """Co-rotating coordinates, Eq. (8), in m and rad, shape (m, n, 6)."""
-        return self._kinematics[0]
+        return self._sampled[0]
 
     @property
     def rates(self) -> Array:
         """Time derivatives of the coordinates, shape (m, n, 6)."""
-        return self._kinematics[1]
+        return self._sampled[1]
 
-    @cached_property
+    @property
     def normal_force(self) -> Array:
         """Normal contact force lambda_N in N, shape (m, n)."""
-        found = np.full(self.coordinates.shape[:2], np.nan)
-        for rows, samples in self.blocks():
-            found[rows] = samples.normal_force[:, :-1]
-        return np.where(self.times > self.ends[:, None], np.nan, found)
+        return self._sampled[2]
 
     @cached_property
     def inversions(self) -> Inversions:
@@ -144,17 +141,17 @@ class Trajectories(InCoordinates):
         return Inversions(outcomes, *numbers)
 
     @cached_property
-    def _kinematics(self) -> tuple[Array, Array, Array]:
-        """Coordinates and rates at the times asked for, shape (m, n, 6), and eccentricities."""
-        whole = np.full((2, len(self), self.times.size, 6), np.nan)
+    def _sampled(self) -> tuple[Array, Array, Array, Array]:
+        """Coordinates, rates and normal forces at the times asked for, and eccentricities."""
+        found = np.full((len(self), self.times.size, 13), np.nan)
         eccentricities = np.full((len(self), 1), np.nan)
         for rows, samples in self.blocks():
-            for each, found in zip(whole, (samples.coordinates, samples.rates), strict=True):
-                each[rows] = found[:, :-1]
+            every = samples.coordinates, samples.rates, samples.multipliers[..., :1]
+            found[rows] = np.concatenate(every, axis=-1)[:, :-1]
             eccentricities[rows] = samples.scenario.disk.eccentricity
-        whole[:, self.times > self.ends[:, None]] = np.nan
-        whole.setflags(write=False)
-        return *whole, eccentricities
+        found[self.times > self.ends[:, None]] = np.nan
+        found.setflags(write=False)
+        return found[..., :6], found[..., 6:12], found[..., 12], eccentricities
 
     def blocks(self) -> Iterator[tuple[Rows, Samples]]:
         """Numbers of some members at a time that have not failed, and their samples.
@@ -167,18 +164,12 @@ class Trajectories(InCoordinates):
         for row, motion in self.alone.items():
             yield np.array([row]), Samples.of([motion], self.times.size + 1)
 
-    @cached_property
-    def _ended(self) -> tuple[Array, Array, AnyArray]:
-        """Ends, estimated errors and why they ended, each shape (m,)."""
-        ends, estimates = np.full((2, len(self)), np.nan)
-        endings = np.full(len(self), None)
+    def _of_each(self, name: str, none: Any, alone: Callable[[Trajectory], Any]) -> AnyArray:
+        """What `Runs` have by this name, and others by a function; or none, shape (m,)."""
+        found = np.full(len(self), none)
         for each in self.compiled:
-            rows, runs = each.group.rows, each.runs
-            ends[rows], estimates[rows] = runs.ends, runs.estimates
-            endings[rows] = runs.reasons
+            found[each.group.rows] = getattr(each.runs, name)
         for row, motion in self.alone.items():
-            ends[row], estimates[row] = motion.times[-1], motion.error_estimate
-            endings[row] = motion.ending and motion.ending.reason
-        for values in (ends, estimates, endings):
-            values.setflags(write=False)
-        return ends, estimates, endings
+            found[row] = alone(motion)
+        found.setflags(write=False)
+        return found
