@@ -6,6 +6,7 @@ between any two steps, in which one search finds whatever comes first.
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
@@ -102,95 +103,123 @@ class Stepped(Protocol):
         """Records, shape (n, k), from n states of the problem."""
 
 
-def until_ending(
-    moments: Array,
-    records: Array,
-    suspects: Iterable[Suspect],
-    motion: Stepped,
-    *,
-    margin: float,
-    work: Counter[str],
-    watch: Watch,
-    allow_pulling: bool = True,
-) -> tuple[str | None, Array, Array]:
-    """Why a run ends, if it does, and its records up to there.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Search:
+    """How the endings of runs are located.
 
     Parameters
     ----------
-    moments : ndarray, shape (n,)
-        In s.
-    records : ndarray, shape (n, k)
-    suspects : iterable of Suspect
-        In any order.
     motion : Stepped
-    margin : float
-        Time in s by which a condition may turn negative later than a run shows.
-    work : Counter
-        To which the steps of the search are added.
-    watch : Watch
-        Of the call: what its time does not suffice to search ends before that.
     allow_pulling : bool
         Whether a contact that pulls ends nothing.
-
-    Returns
-    -------
-    ended : str or None
-    moments : ndarray, shape (m,)
-    records : ndarray, shape (m, k)
-
-    Raises
-    ------
-    EngineError
-        If the search fails where a condition is known to be negative.
+    watch : Watch
+        Of the call: what its time does not suffice to search ends before that.
+    counts : Counter
+        To which the work of the search is added.
     """
-    for suspect in sorted(suspects):
-        # Runs differ by their errors: what one shows to be negative may be so later in another.
-        end, size = suspect.width + margin * bool(suspect.reason), suspect.row + 1
-        if watch.is_out_of_time:
-            return TIME_LIMIT, moments[:size], records[:size]
-        try:
-            reason, later, last = _located(
-                records[suspect.row], end, motion, work, watch, allow_pulling=allow_pulling
-            )
-        except EngineError as error:
-            # Where a condition is known to be negative, an ending must not be passed over.
-            if suspect.reason:
-                at = f"the ending {suspect.reason!r} after t = {moments[suspect.row]:.6g} s"
-                raise EngineError(f"{at} is not found: {error}") from error
-            continue
-        if ended := reason or suspect.reason:
-            moments, records = moments[:size], records[:size]
-            if later > 0.0:
-                moments = np.append(moments, moments[-1] + later)
-                records = np.vstack((records, last))
-            return ended, moments, records
-    return None, moments, records
 
+    motion: Stepped
+    allow_pulling: bool = True
+    watch: Watch
+    counts: Counter[str] = field(default_factory=Counter)
 
-def _located(
-    record: Array,
-    end: float,
-    motion: Stepped,
-    work: Counter[str],
-    watch: Watch,
-    *,
-    allow_pulling: bool,
-) -> tuple[str | None, float, Array]:
-    """Why a motion ends first within `end` s of a record, if it does; time and record there."""
-    # On a stiff contact a search may be endless, and a run that broke off has then no ending.
-    watch, times = watch.part(MOST_STEPS_OF_A_SEARCH), np.array([0.0, end])
-    with stepping(motion.system):
-        problem = motion.starting_at(record)
-        if pulls_at_start(problem, allow_pulling=True) and not allow_pulling:
-            return CONTACT_WOULD_PULL, 0.0, record
-        try:
-            found = integrate(
-                problem, times, motion.method, LOCAL, allow_pulling=allow_pulling, watch=watch
-            )
-        except ToleranceError as error:
-            raise SolverError(f"{MOST_STEPS_OF_A_SEARCH} steps are too few") from error
-        work.update(steps=found.steps, right_hand_sides=found.evaluations)
-        return found.ended, float(found.times[-1]), motion.samples(found.states[-1:])[0]
+    def until_ending(
+        self, moments: Array, records: Array, suspects: Iterable[Suspect], margin: float
+    ) -> tuple[str | None, Array, Array]:
+        """Why a run ends, if it does, and its records up to there.
+
+        Parameters
+        ----------
+        moments : ndarray, shape (n,)
+            In s.
+        records : ndarray, shape (n, k)
+        suspects : iterable of Suspect
+            In any order.
+        margin : float
+            Time in s by which a condition may turn negative later than a run shows.
+
+        Returns
+        -------
+        ended : str or None
+        moments : ndarray, shape (m,)
+        records : ndarray, shape (m, k)
+
+        Raises
+        ------
+        EngineError
+            If the search fails where a condition is known to be negative.
+        """
+        for suspect in sorted(suspects):
+            # Runs differ by their errors: what is negative in one may be so later in another.
+            end, size = suspect.width + margin * bool(suspect.reason), suspect.row + 1
+            if self.watch.is_out_of_time:
+                return TIME_LIMIT, moments[:size], records[:size]
+            try:
+                reason, later, last = self._located(records[suspect.row], end)
+            except EngineError as error:
+                # Where a condition is known to be negative, an ending must not be passed over.
+                if suspect.reason:
+                    at = f"the ending {suspect.reason!r} after t = {moments[suspect.row]:.6g} s"
+                    raise EngineError(f"{at} is not found: {error}") from error
+                continue
+            if ended := reason or suspect.reason:
+                moments, records = moments[:size], records[:size]
+                if later > 0.0:
+                    moments = np.append(moments, moments[-1] + later)
+                    records = np.vstack((records, last))
+                return ended, moments, records
+        return None, moments, records
+
+    def _located(self, record: Array, end: float) -> tuple[str | None, float, Array]:
+        """Why the motion ends first within `end` s of a record, if it does; when, and record."""
+        # On a stiff contact a search may be endless, and a run that broke off has then no ending.
+        watch, motion = self.watch.part(MOST_STEPS_OF_A_SEARCH), self.motion
+        with stepping(motion.system):
+            problem = motion.starting_at(record)
+            if pulls_at_start(problem, allow_pulling=True) and not self.allow_pulling:
+                return CONTACT_WOULD_PULL, 0.0, record
+            how: dict[str, Any] = {"allow_pulling": self.allow_pulling, "watch": watch}
+            try:
+                found = integrate(problem, np.array([0.0, end]), motion.method, LOCAL, **how)
+            except ToleranceError as error:
+                raise SolverError(f"{MOST_STEPS_OF_A_SEARCH} steps are too few") from error
+            self.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+            return found.ended, float(found.times[-1]), motion.samples(found.states[-1:])[0]
+
+    def pulling_times(
+        self, moments: Array, records: Array, forces: Array
+    ) -> tuple[tuple[float, float], ...]:
+        """Times in s between which the contact pulls.
+
+        Between two records that differ in that, and where the force comes near to zero, they are
+        located by stepping the scene's accelerations.
+
+        Parameters
+        ----------
+        moments : ndarray, shape (n,)
+            Increasing times in s.
+        records : ndarray, shape (n, k)
+        forces : ndarray, shape (n,)
+            Normal forces in N.
+        """
+        pulls, motion = forces < 0.0, self.motion
+        searched = pulls[1:] != pulls[:-1]
+        for sign in (1.0, -1.0):
+            rows = _near_zero(moments, sign * forces)
+            searched[rows] = searched[rows + 1] = True
+        found = [tuple(moments[rows].tolist()) for rows in _runs_of(pulls[:-1] & ~searched)]
+        with stepping(motion.system):
+            for rows in _runs_of(searched):
+                problem = motion.starting_at(records[rows[0]])
+                how: dict[str, Any] = {"allow_pulling": True, "watch": Watch()}
+                part = integrate(problem, moments[rows], motion.method, LOCAL, **how)
+                self.counts.update(steps=part.steps, right_hand_sides=part.evaluations)
+                found += part.pulling
+        joined: list[tuple[float, float]] = []
+        for first, last in sorted(found):
+            begin = joined.pop()[0] if joined and joined[-1][1] >= first else first
+            joined.append((begin, last))
+        return tuple(joined)
 
 
 def _dips(moments: Array, values: Array, reason: str) -> Iterator[Suspect]:
@@ -220,45 +249,6 @@ def _near_zero(moments: Array, values: Array) -> Rows:
     slope, bend = fall * second + rise * first, np.where(lowest, rise - fall, 1.0)
     vertex = here - slope**2 / (4.0 * bend * (first + second))
     return np.flatnonzero(lowest & (vertex < 0.1 * (np.maximum(before, after) - here)))
-
-
-def pulling_times(
-    moments: Array, records: Array, forces: Array, motion: Stepped, work: Counter[str]
-) -> tuple[tuple[float, float], ...]:
-    """Times in s between which the contact pulls.
-
-    Between two records that differ in that, and where the force comes near to zero, they are
-    located by stepping the scene's accelerations.
-
-    Parameters
-    ----------
-    moments : ndarray, shape (n,)
-        Increasing times in s.
-    records : ndarray, shape (n, k)
-    forces : ndarray, shape (n,)
-        Normal forces in N.
-    motion : Stepped
-    work : Counter
-        To which the steps of the search are added.
-    """
-    pulls = forces < 0.0
-    searched = pulls[1:] != pulls[:-1]
-    for sign in (1.0, -1.0):
-        rows = _near_zero(moments, sign * forces)
-        searched[rows] = searched[rows + 1] = True
-    found = [tuple(moments[rows].tolist()) for rows in _runs_of(pulls[:-1] & ~searched)]
-    with stepping(motion.system):
-        for rows in _runs_of(searched):
-            problem = motion.starting_at(records[rows[0]])
-            how: dict[str, Any] = {"allow_pulling": True, "watch": Watch()}
-            part = integrate(problem, moments[rows], motion.method, LOCAL, **how)
-            work.update(steps=part.steps, right_hand_sides=part.evaluations)
-            found += part.pulling
-    joined: list[tuple[float, float]] = []
-    for first, last in sorted(found):
-        begin = joined.pop()[0] if joined and joined[-1][1] >= first else first
-        joined.append((begin, last))
-    return tuple(joined)
 
 
 def _runs_of(intervals: npt.NDArray[np.bool_]) -> Rows:

@@ -28,7 +28,7 @@ from analysis.solve.stepping import InitialValueProblem, Run
 from analysis.solve.until_rest import WayToRest, until_agreement
 from analysis.solve.watch import PaperState, Progress
 from mbs_models.effort import rest_effort
-from mbs_models.endings import suspects, turning_negative, until_ending
+from mbs_models.endings import Search, suspects, turning_negative
 from mbs_models.floating import FloatingLie, quaternion_rates, rotation_rows
 from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever
@@ -347,9 +347,8 @@ class EngineWay(WayToRest):
         times = times[: len(states)]
         told = {why: [each(state) for state in states] for why, each in self.conditions.items()}
         found = suspects(times, told, recording.stopped)
-        ended, times, states = until_ending(
-            times, states, found, self, margin=spacing, work=counts, watch=self.watch
-        )
+        search = Search(motion=self, watch=self.watch, counts=counts)
+        ended, times, states = search.until_ending(times, states, found, spacing)
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])

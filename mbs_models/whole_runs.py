@@ -3,8 +3,7 @@
 What they give are samples: coordinates, their rates and constraint forces.
 """
 
-from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from math import ceil, pi, sin
 
@@ -18,9 +17,8 @@ from analysis.problem.elementary import Rows
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.start import FlatError, State, check_upright
 from analysis.solve.stepping import Run
-from analysis.solve.watch import Watch
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import Suspect, pulling_times, suspects, turning_negative, until_ending
+from mbs_models.endings import Search, Suspect, suspects, turning_negative
 from mbs_models.integrators import Integrator
 from mbs_models.model import Model
 from mbs_models.runs import Recording, Stop, run
@@ -44,7 +42,7 @@ NEARLY_FLAT = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Call:
+class Call(Search):
     """What a call of `mbs_models.simulate` asks of every run that it takes.
 
     Parameters
@@ -57,20 +55,14 @@ class Call:
         Longest step in s.
     tolerance : float or None
         Largest error in rad, if the runs are to have one.
-    allow_pulling : bool
-        Whether to go on where the contact pulls.
-    watch : Watch
-    counts : Counter
-        To which the work of the runs is added.
+    allow_pulling, watch, counts
+        See `Search`.
     """
 
     motion: AccelerationProblem
     times: Array
     longest: float
     tolerance: float | None
-    allow_pulling: bool
-    watch: Watch
-    counts: Counter[str] = field(default_factory=Counter)
 
     @property
     def must_not_pull(self) -> bool:
@@ -125,7 +117,7 @@ def run_over(
     pulling: tuple[tuple[float, float], ...] = ()
     if call.allow_pulling and model.may_pull:
         forces = values[:, NORMAL_FORCE]
-        pulling = pulling_times(reached, values, forces, call.motion, call.counts)
+        pulling = call.pulling_times(reached, values, forces)
     # Differences of times have fewer digits than these.
     longest = float(f"{np.max(np.diff(moments) / steps):.9g}")
     found = Run(reached[kept], values[kept], 0, ended, pulling, seconds=recording.seconds)
@@ -154,16 +146,7 @@ def _upto_ending(
     if len(upright) < len(values) or recording.failure is not None:
         # It may lie flat.
         found.append(Suspect(max(0, len(upright) - 1), 2.0 * period, ""))
-    ended, moments, values = until_ending(
-        moments,
-        values,
-        found,
-        call.motion,
-        margin=period,
-        work=call.counts,
-        watch=call.watch,
-        allow_pulling=not call.must_not_pull,
-    )
+    ended, moments, values = call.until_ending(moments, values, found, period)
     pressing = values[-1, NORMAL_FORCE]
     if ended == CONTACT_WOULD_PULL and pressing > GRAZING * call.motion.scenario.weight:
         raise EngineError(

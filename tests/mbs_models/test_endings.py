@@ -17,7 +17,7 @@ from analysis.solve.stepping import SolverError
 from analysis.solve.watch import Watch
 from mbs_models import FORMULATIONS, EngineError, Formulation, Scene
 from mbs_models.accelerations import AccelerationProblem
-from mbs_models.endings import Suspect, suspects, until_ending
+from mbs_models.endings import Search, Suspect, suspects
 from mbs_models.solving import solving
 from tests.helpers import model, mostly_slow, not_none, reaching
 from tests.scenes import runner, scene_of
@@ -52,10 +52,9 @@ def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
     assert run.normal_force[1] < 0.0
     record = np.hstack((run.coordinates[1], run.rates[1], run.multipliers[1]))
     motion, suspect = AccelerationProblem(Scene(fast), {}), Suspect(0, 0.1, "contact would pull")
-    how: dict[str, Any] = {"margin": 0.0, "work": Counter(), "allow_pulling": False}
     for limit, reason in ((None, "contact would pull"), (1e-9, "time limit")):
-        watch = Watch(limit)
-        found = until_ending(LONG, record[None], [suspect], motion, watch=watch, **how)
+        search = Search(motion=motion, allow_pulling=False, watch=Watch(limit))
+        found = search.until_ending(LONG, record[None], [suspect], 0.0)
         assert (found[0], *found[1]) == (reason, 0.0)
 
 
@@ -126,8 +125,8 @@ def test_a_search_has_some_steps_of_its_own_and_tells_no_progress(
     record, work = np.append(Scenario().initial_state.vector, 0.0), Counter[str]()
 
     def search(width: float, reason: str) -> str | None:
-        suspect, how = Suspect(0, width, reason), {"margin": 0.0, "work": work, "watch": watch}
-        return until_ending(LONG, record[None], [suspect], motion, **how)[0]  # type: ignore[arg-type]
+        how = Search(motion=motion, watch=watch, counts=work)
+        return how.until_ending(LONG, record[None], [Suspect(0, width, reason)], 0.0)[0]
 
     assert search(1e-4, "") is None
     assert work["steps"] > 0
@@ -145,9 +144,8 @@ def test_an_ending_on_steep_friction_is_located_by_implicit_steps() -> None:
     known = analysis.simulate(steep, [0.0, 0.02, 0.1], stop_when=condition)
     record = np.hstack((known.coordinates[1], known.rates[1], known.multipliers[1]))
     motion = AccelerationProblem(Scene(steep), {"turned": condition})
-    how: dict[str, Any] = {"margin": 0.0, "work": Counter(), "watch": Watch()}
-    suspect = Suspect(0, 0.08, "turned")
-    reason, moments, _ = until_ending(known.times[1:2], record[None], [suspect], motion, **how)
+    search, suspect = Search(motion=motion, watch=Watch()), Suspect(0, 0.08, "turned")
+    reason, moments, _ = search.until_ending(known.times[1:2], record[None], [suspect], 0.0)
     assert reason == "turned"
     assert moments[-1] == pytest.approx(not_none(known.ending).time, abs=1e-7)
 
