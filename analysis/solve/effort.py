@@ -80,28 +80,22 @@ def contact_time(scenario: Scenario) -> float:
 
 
 def usual_method(
-    scenario: Scenario,
-    times: Array,
-    *,
-    tolerance: float | None = None,
-    local_tolerance: float | None = None,
-    stiff: float = STIFF,
+    scenario: Scenario, times: Array, *, stiff: float = STIFF, **accuracy: float | None
 ) -> Literal["DOP853", "Radau"]:
     """Method that is taken where none is asked for: Radau where friction is stiff, else DOP853.
 
     Parameters
     ----------
-    scenario, times, tolerance, local_tolerance
+    scenario, times
         See `simulation_effort`.
     stiff : float
         See `STIFF`.
+    **accuracy
+        Tolerance or local_tolerance, see there.
     """
-
-    def seconds(method: Method) -> float:
-        accuracy = {"tolerance": tolerance, "local_tolerance": local_tolerance}
-        return simulation_effort(scenario, times, method=method, **accuracy).seconds
-
-    return "Radau" if seconds("DOP853") > stiff * seconds("Radau") else "DOP853"
+    explicit = simulation_effort(scenario, times, method="DOP853", **accuracy)
+    implicit = simulation_effort(scenario, times, method="Radau", **accuracy)
+    return "Radau" if explicit.seconds > stiff * implicit.seconds else "DOP853"
 
 
 def simulation_effort(
