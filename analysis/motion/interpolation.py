@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -12,9 +12,6 @@ from analysis.problem.checks import Array
 
 Numbers = npt.NDArray[Any]
 """Of rows or of columns."""
-
-Sampled = tuple[Array, Array, Array]
-"""Times, values and rates, a quantity in each row."""
 
 Polynomials = Callable[[Array], tuple[Array, Array]]
 """From times, shape (..., m), to values and slopes there, shape (..., m, k)."""
@@ -96,144 +93,140 @@ def interpolate(
     return found, slopes, error
 
 
-def crossings(
-    times: Array, values: Array, rates: Array, level: float, columns: Numbers
-) -> tuple[Array, Array]:
-    """Times at which sampled quantities pass a level, by the polynomials of `interpolate`.
+class Sampled(NamedTuple):
+    """Quantities with their rates, each shape (k, n), of which the last sample may be repeated."""
 
-    Parameters
-    ----------
-    times, values, rates : ndarray, shape (k, n)
-        A quantity in each row, of which the last sample may be repeated.
-    level : float
-    columns : ndarray of int, shape (k,)
-        Each passes the level between this sample and the one before.
+    times: Array
+    values: Array
+    rates: Array
 
-    Returns
-    -------
-    times, errors : ndarray, shape (k,)
-        The error to expect is that of the value over its slope, and at most what is left between
-        the two samples.
-    """
-    found, errors = np.empty((2, len(columns)))
-    for rows, polynomials, low, high in _around(times, values, rates, columns):
-        found[rows], slope = _solve(polynomials[0], level, low, high)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            error = _error(polynomials, low, high) / np.abs(slope)
-        errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
-    return found, errors
+    def part(self, place: Any) -> Self:
+        """What stands at some rows, or at whatever else NumPy takes for a place."""
+        return type(self)(*(each[place] for each in self))
 
+    def crossings(self, level: float, columns: Numbers) -> tuple[Array, Array]:
+        """Times at which quantities pass a level, by the polynomials of `interpolate`.
 
-def _around(
-    times: Array, values: Array, rates: Array, columns: Numbers
-) -> Iterator[tuple[Numbers, list[Polynomials], Array, Array]]:
-    """Polynomials of `crossings`, of some of its rows at a time.
+        Parameters
+        ----------
+        level : float
+        columns : ndarray of int, shape (k,)
+            Each passes the level between this sample and the one before.
 
-    Yields
-    ------
-    rows : ndarray of int, shape (j,)
-    polynomials : list of 3
-        Through fewer and fewer samples around their columns.
-    low, high : ndarray, shape (j,)
-        Times of the sample before and of that in the column.
-    """
-    each, width = np.arange(len(columns)), min(times.shape[1], 2 * _REACH)
-    begins = np.clip(columns - _REACH, 0, times.shape[1] - width)
-    around = each[:, None], begins[:, None] + np.arange(width)
-    times, values, rates, columns = times[around], values[around], rates[around], columns - begins
-    order, counts, kept = _apart(times)
-    before = np.cumsum(kept, axis=1)[each, columns - 1] - 1
-    for count in np.unique(np.minimum(counts, NODES)).tolist():
-        rows = np.flatnonzero(np.minimum(counts, NODES) == count)
+        Returns
+        -------
+        times, errors : ndarray, shape (k,)
+            The error to expect is that of the value over its slope, and at most what is left
+            between the two samples.
+        """
+        found, errors = np.empty((2, len(columns)))
+        for rows, polynomials, low, high in self.around(columns):
+            found[rows], slope = _solve(polynomials[0], level, low, high)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                error = _error(polynomials, low, high) / np.abs(slope)
+            errors[rows] = np.fmin(error, np.maximum(found[rows] - low, high - found[rows]))
+        return found, errors
 
-        def through(size: int, rows: Numbers = rows) -> Polynomials:
-            first = np.clip(before[rows] - (size // 2 - 1), 0, counts[rows] - size)
-            near = np.take_along_axis(order[rows], first[:, None] + np.arange(size), axis=1)
-            place = rows[:, None], near
-            return _polynomials(times[place], values[place][..., None], rates[place][..., None])
+    def around(
+        self, columns: Numbers
+    ) -> Iterator[tuple[Numbers, list[Polynomials], Array, Array]]:
+        """Polynomials of `crossings`, of some of its rows at a time.
 
-        polynomials = [through(max(1, count - left_out)) for left_out in _LEFT_OUT]
-        yield rows, polynomials, times[rows, columns[rows] - 1], times[rows, columns[rows]]
+        Yields
+        ------
+        rows : ndarray of int, shape (j,)
+        polynomials : list of 3
+            Through fewer and fewer samples around their columns.
+        low, high : ndarray, shape (j,)
+            Times of the sample before and of that in the column.
+        """
+        each, width = np.arange(len(columns)), min(self.times.shape[1], 2 * _REACH)
+        begins = np.clip(columns - _REACH, 0, self.times.shape[1] - width)
+        close = self.part((each[:, None], begins[:, None] + np.arange(width)))
+        times, columns = close.times, columns - begins
+        order, counts, kept = _apart(times)
+        before = np.cumsum(kept, axis=1)[each, columns - 1] - 1
+        for count in np.unique(np.minimum(counts, NODES)).tolist():
+            rows = np.flatnonzero(np.minimum(counts, NODES) == count)
 
+            def through(size: int, rows: Numbers = rows) -> Polynomials:
+                first = np.clip(before[rows] - (size // 2 - 1), 0, counts[rows] - size)
+                near = np.take_along_axis(order[rows], first[:, None] + np.arange(size), axis=1)
+                nodes, *others = close.part((rows[:, None], near))
+                return _polynomials(nodes, *(each[..., None] for each in others))
 
-def with_extremes(
-    times: Array, values: Array, rates: Array, low: float, high: float
-) -> tuple[Numbers, Sampled, Sampled]:
-    """Samples of the quantities that between two of them go beyond a level which both keep to.
+            polynomials = [through(max(1, count - left_out)) for left_out in _LEFT_OUT]
+            yield rows, polynomials, times[rows, columns[rows] - 1], times[rows, columns[rows]]
 
-    Parameters
-    ----------
-    times, values, rates : ndarray, shape (k, n)
-        A quantity in each row, of which the last sample may be repeated.
-    low, high : float
-        What falls below the one, or comes up to the other, is of interest.
+    def with_extremes(self, low: float, high: float) -> tuple[Numbers, Self, Self]:
+        """Samples of the quantities that between two of them go beyond a level which both keep to.
 
-    Returns
-    -------
-    rows : ndarray of int, shape (j,)
-        Of those quantities.
-    times, values, rates : ndarray, shape (j, m)
-        Their samples, with these extremes, and the last one repeated again.
-    times, values, rates : ndarray, shape (j, m)
-        The same with the extremes by polynomials through two samples fewer.
-    """
-    first, last, width = values[:, :-1], values[:, 1:], np.diff(times, axis=1)
-    # An arc lies within its tangents.
-    ahead, back = first + width * rates[:, :-1], last - width * rates[:, 1:]
-    beyond = (np.maximum(first, last) < high) & (np.minimum(ahead, back) >= high)
-    beyond |= (np.minimum(first, last) >= low) & (np.maximum(ahead, back) < low)
-    rows, columns = np.nonzero(beyond)
-    # Where the slope of the cubic polynomial, a + b part + c part², vanishes.
-    fall, width = (first - last)[rows, columns], width[rows, columns]
-    a, end = width * rates[rows, columns], width * rates[rows, columns + 1]
-    b, c = -6.0 * fall - 4.0 * a - 2.0 * end, 6.0 * fall + 3.0 * (a + end)
-    part = 2.0 * np.abs(a) / (np.sqrt(b * b - 4.0 * a * c) - np.sign(a) * b)
-    cubic = first[rows, columns] + part * (a + part * (b / 2.0 + part * c / 3.0))
-    wanted = times[rows, columns] + part * width
-    found = np.empty((2, 2, rows.size))
-    around = _around(times[rows], values[rows], rates[rows], columns + 1)
-    for some, polynomials, _, _ in around if rows.size else ():
-        told = [polynomial(wanted[some]) for polynomial in polynomials[:2]]
-        found[:, :, some] = np.array(told)[..., 0]
-    # Around an impact, the polynomial of more samples may tell anything.
-    values_there = found[0, 0]
-    both = np.minimum(cubic, values_there) >= high, np.maximum(cubic, values_there) < low
-    is_so = np.where(a > 0.0, *both)
-    rows, wanted, found = rows[is_so], wanted[is_so], found[..., is_so]
-    chosen, place, counts = np.unique(rows, return_inverse=True, return_counts=True)
-    numbers = np.arange(rows.size) - np.searchsorted(rows, rows)
+        Parameters
+        ----------
+        low, high : float
+            What falls below the one, or comes up to the other, is of interest.
 
-    def whole(more: Array) -> Sampled:
-        held = []
-        for each, new in zip((times, values, rates), (wanted, *more), strict=True):
-            room = np.repeat(each[chosen, -1:], np.max(counts, initial=0), axis=1)
-            room[place, numbers] = new
-            held.append(np.hstack((each[chosen], room)))
-        order = np.argsort(held[0], axis=1, kind="stable")
-        told, along, turning = (np.take_along_axis(each, order, axis=1) for each in held)
-        return told, along, turning
+        Returns
+        -------
+        rows : ndarray of int, shape (j,)
+            Of those quantities.
+        samples : Sampled, shape (j, m)
+            Theirs, with these extremes, and the last one repeated again.
+        others : Sampled, shape (j, m)
+            The same with the extremes by polynomials through two samples fewer.
+        """
+        times, values, rates = self
+        first, last, width = values[:, :-1], values[:, 1:], np.diff(times, axis=1)
+        # An arc lies within its tangents.
+        ahead, back = first + width * rates[:, :-1], last - width * rates[:, 1:]
+        beyond = (np.maximum(first, last) < high) & (np.minimum(ahead, back) >= high)
+        beyond |= (np.minimum(first, last) >= low) & (np.maximum(ahead, back) < low)
+        rows, columns = np.nonzero(beyond)
+        # Where the slope of the cubic polynomial, a + b part + c part², vanishes.
+        fall, width = (first - last)[rows, columns], width[rows, columns]
+        a, end = width * rates[rows, columns], width * rates[rows, columns + 1]
+        b, c = -6.0 * fall - 4.0 * a - 2.0 * end, 6.0 * fall + 3.0 * (a + end)
+        part = 2.0 * np.abs(a) / (np.sqrt(b * b - 4.0 * a * c) - np.sign(a) * b)
+        cubic = first[rows, columns] + part * (a + part * (b / 2.0 + part * c / 3.0))
+        wanted = times[rows, columns] + part * width
+        found = np.empty((2, 2, rows.size))
+        for some, polynomials, _, _ in self.part(rows).around(columns + 1) if rows.size else ():
+            told = [polynomial(wanted[some]) for polynomial in polynomials[:2]]
+            found[:, :, some] = np.array(told)[..., 0]
+        # Around an impact, the polynomial of more samples may tell anything.
+        values_there = found[0, 0]
+        both = np.minimum(cubic, values_there) >= high, np.maximum(cubic, values_there) < low
+        is_so = np.where(a > 0.0, *both)
+        rows, wanted, found = rows[is_so], wanted[is_so], found[..., is_so]
+        chosen, place, counts = np.unique(rows, return_inverse=True, return_counts=True)
+        numbers = np.arange(rows.size) - np.searchsorted(rows, rows)
 
-    return chosen, whole(found[0]), whole(found[1])
+        def whole(more: Array) -> Any:
+            held = []
+            for each, new in zip(self, (wanted, *more), strict=True):
+                room = np.repeat(each[chosen, -1:], np.max(counts, initial=0), axis=1)
+                room[place, numbers] = new
+                held.append(np.hstack((each[chosen], room)))
+            order = np.argsort(held[0], axis=1, kind="stable")
+            return type(self)(*(np.take_along_axis(each, order, axis=1) for each in held))
 
+        return chosen, whole(found[0]), whole(found[1])
 
-def extremes(times: Array, values: Array, rates: Array) -> tuple[Array, Array]:
-    """Least and largest value between samples, by cubic polynomials, each shape (k, n - 1).
+    def extremes(self) -> tuple[Array, Array]:
+        """Least and largest value between samples, by cubic polynomials, each shape (k, n - 1).
 
-    Both are taken to go beyond the samples by half as much again, which stands for the error.
-
-    Parameters
-    ----------
-    times, values, rates : ndarray, shape (k, n)
-    """
-    width, first, last = np.diff(times, axis=1), values[:, :-1], values[:, 1:]
-    least, most = np.minimum(first, last), np.maximum(first, last)
-    low, high = least, most
-    for part in np.linspace(0.0, 1.0, 9)[1:-1].tolist():
-        rest = 1.0 - part
-        value = (1.0 + 2.0 * part) * rest**2 * first + part**2 * (3.0 - 2.0 * part) * last
-        value += width * part * rest * (rest * rates[:, :-1] - part * rates[:, 1:])
-        low, high = np.minimum(low, value), np.maximum(high, value)
-    return low + 0.5 * (low - least), high + 0.5 * (high - most)
+        Both are taken to go beyond the samples by half as much again, which stands for the error.
+        """
+        times, values, rates = self
+        width, first, last = np.diff(times, axis=1), values[:, :-1], values[:, 1:]
+        least, most = np.minimum(first, last), np.maximum(first, last)
+        low, high = least, most
+        for part in np.linspace(0.0, 1.0, 9)[1:-1].tolist():
+            rest = 1.0 - part
+            value = (1.0 + 2.0 * part) * rest**2 * first + part**2 * (3.0 - 2.0 * part) * last
+            value += width * part * rest * (rest * rates[:, :-1] - part * rates[:, 1:])
+            low, high = np.minimum(low, value), np.maximum(high, value)
+        return low + 0.5 * (low - least), high + 0.5 * (high - most)
 
 
 def running_mean(times: Array, values: Array, window: float | Array) -> Array:

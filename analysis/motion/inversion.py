@@ -1,13 +1,13 @@
 """Whether, and when, the disk turns itself upside down and stays so."""
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from analysis.motion.endings import REACHED
-from analysis.motion.interpolation import CAUTION, Numbers, crossings, extremes, with_extremes
+from analysis.motion.interpolation import CAUTION, Numbers, Sampled
 from analysis.problem.checks import Array
 
 STAYING = 1.0
@@ -105,11 +105,12 @@ def inversions(
     eccentricities : ndarray, shape (m,)
         Of the disks in m; one without is never inverted.
     """
-    found = _judged(times, cog_directions, rates, eccentricities)
+    motions = _Motions(times, cog_directions, rates)
+    found = motions.judged(eccentricities)
     # What comes up or down between two samples counts as well.
-    rows, *both = with_extremes(times, cog_directions, rates, 0.0, REACHED)
+    rows, *both = motions.with_extremes(0.0, REACHED)
     if rows.size:
-        again, other = (_judged(*samples, eccentricities[rows]) for samples in both)
+        again, other = (each.judged(eccentricities[rows]) for each in both)
         for error, one, two in zip(again[3:], again[1:3], other[1:3], strict=True):
             # Where the other polynomials tell of none, it may have been at any time between two.
             apart = np.nan_to_num(CAUTION * np.abs(one - two), nan=float(np.diff(times).max()))
@@ -119,31 +120,23 @@ def inversions(
     return Inversions(*found)
 
 
-def _judged(
-    times: Array, cog_directions: Array, rates: Array, eccentricities: Array
-) -> tuple[npt.NDArray[Any], Array, Array, Array, Array]:
-    """What becomes of `Inversions`, by samples alone."""
-    size = len(cog_directions)
-    outcomes = np.full(size, "not inverted", dtype=object)
-    numbers = np.full((4, size), np.nan)
-    is_high = (cog_directions >= REACHED - _LAST_DIGITS).any(axis=1)
-    rose = np.flatnonzero(is_high & (eccentricities > 0.0))
-    if rose.size:
-        motions = _Motions(times[rose], cog_directions[rose], rates[rose])
-        rises = motions.rises()
-        outcomes[rose[rises[0, rises[2] == times.shape[1]]]] = "not decided"
-        rows, found = motions.first_lasting(rises)
-        outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
-        numbers[:, rose[rows]] = found
-    return outcomes, *numbers
+class _Motions(Sampled):
+    """Samples of where the centre of gravity lies in k motions."""
 
-
-class _Motions(NamedTuple):
-    """Samples of k motions, each shape (k, n)."""
-
-    times: Array
-    directions: Array
-    rates: Array
+    def judged(self, eccentricities: Array) -> tuple[npt.NDArray[Any], Array, Array, Array, Array]:
+        """What becomes of `Inversions`, by samples alone."""
+        outcomes = np.full(len(self.values), "not inverted", dtype=object)
+        numbers = np.full((4, len(self.values)), np.nan)
+        is_high = (self.values >= REACHED - _LAST_DIGITS).any(axis=1)
+        rose = np.flatnonzero(is_high & (eccentricities > 0.0))
+        if rose.size:
+            motions = self.part(rose)
+            rises = motions.rises()
+            outcomes[rose[rises[0, rises[2] == self.times.shape[1]]]] = "not decided"
+            rows, found = motions.first_lasting(rises)
+            outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
+            numbers[:, rose[rows]] = found
+        return outcomes, *numbers
 
     def rises(self) -> Numbers:
         """The first rise of each motion and the first one after each fall, in order.
@@ -155,10 +148,10 @@ class _Motions(NamedTuple):
             if it is so at none.
         """
         size = self.times.shape[1]
-        is_up = self.directions >= REACHED - _LAST_DIGITS
+        is_up = self.values >= REACHED - _LAST_DIGITS
         is_up[:, 1:] &= ~is_up[:, :-1]
         up = np.flatnonzero(is_up)
-        down = np.append(np.flatnonzero(self.directions < _LAST_DIGITS), self.times.size)
+        down = np.append(np.flatnonzero(self.values < _LAST_DIGITS), self.times.size)
         rows = up // size
         falls = np.minimum(down[np.searchsorted(down, up)], (rows + 1) * size)
         is_new = np.append(True, falls[1:] > falls[:-1])
@@ -190,14 +183,14 @@ class _Motions(NamedTuple):
         errors = np.zeros(rows.size)
         widths, speeds = np.diff(self.times[rows], axis=1), np.abs(self.rates[rows])
         # Between two samples that are alike it may have been elsewhere, at this speed.
-        moved = np.abs(np.diff(self.directions[rows], axis=1))
+        moved = np.abs(np.diff(self.values[rows], axis=1))
         moved = np.maximum(moved, widths * np.maximum(speeds[:, :-1], speeds[:, 1:]))
         coarse = np.max(moved, axis=1) > _COARSE
         if not coarse.any():
             return errors
-        times, directions, rates = (each[rows[coarse]] for each in self)
-        risen = risen[coarse, None]
-        lowest, highest = extremes(times, directions, rates)
+        chosen, risen = self.part(rows[coarse]), risen[coarse, None]
+        times, directions, _ = chosen
+        lowest, highest = chosen.extremes()
         begins, ends = times[:, :-1], times[:, 1:]
         # Up before, and not down since; or down within the time for which it has to stay up.
         is_down = (directions < _LAST_DIGITS) & (times <= risen)
@@ -212,9 +205,8 @@ class _Motions(NamedTuple):
     def _passed(self, rows: Numbers, columns: Numbers, level: float) -> tuple[Array, Array]:
         """Times at which a level was passed before these samples, and their errors."""
         found, errors = self.times[rows, columns], np.zeros(rows.size)
-        apart = np.abs(self.directions[rows, columns] - level) > _LAST_DIGITS
+        apart = np.abs(self.values[rows, columns] - level) > _LAST_DIGITS
         some = np.flatnonzero((columns > 0) & apart)
         if some.size:
-            chosen = _Motions(*(each[rows[some]] for each in self))
-            found[some], errors[some] = crossings(*chosen, level, columns[some])
+            found[some], errors[some] = self.part(rows[some]).crossings(level, columns[some])
         return found, errors

@@ -32,7 +32,7 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.mechanics.recorded import accelerations
-from analysis.motion.interpolation import extremes
+from analysis.motion.interpolation import Sampled
 from tests.bodies import ELLIPSE
 from tests.helpers import (
     all_sets,
@@ -261,7 +261,7 @@ def test_ending_is_that_of_the_last_sample_alone(motion: StoredRun) -> None:
 def test_extremes_between_samples_are_those_of_a_parabola_and_half_as_much_again() -> None:
     # Up by a quarter of a unit between samples of the same height, and down by as much.
     rates = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    least, most = extremes(np.array([[0.0, 1.0]] * 2), np.full((2, 2), 3.0), rates)
+    least, most = Sampled(np.array([[0.0, 1.0]] * 2), np.full((2, 2), 3.0), rates).extremes()
     np.testing.assert_allclose([least[:, 0], most[:, 0]], [[3.0, 2.625], [3.375, 3.0]])
 
 
