@@ -188,10 +188,7 @@ Columns = tuple[Code, Sequence[float]]
 def _columns(request: Request, scenario: Scenario) -> Columns:
     """Code of a scenario, or of `Members`, and its numbers: see `_group`."""
     formulation = request.formulation or default_formulation(scenario)
-    structure = systems.Structure.of(
-        scenario, formulation, request.conditions, allow_pulling=request.allow_pulling
-    )
-    code = code_for(structure)
+    code = code_for(systems.Structure.of(scenario, formulation, request))
     check_formulation(scenario, formulation)
     effort = request.effort(scenario, "taylor")
     numbers = systems.parameters(scenario, float(request.times[0]))

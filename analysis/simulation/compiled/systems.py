@@ -5,7 +5,7 @@ what they return is compiled. Numbers of a scenario become parameters, so that s
 structure share what is compiled.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache, partial
 from itertools import count, islice
@@ -25,6 +25,7 @@ from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import CONTACT_JAMS, JAMMING, LEAST_TILT
 from analysis.problem.scenario import Scenario
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
+from analysis.simulation.request import Request
 
 FAINT = 1e-8
 """Slip speed over which the kink of friction is rounded if slip has two directions, as a part of
@@ -75,24 +76,14 @@ class Structure(NamedTuple):
     conditions: tuple[tuple[str, Condition], ...]
 
     @classmethod
-    def of(
-        cls,
-        scenario: Scenario,
-        formulation: Formulation,
-        conditions: Mapping[str, Condition],
-        *,
-        allow_pulling: bool,
-    ) -> "Structure":
+    def of(cls, scenario: Scenario, formulation: Formulation, request: Request) -> "Structure":
         """Structure of the runs of a scenario, or of members that are alike in it.
 
         Parameters
         ----------
         scenario : Scenario
         formulation : {"index-1", "reduced"}
-        conditions : mapping
-            From reasons to functions of a `State`; a run ends where one turns negative.
-        allow_pulling : bool
-            Whether to go on where the contact pulls.
+        request : Request
 
         Raises
         ------
@@ -101,7 +92,7 @@ class Structure(NamedTuple):
         """
         heyoka()
         law = scenario.friction
-        if fault := _obstacle(scenario, formulation, allow_pulling=allow_pulling):
+        if fault := _obstacle(scenario, formulation, request):
             raise CannotCompileError(f"method 'taylor' {fault}")
         values = ((name, getattr(law, name)) for name in _names(type(law)))
         options = tuple(pair for pair in values if not isinstance(pair[1], _NUMBERS))
@@ -111,11 +102,11 @@ class Structure(NamedTuple):
             scenario.rubs and abs(law.per_speed(little) - law.gradient) > 1e-9 * law.gradient
         )
         equations = newton_euler.Structure.of(scenario, EulerTurning)
-        ends = tuple(conditions.items())
-        return cls(formulation, equations, options, kinked, allow_pulling, ends)
+        ends = tuple(request.conditions.items())
+        return cls(formulation, equations, options, kinked, request.allow_pulling, ends)
 
 
-def _obstacle(scenario: Scenario, formulation: Formulation, *, allow_pulling: bool) -> str:
+def _obstacle(scenario: Scenario, formulation: Formulation, request: Request) -> str:
     """Why the equations of a scenario cannot be compiled; empty if they can."""
     law, disk = scenario.friction, scenario.disk
     if formulation == "free-body":
@@ -125,7 +116,7 @@ def _obstacle(scenario: Scenario, formulation: Formulation, *, allow_pulling: bo
     if disk.has_products and len(multiplier_names(scenario.constraints)) > MOST_FORCES:
         why = f"more than {MOST_FORCES} constraint forces, got {scenario.name}"
         return f"takes minutes to compile a disk with products of inertia and {why}"
-    if allow_pulling and scenario.rubs and law.load == "contact":
+    if request.allow_pulling and scenario.rubs and law.load == "contact":
         return "takes no allow_pulling where friction has the load 'contact': that comes and goes"
     if not law.is_simple:
         kind = type(law).__name__
