@@ -7,13 +7,12 @@ import numpy as np
 
 from analysis.motion.endings import FLAT, TIME_LIMIT
 from analysis.problem.checks import Array, TimeLimitError, ToleranceError
-from analysis.problem.choices import EngineFormulation, IntegratorName
 from analysis.problem.start import FlatError
 from analysis.solve.stepping import Run
 from analysis.solve.to_tolerance import error_at_ending, needed
 from mbs_models.effort import HALVINGS, LATE
 from mbs_models.integrators import EXPONENTS, Integrator
-from mbs_models.scene import CLASSES
+from mbs_models.scene import CLASSES, Scene
 from mbs_models.solving import EngineError
 from mbs_models.whole_runs import Call, run_over
 
@@ -49,10 +48,9 @@ class Ladder:
 
     Parameters
     ----------
-    formulation, integrator : str
-        They decide which powers of the step the error holds.
-    decay : float
-        Rate in 1/s at which friction brakes slip, at most.
+    scene : Scene
+    integrator : Integrator
+        Both decide which powers of the step the error holds.
     flat : bool
         Whether the runs end where the disk lies flat.
 
@@ -68,16 +66,9 @@ class Ladder:
         Smallest estimate so far.
     """
 
-    def __init__(
-        self,
-        formulation: EngineFormulation,
-        integrator: IntegratorName,
-        decay: float,
-        *,
-        flat: bool = False,
-    ) -> None:
-        self._decay, self._flat = decay, flat
-        self._exponents = CLASSES[formulation].exponents or EXPONENTS[integrator]
+    def __init__(self, scene: Scene, integrator: Integrator, *, flat: bool = False) -> None:
+        self._decay, self._flat = scene.scenario.slip_decay, flat
+        self._exponents = CLASSES[scene.built_as].exponents or EXPONENTS[integrator.name]
         self._row: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0
@@ -200,7 +191,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
     """
     scene, tolerance = call.motion.scene, call.tolerance
     assert tolerance is not None
-    empty = partial(Ladder, scene.built_as, integrator.name, scene.scenario.slip_decay)
+    empty = partial(Ladder, scene, integrator)
     ladder, kind = empty(), None
     failure: EngineError | FlatError | None = None
     flat = 0

@@ -266,7 +266,8 @@ LADDERS: dict[str, tuple[float | None, tuple[float, ...]]] = {
 @pytest.mark.parametrize("case", LADDERS)
 def test_estimates_are_no_less_than_the_runs_before_let_expect(case: str) -> None:
     least, errors = LADDERS[case]
-    ladder = Ladder("euler-tree", "TrapezoidalIndex2", 0.0)
+    scene = scene_of(1, "euler-tree", friction=SmoothCoulomb(coefficient=0.0))
+    ladder = Ladder(scene, Integrator(name="TrapezoidalIndex2"))
     for halvings, error in enumerate(errors):
         ladder.add(np.full((3, 12), 1.0 + error), np.arange(3.0), 0.01 / 2**halvings)
         if least is None and ladder.estimate < np.inf:

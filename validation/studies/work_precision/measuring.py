@@ -17,7 +17,7 @@ import analysis
 import mbs_models
 from analysis import MODELS, Scenario, SmoothCoulomb, Start, Trajectory
 from analysis.problem.choices import ACCELERATED, FORMULATIONS, Source
-from mbs_models import Integrator
+from mbs_models import Integrator, Scene
 from mbs_models.extrapolation import Ladder
 from validation.comparison.ways import Way
 from validation.study import Row, Study, relative
@@ -237,8 +237,8 @@ def extrapolated(curve: Curve, runs: Sequence[tuple[float, Trajectory]]) -> Traj
     Trajectory or None
         None if nothing tells its error yet.
     """
-    rule, decay = INTEGRATORS[curve.scheme].name, PROBLEMS[curve.problem].slip_decay
-    ladder = Ladder(cast("Any", curve.formulation), rule, decay)
+    scene = Scene(PROBLEMS[curve.problem], cast("Any", curve.formulation))
+    ladder = Ladder(scene, INTEGRATORS[curve.scheme])
     for step, run in runs:
         ladder.add(np.hstack((run.coordinates, run.rates, run.multipliers)), run.times, step)
     return replace(run, coordinates=ladder.best[:, :6]) if ladder.estimate < inf else None
