@@ -291,13 +291,9 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
         raise TimeLimitError("time limit met before the first sample after the start")
     if not isnan(run.local_tolerance):
         integrator = replace(integrator, local_tolerance=run.local_tolerance)
-    coordinates, rates, multipliers = np.split(run.states, (6, 12), axis=1)
-    return Trajectory(
-        times=run.times,
-        coordinates=coordinates,
-        rates=rates,
-        multipliers=multipliers,
-        scenario=call.motion.scenario,
+    return run.trajectory(
+        call.motion.scenario,
+        call.watch,
         source="engine",
         method={
             "formulation": call.motion.scene.built_as,
@@ -305,12 +301,8 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
             "step": step,
             "tolerance": call.tolerance,
         },
-        error_estimate=None if isnan(run.estimate) else run.estimate,
         counts=dict(call.counts),
         versions=versions("numpy", "exudyn"),
-        ending=run.ending(float(multipliers[-1, 0]), call.watch),
-        pulling=run.pulling,
-        solver_seconds=run.seconds,
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
+from itertools import chain
 from math import sin
 from typing import Any
 
@@ -22,9 +23,9 @@ from analysis.solve.effort import longest_step
 from analysis.solve.stepping import InitialValueProblem
 from analysis.solve.watch import PaperState, of_states
 
-Expand = Callable[[Array, Array], tuple[Array, Array, Array]]
-"""From times, shape (n,), and states, shape (n, m), to co-rotating coordinates and rates, each
-shape (n, 6), and multipliers, shape (n, k)."""
+Expand = Callable[[Array, Array], Array]
+"""From times, shape (n,), and states, shape (n, m), to co-rotating coordinates, rates and
+multipliers, shape (n, 12 + k)."""
 
 
 def default_formulation(scenario: Scenario) -> Formulation:
@@ -126,11 +127,11 @@ def _full(
     if scenario.contact is not None and not scenario.contact.bilateral:
         kink = opening(scenario)
 
-    def expand(_: Array, states: Array) -> tuple[Array, Array, Array]:
-        coordinates, rates = _in_rows(paper_of(scenario.disk, states.T))
+    def expand(_: Array, states: Array) -> Array:
+        found = _in_rows(paper_of(scenario.disk, states.T))
         # The first sample is the start itself, without the rounding on the way to it and back.
-        coordinates[0], rates[0] = start.coordinates, start.rates
-        return coordinates, rates, _multipliers(solved, states)
+        found[0] = start.vector
+        return np.hstack((found, _multipliers(solved, states)))
 
     problem = InitialValueProblem(
         lambda _, state: solved(*state.tolist())[:12],
@@ -155,11 +156,11 @@ def _reduced(
     spin, alpha = start.rates[3], start.coordinates[3]
     full, solved = recorded.solver(scenario), reduced.solver(scenario, spin)
 
-    def expand(times: Array, states: Array) -> tuple[Array, Array, Array]:
+    def expand(times: Array, states: Array) -> Array:
         turned = alpha + spin * (times - times[0])
-        coordinates, rates = _in_rows(reduced.expanded(disk, spin, turned, states[:, :3].T))
-        states = np.array(state_of(disk, coordinates.T, rates.T)).T
-        return coordinates, rates, _multipliers(full, states)
+        found = _in_rows(reduced.expanded(disk, spin, turned, states[:, :3].T))
+        states = np.array(state_of(disk, found.T[:6], found.T[6:])).T
+        return np.hstack((found, _multipliers(full, states)))
 
     derivative = reduced.right_hand_side(scenario, spin)
     begin = np.array((*start.coordinates[4:6], start.rates[4]))
@@ -191,10 +192,9 @@ def _reduced(
     return problem, expand
 
 
-def _in_rows(both: Iterable[Iterable[Any]]) -> tuple[Array, Array]:
-    """Coordinates and rates, each shape (n, 6), from the n numbers of each of them, or one."""
-    coordinates, rates = (np.stack(np.broadcast_arrays(*each), axis=-1) for each in both)
-    return coordinates, rates
+def _in_rows(both: Iterable[Iterable[Any]]) -> Array:
+    """Coordinates and rates, shape (n, 12), from the n numbers of each of them, or one."""
+    return np.stack(np.broadcast_arrays(*chain(*both)), axis=-1)
 
 
 def _multipliers(solved: Solver, states: Array) -> Array:

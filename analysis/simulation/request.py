@@ -1,14 +1,14 @@
 """What is asked of runs, checked once for one or for many, and the trajectory that it leads to."""
 
 from collections.abc import Sequence
-from math import inf, isnan
+from math import inf
 from typing import Any
 
 import numpy.typing as npt
 
 from analysis.motion.endings import StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
-from analysis.problem.checks import Array, choice, increasing_times, optional, positive, switch
+from analysis.problem.checks import choice, increasing_times, optional, positive, switch
 from analysis.problem.checks import local_tolerance as one_step
 from analysis.problem.choices import FORMULATIONS, METHODS, Formulation, Method
 from analysis.problem.limits import DEFAULT_TOLERANCE, MOST_STEPS, Effort
@@ -118,13 +118,7 @@ class Request:
 
 
 def trajectory(
-    scenario: Scenario,
-    request: Request,
-    run: Run,
-    arrays: tuple[Array, Array, Array],
-    *,
-    method: Method,
-    watch: Watch | None = None,
+    scenario: Scenario, request: Request, run: Run, method: Method, watch: Watch | None
 ) -> Trajectory:
     """Trajectory of a run.
 
@@ -133,21 +127,16 @@ def trajectory(
     scenario : Scenario
     request : Request
     run : Run
-    arrays : tuple of ndarrays, shapes (n, 6), (n, 6) and (n, k)
-        Coordinates, rates and constraint forces at the times of the run.
+        See `Run.trajectory`.
     method : str
         That has run it.
     watch : Watch, optional
         Of the call, if it has a single run to a result.
     """
-    coordinates, rates, multipliers = arrays
     compiled = method == "taylor"
-    return Trajectory(
-        times=run.times,
-        coordinates=coordinates,
-        rates=rates,
-        multipliers=multipliers,
-        scenario=scenario,
+    return run.trajectory(
+        scenario,
+        watch,
         source="in-house",
         method={
             "formulation": request.formulation or default_formulation(scenario),
@@ -155,10 +144,6 @@ def trajectory(
             "tolerance": request.tolerance,
             "local_tolerance": run.local_tolerance,
         },
-        error_estimate=None if request.tolerance is None else run.estimate,
         counts={"steps" if compiled else "right_hand_sides": run.evaluations},
         versions=versions("numpy", "heyoka" if compiled else "scipy"),
-        ending=run.ending(float(multipliers[-1, 0]), watch),
-        pulling=run.pulling,
-        solver_seconds=None if isnan(run.seconds) else run.seconds,
     )

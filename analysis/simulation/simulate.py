@@ -1,5 +1,6 @@
 """In-house simulation: the index-1 systems and the reduced system, integrated with SciPy."""
 
+from dataclasses import replace
 from functools import partial
 from math import inf
 from typing import Any
@@ -136,11 +137,5 @@ def _stepped(scenario: Scenario, request: Request, method: Method) -> Trajectory
     how: dict[str, Any] = {"allow_pulling": request.allow_pulling, "watch": watch}
     run = partial(integrate, problem, request.times, method, **how)
     found = run_to(run, problem, request.times, tolerance, rungs, method=method)
-    return trajectory(
-        scenario,
-        request,
-        found,
-        expand(found.times, found.states),
-        method=method,
-        watch=watch,
-    )
+    samples = replace(found, states=expand(found.times, found.states))
+    return trajectory(scenario, request, samples, method, watch)

@@ -17,8 +17,10 @@ from scipy import integrate as solvers
 from scipy.optimize import brentq
 
 from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Ending
+from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.choices import Method
+from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Lookout, StateFunction, Step, Watch
 
 STILL = 1e-9
@@ -142,6 +144,31 @@ class Run:
         if self.ended == TIME_LIMIT and watch is not None:
             value = watch.seconds
         return Ending(reason=self.ended, time=float(self.times[-1]), value=value)
+
+    def trajectory(self, scenario: Scenario, watch: Watch | None, **about: Any) -> Trajectory:
+        """Trajectory of a run whose states are coordinates, their rates and constraint forces.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        watch : Watch, optional
+            Of the call that it was for.
+        **about
+            What made it, as `Trajectory` takes it.
+        """
+        coordinates, rates, multipliers = np.split(self.states, (6, 12), axis=1)
+        return Trajectory(
+            times=self.times,
+            coordinates=coordinates,
+            rates=rates,
+            multipliers=multipliers,
+            scenario=scenario,
+            error_estimate=None if isnan(self.estimate) else self.estimate,
+            ending=self.ending(float(multipliers[-1, 0]), watch),
+            pulling=self.pulling,
+            solver_seconds=None if isnan(self.seconds) else self.seconds,
+            **about,
+        )
 
 
 def integrate(

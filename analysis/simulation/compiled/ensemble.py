@@ -6,7 +6,7 @@ A single run is a batch of one.
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from math import asin, inf, sin
 from typing import Any
@@ -116,13 +116,12 @@ class CompiledRuns:
         row = int(np.argmax(self.group.rows == member))
         run, samples = self.runs.run(row), self.samples(slice(row, row + 1))
         found = samples.coordinates, samples.rates, samples.multipliers
-        coordinates, rates, forces = (each[0, : run.times.size] for each in found)
+        values = np.concatenate(found, axis=-1)[0, : run.times.size]
         if self.group.code.structure.formulation == "index-1":
             # The first sample is the start itself, without the rounding on the way to it and back.
-            start = scenario.initial_state
-            coordinates[0], rates[0] = start.coordinates, start.rates
-        arrays = coordinates, rates, forces
-        return trajectory(scenario, self.request, run, arrays, method="taylor", watch=self.watch)
+            values[0, :12] = scenario.initial_state.vector
+        run = replace(run, states=values)
+        return trajectory(scenario, self.request, run, "taylor", self.watch)
 
     def outcomes(self, scenarios: Sequence[Scenario]) -> Iterator[Trajectory | Exception]:
         """Motion of each of them, or why it has none, of the scenarios of all members."""
