@@ -20,10 +20,10 @@ from scipy.optimize import least_squares
 from analysis.mechanics.constraints import SLIPS, position_residuals, velocity_residuals
 from analysis.problem.checks import (
     Array,
-    finite_row,
     function,
     instance,
     number,
+    numbers,
     optional,
     positive,
     turn_rate,
@@ -288,8 +288,7 @@ def stationary_branch(
     require_spinning(scenario, "the continuation of stationary motions")
     if not instance("start", start, StationaryMotion).is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
-    if finite_row("interval", interval).size != 2:
-        raise ValueError(f"interval must be lowest and highest value, got {interval!r}")
+    numbers("interval", interval, ("lowest", "highest value"))
     optional(instance, "parameter", parameter, Parameter)
     spins = Parameter(change=lambda _: scenario, value=start.spin, unit=spin_scale(scenario))
     followed = parameter or spins

@@ -7,7 +7,7 @@ twice within a step (of at most 0.05 rad/s and sqrt(g / r) / 300, up to 20,000 o
 crosses may be missed.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from analysis.problem.checks import Array, turn_rate
+from analysis.problem.checks import Array, numbers, turn_rate
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import Motion
@@ -131,9 +131,7 @@ class CriticalSpeeds:
 
 def spin_interval(interval: tuple[float, float], name: str = "interval") -> tuple[float, float]:
     """Return lowest and highest spin in rad/s; `ValueError` if they are no interval."""
-    ends = list(interval) if isinstance(interval, Iterable) else []
-    if len(ends) != 2:
-        raise ArgumentError(name, f"must be lowest and highest spin, got {interval!r}")
+    ends = numbers(name, interval, ("lowest", "highest spin"))
     low, high = (turn_rate(name, end) for end in ends)
     if not low < high:
         fault = f"must have lowest < highest spin, got {low:g} to {high:g}"

@@ -35,7 +35,7 @@ from analysis.mechanics.attitude import state_of
 from analysis.mechanics.constraints import position_residuals, velocity_residuals
 from analysis.mechanics.dual import derivatives, of_duals
 from analysis.mechanics.penalty import Solver
-from analysis.problem.checks import Array, checked, choice, finite_row, instance, turn_rate
+from analysis.problem.checks import Array, checked, choice, instance, numbers, turn_rate
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.elementary import Numbers
 from analysis.problem.friction import ViscousFriction
@@ -353,10 +353,8 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
         If the motion is not stationary.
     """
     spin = turn_rate("spin", spin)
-    numbers = finite_row("place", place).tolist()
-    if len(numbers) != 4:
-        raise ValueError(f"place must hold x, y, beta and gamma, got {place!r}")
-    place = (*numbers[:2], checked(QUANTITIES["start.beta"], numbers[2]), numbers[3])
+    x, y, beta, gamma = numbers("place", place, ("x", "y", "beta", "gamma"))
+    place = x, y, checked(QUANTITIES["start.beta"], beta), gamma
     found = Linearisation(scenario, place, spin)
     off = np.max(np.abs(imbalance(scenario, turning_state(scenario, place, spin))))
     if not off <= ZERO:
