@@ -266,8 +266,6 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
      ".*radius varies a ring alone"),
     (Ensemble, {"scenario": replace(FULL, start=FULL.initial_state)},
      ".*the start is told by its coordinates and"),
-    (Ensemble, {"scenario": PENALTY, "fields": {"stiffness": [1e5, 1.0]}},
-     "member 1 of fields: stiffness must be at le"),
     (analysis.outcomes, {"motions": [RUN, "x"]}, r"motions\[1\] must be a SampledMotion, got 'x'"),
     (lambda ax: RUN.plot("beta", ax=ax), {"ax": 5}, "ax must be the axes of a figure, got 5"),
     (RUN.state, {"index": 2}, "index must be at most 1, got 2"),

@@ -192,7 +192,6 @@ REFUSED: dict[str, Callable[[], Any]] = {
     "masses must lie on": composed(PLATE, (), [(0.0, 1.0, 1.0)]),
     "masses must be positive": composed(PLATE, (), [(0.0, 0.0, 0.0)]),
     "thickness must be positive": composed((0.05, 0.0, 8e3)),
-    "inertia_xy must leave principal": partial(Disk, **NUMBERS, inertia_xy=1.5),
     "^member 1 of fields: inertia_xy must": partial(Ensemble, scenario=UNEVEN, fields=UNLIKE),
     "lacks thickness and density": partial(Scenario.from_values, HALF_A_RING),
     "other_radius must not": partial(replace, ELLIPSE, other_radius=1.0),
