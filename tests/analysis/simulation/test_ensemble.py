@@ -244,9 +244,12 @@ def test_rows_of_a_batch_are_those_of_its_cases() -> None:
         assert_alike(row, alone, 1e-9)
 
 
-def test_spin_is_told_a_second_after_the_inversion_and_with_the_place_at_the_end() -> None:
-    motion = simulate(model(1), np.linspace(0.0, 2.0, 101), local_tolerance=1e-8)
+def test_a_row_holds_what_the_motion_says_and_its_spin_a_second_after_the_inversion() -> None:
+    motion = simulate(model(1), np.linspace(0.0, 2.0, 101), tolerance=1e-6)
     (row,) = outcomes([motion]).rows()
+    assert row["error_estimate"] == motion.error_estimate
+    forces = motion.normal_force
+    assert (row["force_least"], row["force_largest"]) == (forces.min(), forces.max())
     assert row["spin_end"] == motion.rates[-1, 3]
     beta, gamma = motion.coordinates[-1, 4:]
     assert row["face_end"] == pytest.approx(np.cos(beta), abs=1e-12)

@@ -24,7 +24,6 @@ from tests.bodies import EGG
 from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, HANGS, Wayward
 from validation.measurement.sources import digest, own_files
-from validation.run import run
 from validation.sweeps import runner, store
 from validation.sweeps.case import COLUMNS, WITNESS_FAILED, run_chunk
 from validation.sweeps.plan import Plan
@@ -38,22 +37,9 @@ WAYWARD = Scenario(friction=Wayward())
 OWN_LAW = Scenario(constraints=MODELS[4], friction=Wayward())
 SPINS = ("spin=30:40:3", "mu=0.2,0.3")
 WANTED = sweep(*SPINS)
-REDUCED: dict[str, Any] = {"source": "in-house", "formulation": "reduced", "tolerance": 1e-6}
 
 
 # --- Rows ----------------------------------------------------------------------------------------
-
-
-def test_row_holds_what_the_run_itself_says() -> None:
-    (row,) = run_chunk(sweep("spin=40:44:2", end=2.0, tolerance=1e-6, spacing=1e-3), [0])
-    motion = run(Scenario(constraints=MODELS[4]), np.linspace(0.0, 2.0, 2001), **REDUCED)
-    assert (row["status"], row["inversion"], row["ending"]) == (DONE, "inverted", None)
-    assert row["inverted_at"] == motion.inversion.time
-    assert row["force_least"] == motion.normal_force.min()
-    assert row["force_largest"] == motion.normal_force.max()
-    assert row["error_estimate"] == motion.error_estimate
-    assert row["spin_after"] == pytest.approx(40.0, rel=1e-12)
-    assert set(row) <= {"number", "start.spin", *COLUMNS}
 
 
 def test_an_interrupt_is_no_failure_of_a_case(monkeypatch: pytest.MonkeyPatch) -> None:
