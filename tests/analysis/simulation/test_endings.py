@@ -82,17 +82,6 @@ def test_a_condition_that_becomes_nan_on_the_way_is_told(side: dict[str, Any]) -
         run(Scenario(), TIMES, stop_when=fading, **side)
 
 
-@pytest.mark.parametrize("unit", [1.0, 1e9])
-def test_a_dip_below_zero_between_two_steps_ends_a_run_whatever_its_unit(unit: float) -> None:
-    def dip(state: State) -> float:
-        return unit * ((state.coordinates[3] - 10.0) ** 2 - 1e-6)
-
-    # It turns at a constant rate.
-    upright = Scenario(start=Start(beta=pi / 2, gamma=pi / 2, spin=20.0))
-    run = simulate(upright, [0.0, 1.0], method="DOP853", tolerance=1e-6, stop_when=dip)
-    assert_ends(run, "dip", (10.0 - 1e-3) / 20.0, 1e-9)
-
-
 @pytest.mark.parametrize("method", EITHER_METHOD)
 def test_a_run_may_start_on_a_condition_and_ends_where_it_comes_back(method: Method) -> None:
     # From Table 3, with a tilt rate of zero, the disk at first tilts in one direction.
