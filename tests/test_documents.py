@@ -109,13 +109,11 @@ def test_every_public_name_has_a_task_and_every_page_a_place_in_the_contents() -
     assert {page for page in pages if not any(fnmatch(page, each) for each in places)} == {"index"}
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("name", ALONE)
-def test_code_runs_as_it_stands(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_code_runs_as_it_stands(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     if "taylor" in PYTHON[name]:
         pytest.importorskip("heyoka")
-    monkeypatch.chdir(tmp_path)
     exec(compile(PYTHON[name], name, "exec"), {"__name__": "recipe"})  # noqa: S102
     printed = capsys.readouterr().out
     assert ("print(" in PYTHON[name]) == bool(printed)
@@ -130,11 +128,9 @@ def test_script_runs_as_it_stands(name: str, tmp_path: Path) -> None:
     assert ("print(" in PYTHON[name]) == bool(printed)
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("page", COMMANDS)
-def test_commands_are_understood(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_commands_are_understood(page: str) -> None:
     for line in COMMANDS[page]:
         words = shlex.split(line, comments=True)
         for word in words:
@@ -218,13 +214,10 @@ def run_cell(cell: dict[str, Any], names: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize("path", mostly_slow(NOTEBOOKS, NOTEBOOKS[:2]), ids=lambda path: path.stem)
-def test_notebook_shows_what_comes_out_of_one_run(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_notebook_shows_what_comes_out_of_one_run(path: Path, folder: Path) -> None:
     if "to_xarray" in path.read_text(encoding="utf-8"):
         pytest.importorskip("xarray")
     mpl.use("Agg")
-    monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {"__name__": "notebook"}
     for number, cell in enumerate(cells(path, "code"), 1):
         assert cell["execution_count"] == number
@@ -233,7 +226,7 @@ def test_notebook_shows_what_comes_out_of_one_run(
         # Differences and error estimates are of the size of the tolerance, 1e-6.
         assert values(found) == pytest.approx(values(stored), rel=1e-3, abs=1e-6)
     plt.close("all")
-    assert not list(tmp_path.iterdir())
+    assert not list(folder.iterdir())
     assert path.stat().st_size < LARGEST
 
 

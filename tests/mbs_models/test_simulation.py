@@ -290,9 +290,8 @@ def test_a_start_off_by_what_is_allowed_begins_without_an_impulse() -> None:
 
 
 def test_runs_print_nothing_and_write_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    folder: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     mbs_models.simulate(scene_of(2, friction=LOADED), SHORT, step=2e-4)
     mbs_models.simulate_to_rest(rest_scene(), 0.01)
     # A lamina but for rounding, which the engine would warn of.
@@ -302,7 +301,7 @@ def test_runs_print_nothing_and_write_nothing(
     with pytest.raises(EngineError):
         mbs_models.simulate(scene_of(1, "euler-tree"), [0.0, 2.0], step=1.0)
     assert capfd.readouterr() == ("", "")
-    assert not list(tmp_path.iterdir())
+    assert not list(folder.iterdir())
 
 
 def test_the_engine_prints_again_after_calls_from_several_threads() -> None:

@@ -193,25 +193,22 @@ test_what_is_no_friction_or_not_what_it_says_is_refused_before_anything_runs = r
 
 
 @pytest.mark.slow
-def test_command_line_takes_a_law_of_ones_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_line_takes_a_law_of_ones_own(folder: Path) -> None:
     text = (ROOT / "docs" / "extending.md").read_text()
     begin = text.index("from dataclasses import dataclass\nfrom analysis import FrictionLaw")
-    (tmp_path / "rough.py").write_text(text[begin : text.index("```", begin)])
+    (folder / "rough.py").write_text(text[begin : text.index("```", begin)])
     law = "--law=rough:SquareRoot"
     # Without the working directory on its path, as an installed command is.
-    tippedisk = partial(python, "-P", "-m", "validation", folder=tmp_path)
+    tippedisk = partial(python, "-P", "-m", "validation", folder=folder)
     assert tippedisk("simulate", f"{law},coefficient=0.2", "--end=0.1", "--out=own.npz").stdout
-    monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match="'rough:SquareRoot' must be imported first"):
-        load_run(tmp_path / "own.npz", Trajectory)
+        load_run("own.npz", Trajectory)
     # A stored run executes nothing: its law comes from the file of a scenario, or from --law.
     assert "must be imported first" in refusal("scenario own.npz")
     again = printed("scenario own.npz", law)
     assert 'law = "rough:SquareRoot"' in again
     assert "coefficient = 0.2" in again
-    (tmp_path / "own.toml").write_text(again)
+    (folder / "own.toml").write_text(again)
     assert printed("scenario own.toml") == again
     printed("show own.npz", law, "--plot=own.png")
     cases = ("law=tanh,rough:SquareRoot", "--scenario=own.toml", "--end=0.1", "--workers=1")
@@ -229,18 +226,6 @@ CALLS = (
 )
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Working directory of a call, where its modules lie."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "exits_on_import.py").write_text("import sys\nsys.exit()\n")
-    return tmp_path
-
-
-def written(folder: Path) -> list[str]:
-    return [path.name for path in folder.iterdir() if path.name.startswith("new")]
-
-
 SAID = {
     "--law exits_on_import:Law": "--law: friction law 'exits_on_import:Law' cannot be loaded: "
     "SystemExit: , in line 2 of exits_on_import.py",
@@ -254,8 +239,9 @@ SAID = {
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("option", SAID)
 def test_what_is_no_law_or_condition_is_refused(call: str, option: str, folder: Path) -> None:
+    (folder / "exits_on_import.py").write_text("import sys\nsys.exit()\n")
     assert SAID[option] in refusal(call, option)
-    assert written(folder) == []
+    assert not [*folder.glob("new*")]
 
 
 @pytest.mark.parametrize("call", CALLS[:2])
@@ -264,7 +250,7 @@ def test_a_law_that_exits_where_the_disk_slips_is_no_success(
 ) -> None:
     assert run(call, WAYWARD.format(EXITS)) == 70
     assert "SystemExit" in capsys.readouterr().err
-    assert written(folder) == []
+    assert not [*folder.glob("new*")]
 
 
 def drag(along: float, across: float, load: float) -> tuple[float, float]:

@@ -80,10 +80,9 @@ def test_script_without_guard_is_told_so_and_gets_nothing(script: str, tmp_path:
 
 
 @pytest.fixture
-def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def mine(folder: Path) -> Path:
     """File with an angle in degrees, in the working directory."""
-    monkeypatch.chdir(tmp_path)
-    path = Path("mine.toml")
+    path = folder / "mine.toml"
     path.write_text(scenario_text(Scenario()).replace('gamma = "-pi/2 + 0.1"', "gamma = 90"))
     return path
 
