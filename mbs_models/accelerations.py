@@ -8,7 +8,7 @@ The accelerations are those of the scene's own formulation.
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
-from math import cos, hypot, sin
+from math import cos, hypot, sin, sqrt
 
 import exudyn as exu
 import numpy as np
@@ -321,7 +321,7 @@ def state_matrix(scene: Scene | Scenario) -> Array:
         held = replace(scenario.contact, bilateral=True)
         scene, change = replace(scene, scenario=replace(scenario, contact=held)), YIELDING
     state, disk, bending = scenario.initial_state, scenario.disk, scenario.finest_slip
-    turning = abs(state.rates[3]) + 1.0
+    turning = abs(state.rates[3]) + sqrt(scenario.fall)
     speed = change * disk.radius * turning
     part, rim_speed = min(1.0, AT_NO_SLIP * bending / speed), speed
     # A disk that slides is linearised there, where friction has another slope than at no slip.

@@ -83,8 +83,10 @@ def suspects(
     """
     for reason, values in told.items():
         yield from _dips(moments, np.asarray(values), reason)
-    if stopped is not None and stopped[1] != TIME_LIMIT and stopped[0] > moments[-1]:
-        yield Suspect(len(moments) - 1, stopped[0] - moments[-1], stopped[1])
+    if stopped is not None and stopped[1] != TIME_LIMIT:
+        # A condition may have been positive between two records alone.
+        row = max(0, int(np.searchsorted(moments, stopped[0])) - 1)
+        yield Suspect(row, stopped[0] - moments[row], stopped[1])
 
 
 class Stepped(Protocol):
@@ -227,8 +229,11 @@ def _dips(moments: Array, values: Array, reason: str) -> Iterator[Suspect]:
 
     Where it is negative from the start on, it waits until it has not been.
     """
-    armed = int(np.argmax(values >= 0.0)) if values.size else 0
-    if not values.size or values[armed] < 0.0:
+    armed = int(np.argmin(np.append(values < 0.0, False)))
+    # Between two records it may have been positive.
+    for row in _near_zero(moments[:armed], -values[:armed]).tolist():
+        yield Suspect(row, float(moments[row + 2] - moments[row]), "")
+    if armed == values.size:
         return
     negative = armed + np.flatnonzero(values[armed:] < 0.0)
     end = int(negative[0]) if negative.size else values.size - 1

@@ -34,7 +34,7 @@ from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever
 from mbs_models.model import Reading
 from mbs_models.probe import Probe
-from mbs_models.runs import run
+from mbs_models.runs import Stop, run
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError, stepping
 
@@ -319,21 +319,22 @@ class EngineWay(WayToRest):
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
         spacing, model, counts = float(self.times[1]), self.model, Counter[str]()
-        turned, last = turning_negative(self.conditions, state), self.times[-1]
+        last = self.times[-1]
         for halvings in range(HALVINGS + 1):
             recording = run(
                 model,
                 Integrator(name="RK44"),
                 times,
                 np.full(times.size - 1, ceil(spacing / step - 1e-9) << halvings),
-                stop=(lambda _: turned(states_of(model.record()[None])[0]))
-                if self.conditions
-                else None,
+                stop=self._stop(state),
             )
             counts.update(recording.counts)
             states = states_of(recording.records)
-            if recording.failure is None and self._is_balanced(states[[0, -1]]):
-                break
+            if recording.failure is None:
+                # Where a condition has stopped it, it may have exploded after the last record.
+                reached = states_of(model.record()[None])
+                if self._is_balanced(np.vstack((states[:1], reached))):
+                    break
             if self.watch.is_out_of_time:
                 steps = counts["right_hand_sides"], TIME_LIMIT, (), counts["steps"]
                 return Run(times[:1], states[:1], *steps)
@@ -352,6 +353,17 @@ class EngineWay(WayToRest):
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
+
+    def _stop(self, state: Array) -> Stop | None:
+        """What ends a run from a state on that meets a condition or is out of time, if any may."""
+        conditions, watch = self.conditions, self.watch
+        turned = turning_negative(conditions, state)
+
+        def stop(_: float) -> str | None:
+            name = turned(states_of(self.model.record()[None])[0]) if conditions else None
+            return TIME_LIMIT if name is None and watch.is_out_of_time else name
+
+        return stop if conditions or not watch.is_idle else None
 
     def _is_balanced(self, states: Array) -> bool:
         """Whether two states have as much energy, with what has been taken on the way."""

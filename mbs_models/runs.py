@@ -116,15 +116,18 @@ def run(
 
     def after_step(_system: Any, moment: float) -> bool:
         nonlocal awaited, is_end_evaluated
+        at = begin + moment
         if moment >= awaited:
+            # But for rounding.
+            at = float(times[len(found)])
             found.append(model.read())
             awaited = due[len(found)] - early
         # Set at every step, it would cost 2 % of a run.
         if evaluates_ends and is_end_evaluated != (moment + longest >= awaited):
             is_end_evaluated = not is_end_evaluated
             explicit.computeEndOfStepAccelerations = is_end_evaluated
-        if stop is not None and (reason := stop(begin + moment)) is not None:
-            stopped.append((begin + moment, reason))
+        if stop is not None and (reason := stop(at)) is not None:
+            stopped.append((at, reason))
         return not stopped and awaited < inf
 
     system.SetPostStepUserFunction(after_step)

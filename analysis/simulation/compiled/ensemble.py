@@ -165,8 +165,10 @@ def simulate_compiled(
             continue
         code, numbers = found
         # Of some members a number is one for all, or a `Members`.
-        filled = [np.full(rows.size, each, dtype=float) for each in numbers]
-        pieces[code].append((first + rows, np.array(filled).T))
+        array = np.empty((rows.size, len(numbers)))
+        for column, values in zip(array.T, numbers, strict=True):
+            column[:] = values
+        pieces[code].append((first + rows, array))
     compiled = []
     for code, some in pieces.items():
         rows, array = (np.concatenate(each) for each in zip(*some, strict=True))
