@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from operator import truediv
 
 import numpy as np
 
@@ -56,10 +57,9 @@ class Ladder:
 
     Attributes
     ----------
-    best : ndarray, shape (n, k)
-        Best extrapolated samples so far.
-    best_times : ndarray, shape (n,)
-        Their times in s, of which that of an ending is extrapolated, too.
+    best : ndarray, shape (n, k + 1)
+        Best extrapolated samples so far, and their times in s, of which that of an ending is
+        extrapolated, too.
     estimate : float
         Estimated error of beta and gamma of the last addition in rad; see `error_at_ending`.
     best_estimate : float
@@ -69,11 +69,12 @@ class Ladder:
     def __init__(self, scene: Scene, integrator: Integrator, *, flat: bool = False) -> None:
         self._decay, self._flat = scene.scenario.slip_decay, flat
         self._exponents = CLASSES[scene.built_as].exponents or EXPONENTS[integrator.name]
+        # By which halving the step is to shrink the errors of the columns.
+        self._factors = [2.0**each for each in (*self._exponents, self._exponents[-1])]
         self._row: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0
         self.best: Array = np.empty((0, 0))
-        self.best_times: Array = np.empty(0)
         self.estimate = np.inf
         self.best_estimate = np.inf
 
@@ -121,33 +122,20 @@ class Ladder:
             max(apart(fine, coarse, flat=self._flat), ROUNDING)
             for coarse, fine in zip(self._row, row, strict=False)
         ]
-        self.estimate = np.inf
+        expected = list(map(truediv, self._differences, self._factors))
+        # A column that has none yet is measured by the one beside it, and the first by nothing.
+        beside = differences[-2] / self._factors[len(expected) - 1] if expected else np.inf
+        expected += [beside] * (len(differences) - len(expected))
         caution = CAUTION * max(BLIND * min(self._decay * step, 1.0), 1.0)
-        for column, difference in enumerate(differences):
-            estimate = caution * max(difference, self._expected(column, differences))
-            if estimate < self.estimate:
-                self.estimate = estimate
-                self.best, self.best_times = row[column][:, :-1], row[column][:, -1]
+        estimates = caution * np.maximum(differences, expected)
+        self.estimate = float(np.min(estimates, initial=np.inf))
+        if self.estimate < np.inf:
+            self.best = row[int(np.argmin(estimates))]
         self._differences = differences
         self._row = row
         improved = self.estimate < 0.5 * self.best_estimate
         self._worse = 0 if improved or len(row) < 3 else self._worse + 1
         self.best_estimate = min(self.best_estimate, self.estimate)
-
-    def _expected(self, column: int, differences: list[float]) -> float:
-        """Difference of a column to be expected from that of the run before.
-
-        A column that has none yet is measured by the one beside it, and the first one by nothing.
-        """
-        if column < len(self._differences):
-            return self._differences[column] / self._shrinking(column)
-        if column == 0:
-            return np.inf
-        return differences[column - 1] / self._shrinking(column - 1)
-
-    def _shrinking(self, column: int) -> float:
-        """Factor by which halving the step is to shrink the error of a column."""
-        return 2.0 ** self._exponents[min(column, len(self._exponents) - 1)]
 
 
 def apart(first: Array, second: Array, *, flat: bool = False) -> float:
@@ -218,7 +206,7 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
             ladder = empty(flat=result.ended == FLAT)
         ladder.add(result.states, result.times, step)
         if ladder.estimate <= needed(tolerance, result.ended == FLAT):
-            result = replace(result, times=ladder.best_times, states=ladder.best)
+            result = replace(result, times=ladder.best[:, -1], states=ladder.best[:, :-1])
             return replace(result, estimate=ladder.estimate), step
         if is_late:
             raise TimeLimitError(
