@@ -1,5 +1,6 @@
 """The way of the engine's own integrators to a tolerance: fixed steps halved and extrapolated."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from operator import truediv
@@ -44,6 +45,10 @@ class HopelessError(ToleranceError):
     """Fixed steps lead to nothing, and another way is left to try."""
 
 
+NEVER: Array = np.empty((0, 2))
+"""Times of pulling of a run whose contact does not."""
+
+
 class Ladder:
     """Richardson's extrapolation, fed with runs of which each has half the step of the one before.
 
@@ -60,6 +65,8 @@ class Ladder:
     best : ndarray, shape (n, k + 1)
         Best extrapolated samples so far, and their times in s, of which that of an ending is
         extrapolated, too.
+    best_edges : ndarray, shape (m, 2)
+        First and last times in s of pulling.
     estimate : float
         Estimated error of beta and gamma of the last addition in rad; see `error_at_ending`.
     best_estimate : float
@@ -72,9 +79,11 @@ class Ladder:
         # By which halving the step is to shrink the errors of the columns.
         self._factors = [2.0**each for each in (*self._exponents, self._exponents[-1])]
         self._row: list[Array] = []
+        self._edges: list[Array] = []
         self._differences: list[float] = []
         self._worse = 0
         self.best: Array = np.empty((0, 0))
+        self.best_edges = NEVER
         self.estimate = np.inf
         self.best_estimate = np.inf
 
@@ -93,7 +102,7 @@ class Ladder:
             return "there were no two runs to compare"
         return f"the best estimated error is {self.best_estimate:.1e} rad"
 
-    def add(self, values: Array, times: Array, step: float) -> None:
+    def add(self, values: Array, times: Array, step: float, edges: Array = NEVER) -> None:
         """Add a run with half the step of the run before.
 
         Each extrapolated value is compared with its like from the run before. The difference is
@@ -113,11 +122,13 @@ class Ladder:
             In s; but for the last of a run that has ended by itself, those of the run before.
         step : float
             In s.
+        edges : ndarray, shape (m, 2)
+            First and last times of pulling in s, extrapolated over runs that pull as often.
         """
         self._row = [coarse[: len(values)] for coarse in self._row]
-        row = [np.column_stack((values, times))]
-        for exponent, coarse in zip(self._exponents, self._row, strict=False):
-            row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
+        row = self._refined(np.column_stack((values, times)), self._row)
+        pull_alike = bool(self._edges) and self._edges[0].shape == edges.shape
+        self._edges = self._refined(edges, self._edges if pull_alike else [])
         differences = [
             max(apart(fine, coarse, flat=self._flat), ROUNDING)
             for coarse, fine in zip(self._row, row, strict=False)
@@ -130,12 +141,20 @@ class Ladder:
         estimates = caution * np.maximum(differences, expected)
         self.estimate = float(np.min(estimates, initial=np.inf))
         if self.estimate < np.inf:
-            self.best = row[int(np.argmin(estimates))]
+            column = int(np.argmin(estimates))
+            self.best, self.best_edges = row[column], self._edges[: column + 1][-1]
         self._differences = differences
         self._row = row
         improved = self.estimate < 0.5 * self.best_estimate
         self._worse = 0 if improved or len(row) < 3 else self._worse + 1
         self.best_estimate = min(self.best_estimate, self.estimate)
+
+    def _refined(self, finest: Array, coarser: Sequence[Array]) -> list[Array]:
+        """A run, and what its like from the runs before make of it, power by power of the step."""
+        row = [finest]
+        for exponent, coarse in zip(self._exponents, coarser, strict=False):
+            row.append(row[-1] + (row[-1] - coarse) / (2.0**exponent - 1.0))
+        return row
 
 
 def apart(first: Array, second: Array, *, flat: bool = False) -> float:
@@ -204,10 +223,11 @@ def extrapolated(call: Call, integrator: Integrator, *, is_last_way: bool) -> tu
             # Runs that end elsewhere are not to be compared.
             kind = (result.ended, result.times.size)
             ladder = empty(flat=result.ended == FLAT)
-        ladder.add(result.states, result.times, step)
+        ladder.add(result.states, result.times, step, np.array(result.pulling).reshape(-1, 2))
         if ladder.estimate <= needed(tolerance, result.ended == FLAT):
+            pulling = tuple(map(tuple, ladder.best_edges.tolist()))
             result = replace(result, times=ladder.best[:, -1], states=ladder.best[:, :-1])
-            return replace(result, estimate=ladder.estimate), step
+            return replace(result, pulling=pulling, estimate=ladder.estimate), step
         if is_late:
             raise TimeLimitError(
                 f"time limit met at t = {result.times[-1]:.6g} s of a run with a step of "

@@ -150,6 +150,22 @@ def test_an_ending_on_steep_friction_is_located_by_implicit_steps() -> None:
     assert moments[-1] == pytest.approx(not_none(known.ending).time, abs=1e-7)
 
 
+@pytest.mark.parametrize("top", [0.76458, 1.78355])
+def test_a_condition_that_is_positive_only_shortly_ends_the_run_where_it_no_longer_is(
+    top: float,
+) -> None:
+    # At the first two maxima of this rate, both times within half a millisecond.
+    shortly, times = reaching("beta_rate", 0.9999 * top, -1.0), TIMES[::10]
+    known = not_none(analysis.simulate(Scenario(), times, stop_when=shortly).ending)
+    ways: list[tuple[Formulation, float | None, float]] = [
+        ("contact-tree", None, 1e-8), ("contact-tree", 5e-3, 1e-6), ("floating", 2e-3, 1e-3)
+    ]  # fmt: skip
+    for formulation, step, within in ways:
+        scene = Scene(Scenario(), formulation)
+        ending = mbs_models.simulate(scene, times, step=step, stop_when=shortly).ending
+        assert not_none(ending).time == pytest.approx(known.time, abs=within)
+
+
 ENDS = [problem for name, problem in problems().items() if name.startswith(ENDED)]
 QUICK = [
     *((number, "engine") for number in (4, 8, 17)),

@@ -24,7 +24,7 @@ from analysis import (
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import EngineError, rest
 from tests.bodies import BODIES, TIPPE_TOP
-from tests.helpers import mostly_slow, not_none
+from tests.helpers import mostly_slow, not_none, reaching
 from tests.scenes import rest_scene
 from validation.run import run_to_rest
 
@@ -83,6 +83,35 @@ def test_fixed_steps_are_halved_where_a_disk_that_falls_presses_hard_on_the_tabl
     monkeypatch.setattr(rest, "HALVINGS", 0)
     with pytest.raises(EngineError, match=r"the energy explodes after t = .* s: even steps of"):
         mbs_models.simulate_to_rest(scene, 0.1, step=step)
+
+
+def test_halved_steps_come_to_the_condition_that_longer_ones_have_met() -> None:
+    contact = PenaltyContact.damped(1e5, STEEL_DISK, half_thickness=2e-4)
+    scenario = Scenario.rest(contact=contact, start=Start(spin=5.0, beta=1.2, height=0.3))
+    rising = reaching("z_rate", 0.0, -1.0)
+    known = analysis.simulate_to_rest(scenario, 1.0, stop_when=rising)
+    # Those that touch the table are halved, once its stretch has ended.
+    found = mbs_models.simulate_to_rest(
+        scenario, 1.0, step=5e-4, stop_when=rising, time_limit=60.0
+    )
+    assert not_none(found.ending).reason == "z_rate 0.0"
+    assert not_none(found.ending).time == pytest.approx(not_none(known.ending).time, abs=2e-4)
+
+
+def test_steps_that_explode_are_halved_though_they_meet_a_condition_before_the_next_record() -> (
+    None
+):
+    losses = Dissipation(rolling_viscous=5e-3, pivoting=1e-3)
+    scene = rest_scene(dissipation=losses, start=Start(beta=0.5, spin=5.0))
+    rising = reaching("z_rate", 3.0)
+    assert analysis.simulate_to_rest(scene.scenario, 0.1, stop_when=rising).ending is None
+    assert mbs_models.simulate_to_rest(scene, 0.1, step=3e-4, stop_when=rising).ending is None
+
+
+def test_a_time_limit_is_looked_at_within_a_stretch() -> None:
+    # Ten million steps would lead to its end.
+    with pytest.raises(TimeLimitError, match="before the first sample"):
+        mbs_models.simulate_to_rest(rest_scene(), 1.0, step=1e-8, spacing=0.05, time_limit=0.2)
 
 
 @pytest.mark.slow

@@ -32,6 +32,7 @@ from analysis import (
     Table,
     TimeLimitError,
     ToleranceError,
+    ViscousFriction,
 )
 from analysis.mechanics.recorded import accelerations
 from analysis.problem.checks import Array
@@ -123,6 +124,17 @@ def test_engine_follows_the_in_house_motion_to_its_end_and_knows_its_error(case:
             assert np.all(each.normal_force[:-1] > 0.0)
             assert abs(each.normal_force[-1]) < 1e-4 * scene.scenario.weight
             assert not_none(each.ending).value == each.normal_force[-1]
+
+
+def test_times_of_pulling_are_extrapolated_as_the_motion_is() -> None:
+    held = ("contact", "no-slip-along", "constant-spin")
+    start = Start(spin=60.0, beta=0.9, gamma=-1.0)
+    scenario = Scenario(constraints=held, friction=ViscousFriction(), start=start)
+    how: dict[str, Any] = {"tolerance": 1e-8, "allow_pulling": True}
+    known = analysis.simulate(scenario, [0.0, 0.3], **how)
+    run = mbs_models.simulate(scenario, [0.0, 0.3], integrator="TrapezoidalIndex2", **how)
+    assert len(known.pulling) == 2
+    np.testing.assert_allclose(run.pulling, known.pulling, rtol=0.0, atol=1e-9)
 
 
 def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() -> None:
