@@ -21,6 +21,7 @@ from analysis import (
     LOADS,
     POSSIBLE_SETS,
     STEEL_DISK,
+    ConstraintSet,
     Disk,
     Level,
     LubricatedCoulomb,
@@ -127,8 +128,8 @@ def test_engine_follows_the_in_house_motion_to_its_end_and_knows_its_error(case:
 
 
 def test_times_of_pulling_are_extrapolated_as_the_motion_is() -> None:
-    held = ("contact", "no-slip-along", "constant-spin")
     start = Start(spin=60.0, beta=0.9, gamma=-1.0)
+    held: ConstraintSet = ("contact", "no-slip-along", "constant-spin")
     scenario = Scenario(constraints=held, friction=ViscousFriction(), start=start)
     how: dict[str, Any] = {"tolerance": 1e-8, "allow_pulling": True}
     known = analysis.simulate(scenario, [0.0, 0.3], **how)
