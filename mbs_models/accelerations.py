@@ -134,11 +134,11 @@ class AccelerationProblem:
         """With which an ending is located."""
         return stepping_integrator(self.scene, np.array([0.0, 1.0]), LOCAL).method
 
-    def starting_at(self, record: Array) -> InitialValueProblem:
+    def starting_at(self, record: Array, least_tilt: float = LEAST_TILT) -> InitialValueProblem:
         """The problem from coordinates and rates on; to be solved within `solving`."""
         scenario = self.scenario
         self._start = record[:12].tolist()
-        endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - LEAST_TILT}
+        endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - least_tilt}
         if self.model.may_pull:
             endings[CONTACT_WOULD_PULL] = self._normal_force
         endings |= of_states(self.conditions, self._whole)

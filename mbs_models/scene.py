@@ -17,8 +17,8 @@ _BY_ACCURACY: tuple[type[Model], ...] = (ContactTree, EulerTree, Floating, Float
 CLASSES: dict[EngineFormulation, type[Model]] = {each.name: each for each in _BY_ACCURACY}
 
 FREE_BELOW = 0.02
-"""Sine of the inclination at the start below which a free body comes first: the mass matrix of a
-tree becomes singular with its square, and rounding in accelerations grows against that."""
+"""Sine of the inclination below which a free body comes first: the mass matrix of a tree becomes
+singular with its square, and rounding in accelerations grows against that."""
 
 _PAPER = Scenario()
 
@@ -116,6 +116,13 @@ class Scene:
         Euler parameters bring one of their own.
         """
         return CLASSES[self.built_as].has_constraints(self.scenario)
+
+    @property
+    def freed(self) -> "Scene | None":
+        """The same without Euler angles, if it has these, is free to have none, and can."""
+        free = [each for each in formulations(self.scenario) if not CLASSES[each].has_euler_angles]
+        is_open = self.formulation is None and CLASSES[self.built_as].has_euler_angles
+        return replace(self, formulation=free[0]) if is_open and free else None
 
     def starting_at(self, state: State) -> "Scene":
         """The same scene with this state as its start."""

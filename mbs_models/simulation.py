@@ -8,7 +8,7 @@ from math import isnan, sin, sqrt
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import StopWhen, named_conditions
+from analysis.motion.endings import FLAT, StopWhen, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
     Array,
@@ -21,7 +21,7 @@ from analysis.problem.checks import (
 )
 from analysis.problem.choices import IntegratorName
 from analysis.problem.friction import check_slipping
-from analysis.problem.limits import DEFAULT_TOLERANCE
+from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import FlatError
 from analysis.solve.stepping import Run, integrate, pulls_at_start
@@ -31,7 +31,7 @@ from mbs_models.accelerations import AccelerationProblem
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
-from mbs_models.scene import CLASSES, Scene
+from mbs_models.scene import CLASSES, FREE_BELOW, Scene
 from mbs_models.solving import EngineError, SingularError, solving, stepping
 from mbs_models.whole_runs import NEARLY_FLAT, Call, run_over
 
@@ -142,19 +142,37 @@ def simulate(
     check_slipping(scene.scenario.friction)
     start = scene.scenario.initial_state
     watch = Watch(time_limit, progress, most)
+    may_change = tolerance is not None and (integrator is None or chosen.steps_accelerations)
+    freed = scene.freed if may_change else None
     motion = AccelerationProblem(scene, named_conditions(stop_when, start))
     call = Call(
         motion=motion,
         times=times,
         longest=np.inf if step is None else step,
         tolerance=tolerance,
+        least_tilt=LEAST_TILT if freed is None else FREE_BELOW,
         allow_pulling=allow_pulling,
         watch=watch,
     )
     with closing(motion.model):
         with solving(motion.system):
             pulls_at_start(motion.starting_at(start.vector), allow_pulling=allow_pulling)
-        return _first_that_leads_there(call, tried)
+        try:
+            return _first_that_leads_there(call, tried)
+        except FlatError:
+            if freed is None:
+                raise
+    return simulate(
+        freed,
+        times,
+        step=step,
+        tolerance=tolerance,
+        integrator=integrator,
+        stop_when=stop_when,
+        allow_pulling=allow_pulling,
+        time_limit=None if time_limit is None else max(time_limit - watch.seconds, 1e-3),
+        progress=progress,
+    )
 
 
 def _accuracy(
@@ -239,7 +257,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     """
     times, tolerance = call.times, call.tolerance
     motion, start = call.motion, call.motion.scenario.initial_state.vector
-    problem = motion.starting_at(start)
+    problem = motion.starting_at(start, call.least_tilt)
     problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
 
     def run(local: float, part: float) -> Run:
@@ -254,6 +272,9 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
             watch=call.watch,
         )
         call.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+        if found.ended == FLAT and call.least_tilt > LEAST_TILT:
+            moment = float(found.times[-1])
+            raise FlatError(f"the disk comes nearly flat at t = {moment:.6g} s", moment)
         return found
 
     rungs = [integrator.local_tolerance or FINEST_LOCAL]

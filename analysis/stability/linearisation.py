@@ -398,7 +398,11 @@ def unstable_start(scenario: Scenario) -> str | None:
         # Only its slope at no slip matters, and neither its kink nor its load.
         friction = ViscousFriction(viscosity=min(friction.gradient, STEEPEST_FRICTION))
     lasting = replace(steady(scenario), friction=friction, start=Start())
-    system = Linearisation(lasting, upright(lasting, gamma))
+    place = upright(lasting, gamma)
+    if not np.max(np.abs(imbalance(lasting, turning_state(lasting, place, spin)))) <= ZERO:
+        # A centred disk that turns about none of its axes of inertia.
+        return None
+    system = Linearisation(lasting, place)
     values = np.linalg.eigvals(system.matrices(np.array([spin]))[0])
     growth = float(np.max(values.real))
     if growth <= _SLOWEST * system.frequency + ROUND_OFF * np.max(np.abs(values)):

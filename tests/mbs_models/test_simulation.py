@@ -246,6 +246,26 @@ def test_nearly_flat_a_free_body_is_proposed_whose_accelerations_lose_fewer_digi
     assert errors[1] < 1e-12
 
 
+@pytest.mark.parametrize("level", LEVELS[:2])
+def test_a_run_that_comes_nearly_flat_goes_by_a_free_body_unless_its_formulation_is_given(
+    level: Level,
+) -> None:
+    scenario, times = model(level, start=Start(spin=0.0, beta=0.3)), np.linspace(0.0, 0.1, 11)
+    assert Scene(scenario).built_as != "floating"
+    expected = analysis.simulate(scenario, times, tolerance=1e-10)
+    # It comes within a few thousandths of a radian.
+    assert expected.coordinates[:, 4].min() < 0.05
+    hows: list[dict[str, Any]] = [{}, ACCELERATED]
+    for how in hows:
+        run = mbs_models.simulate(scenario, times, tolerance=1e-7, time_limit=60.0, **how)
+        assert run.method["formulation"] == "floating"
+        assert deviation(run, expected) < 1e-7
+    given = mbs_models.simulate(
+        Scene(scenario, "euler-tree"), times, tolerance=1e-3, time_limit=60.0, **ACCELERATED
+    )
+    assert given.method["formulation"] == "euler-tree"
+
+
 def test_newtons_iteration_is_not_asked_for_less_than_rounding_leaves_of_the_norm() -> None:
     # Of the smallest disks, the rate of that norm has larger last digits than all forces.
     r = 0.001365283619037153

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Annotated, Any
 
-from analysis import Dissipation, SpatialMotion, StoredRun
+from analysis import Scenario, SpatialMotion, StoredRun
 from analysis.motion.outcomes import OUTCOMES
 from analysis.problem.checks import whole
 from analysis.problem.limits import REST_SPACING
@@ -151,12 +151,15 @@ def _remarks(motion: SpatialMotion) -> Iterator[str]:
     if motion.ending is None and motion.phases.rest is None:
         yield (
             f"not at rest after {motion.times[-1]:g} s, leaning by {motion.leaning[-1]:.4g} rad"
-            + _lacking(motion.scenario.dissipation)
+            + _lacking(motion.scenario)
         )
 
 
-def _lacking(losses: Dissipation) -> str:
+def _lacking(scenario: Scenario) -> str:
     """What a disk needs that is to come to rest, and does not have."""
+    if not scenario.table.is_horizontal:
+        return "; downhill it creeps, since friction takes some slip to hold it"
+    losses = scenario.dissipation
     rolls_freely = not losses.rolling_dry and not losses.rolling_viscous
     flat = "; lying flat needs --rolling or --rolling-viscous" if rolls_freely else ""
     return flat if losses.pivoting else f"{flat}; lying still needs --pivoting"

@@ -133,7 +133,7 @@ Cases = Annotated[
     dict[str, Any],
     Group(
         CaseOptions,
-        *("source", "formulation", "tolerance", "step", "local_tolerance", "method"),
+        *("source", "formulation", "tolerance", "step", "local_tolerance", "integrator", "method"),
         *("stop_when", "time_limit", "end", "spacing", "witnesses", "keep"),
     ),
 ]

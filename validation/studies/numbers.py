@@ -146,6 +146,7 @@ def present(rows: Rows) -> Content:
         numbers={
             "total": len(agreed),
             "agree": int(agreed.sum()),
+            "unfound": len(HOPF),
             "answer": grade(yes=bool(agreed.all()), partly=True),
             "sharp": printed[printed["quantity"].isin((CLOSED, LIMIT))].to_dict("records"),
             "third": third,

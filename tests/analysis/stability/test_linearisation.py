@@ -184,6 +184,8 @@ def test_all_others_are_none() -> None:
     others.append(Scenario(constraints=MODELS[4], start=SPINNING))
     others.append(Scenario(table=Table(inclination=0.1), start=SPINNING))
     others.append(Scenario(start=Start(gamma=0.3, gamma_rate=0.0, spin=10.0)))
+    # Of an oblique axis of inertia.
+    others.append(Scenario(disk=replace(STEEL_DISK, eccentricity=0.0)))
     # All eigenvalues are zero or imaginary without friction, some of them defective zeros.
     slippery, standing = SmoothCoulomb(coefficient=0.0), Start(gamma=0.3, gamma_rate=None, spin=40)
     round_disk = Scenario(disk=CENTRED_DISK, friction=slippery, start=standing)
