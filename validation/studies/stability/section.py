@@ -7,13 +7,8 @@ import pandas as pd
 
 from validation.comparison.limits import largest
 from validation.studies.comparisons import EIGENVALUE_LIMIT
-from validation.studies.stability import figures, measured
+from validation.studies.stability import figures, measured, variants  # noqa: F401 # in the text
 from validation.studies.stability.measured import CLOSED, ENGINE, HERE, HOPF, OWN
-from validation.studies.stability.variants import (  # noqa: F401 # the text names them
-    PRINTED,
-    ROUNDED_STEEP,
-    STEEP,
-)
 from validation.study import Check, Content, Rows, at_most, equal, grade
 
 TITLE = "Linear stability"
@@ -25,9 +20,7 @@ SPEED_LIMIT = 1e-6
 
 def present(rows: Rows) -> Content:
     """Numbers, tables, figures and checks."""
-    values, numbers, variants, region = (
-        rows[study.name].drop(columns="case") for study in STUDIES
-    )
+    values, numbers, tried, region = (rows[study.name].drop(columns="case") for study in STUDIES)
     found = numbers.set_index("quantity")
     of_models = values[values.constraints.str.startswith("Model")]
     # In the engine's first formulation of each.
@@ -43,7 +36,7 @@ def present(rows: Rows) -> Content:
             "corners": region[region.kind == "corner"],
             "inside": inside,
             "answers": _answers(found, stable),
-            "changes": len(variants) - 1,
+            "changes": len(tried) - 1,
             "models_apart": largest(of_models.difference),
             "sets_apart": largest(values.difference),
             "own": values.groupby("is constrained")[OWN],
@@ -52,7 +45,7 @@ def present(rows: Rows) -> Content:
             "region": region.loc[region.kind != "curve"].drop(
                 columns=["kind", "spins", "gradients"]
             ),
-            "variants": variants,
+            "variants": tried,
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
         figures={
@@ -61,7 +54,7 @@ def present(rows: Rows) -> Content:
             "figure-11": figures.figure_11(full.loc["noninverted"]),
             "chart": figures.chart(region),
         },
-        checks=list(_checks(values, found, variants, region)),
+        checks=list(_checks(values, found, tried, region)),
     )
 
 
@@ -71,7 +64,7 @@ def _critical(found: pd.DataFrame) -> list[float]:
 
 
 def _checks(
-    values: pd.DataFrame, found: pd.DataFrame, variants: pd.DataFrame, region: pd.DataFrame
+    values: pd.DataFrame, found: pd.DataFrame, tried: pd.DataFrame, region: pd.DataFrame
 ) -> Iterator[Check]:
     scenes = 2 * len(measured.scenes())
     yield equal("eigenvalues: scenes in both motions", len(values), scenes)
@@ -96,7 +89,7 @@ def _checks(
             name, limit = f"growth {point.place}, {side}", "below 0" if inside else "above 0"
             yield Check(f"stable region: {name}", rate, limit, "fresh", holds)
     # Tried as the variants are, the equations as they are have to cross where they do.
-    as_they_are = variants.set_index("variant").at["equations as they are", measured.SPEEDS]
+    as_they_are = tried.set_index("variant").at["equations as they are", measured.SPEEDS]
     here = ", ".join(f"{speed:.3f}" for speed in found.loc[HOPF, HERE])
     yield equal("variants: the equations as they are", as_they_are, here)
 
