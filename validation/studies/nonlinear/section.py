@@ -12,6 +12,7 @@ from validation.comparison.limits import largest
 from validation.display.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.display.tables import Table
 from validation.nonlinear import figures, passage, tables
+from validation.nonlinear.tables import HEADS
 from validation.studies.nonlinear import measured
 from validation.studies.nonlinear.measured import PAPER, ROTATING, SWINGING
 from validation.study import Check, Content, Row, Rows, at_most, equal, grade
@@ -37,6 +38,12 @@ FIT, ROOT = 1e-3, 0.03
 SOON = 1.0
 """Time in s after a crossing within which a disk would be lost there."""
 
+HELD = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
+"""What is told of cycles at held spin,"""
+
+CONNECTION = {"case": "friction or disk", "predicted": "first-order prediction"}
+"""and headings of connections that no motion has."""
+
 
 def present(rows: Rows) -> Content:
     """Numbers, tables, figures and checks."""
@@ -49,14 +56,14 @@ def present(rows: Rows) -> Content:
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
     held = families[families.case.isin(measured.HELD_NAMES)]
     stable = sum(bool(each["stable"]) for each in cycles)
-    late = followed.lost - followed.crossing
+    late, apart = followed.lost - followed.crossing, _apart(engine)
     return Content(
         numbers={
             "cycles": cycles,
             "hopf": hopf,
             "connection": connection,
             "fits": fits,
-            "apart": _apart(engine).max(skipna=False).clip(lower=KEPT),
+            "apart": apart.max(skipna=False).clip(lower=KEPT),
             "held": held,
             "followed": followed.set_index("case"),
             "law": law,
@@ -74,9 +81,11 @@ def present(rows: Rows) -> Content:
             "some-cycles": _frame(tables.motion_table(cycles[1::5])),
             "rotations": _frame(tables.motion_table(rotations, "rotating")),
             "some-rotations": _frame(tables.motion_table(rotations[::5], "rotating")),
-            "held": _held_table(held),
-            "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=tables.HEADS),
-            "connections": _connection_table(connections),
+            "held": held.replace({"stable": tables.WORDS})[["case", *HELD]].rename(columns=HEADS),
+            "engine": engine[["case", "source", *SAME_CYCLE]].rename(columns=HEADS),
+            "connections": connections[["case", "spin", "predicted", *tables.SADDLE]].rename(
+                columns=HEADS | tables.SADDLE | CONNECTION
+            ),
             "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
@@ -84,10 +93,7 @@ def present(rows: Rows) -> Content:
             "periods": _family(cycles, hopf, connection, "period", "multiplier", "log10_strong"),
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
-        checks=[
-            *_cycle_checks(fits, _apart(engine)),
-            *_other_checks(connections, passages, law.exponent),
-        ],
+        checks=[*_checks(fits, apart, connections, passages, law.exponent)],
     )
 
 
@@ -147,26 +153,16 @@ def _apart(engine: pd.DataFrame) -> pd.DataFrame:
     return (values.loc["engine"] - values.loc["in-house"]).abs()
 
 
-def _held_table(found: pd.DataFrame) -> pd.DataFrame:
-    columns = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
-    words = found.assign(stable=found.stable.map(tables.WORDS))
-    return words[["case", *columns]].rename(columns=tables.HEADS)
-
-
-def _connection_table(found: pd.DataFrame) -> pd.DataFrame:
-    heads = {
-        "case": "friction or disk",
-        "spin": "spin in rad/s",
-        "predicted": "first-order prediction",
-        **tables.SADDLE,
-    }
-    return found[[*heads]].rename(columns=heads)
-
-
 # --- Checks -------------------------------------------------------------------------------------
 
 
-def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
+def _checks(
+    fits: pd.DataFrame,
+    apart: pd.DataFrame,
+    connections: pd.DataFrame,
+    passages: pd.DataFrame,
+    power_of_decay: float,
+) -> Iterator[Check]:
     for name, limit in SAME_CYCLE.items():
         yield at_most(f"cycles: {name}, engine", largest(apart[name]), limit)
     birth, end = fits.birth, fits.end
@@ -178,11 +174,6 @@ def _cycle_checks(fits: pd.DataFrame, apart: pd.DataFrame) -> Iterator[Check]:
     }
     for name, ratio in ratios.items():
         yield at_most(f"cycles: {name}, fit over theory less 1", abs(ratio - 1.0), FIT)
-
-
-def _other_checks(
-    connections: pd.DataFrame, passages: pd.DataFrame, power_of_decay: float
-) -> Iterator[Check]:
     number = len(measured.disks_and_friction())
     yield equal("connections: found", int(connections.spin.notna().sum()), number)
     yield at_most("connections: bracket", largest(connections.bracket), SAME)
