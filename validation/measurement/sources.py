@@ -3,6 +3,7 @@
 import ast
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec, resolve_name
@@ -45,8 +46,9 @@ def digest(paths: Iterable[Path]) -> str:
     return found.hexdigest()[:16]
 
 
+@cache
 def behind(module: str) -> str:
-    """Digest of the code behind the results of functions in a module.
+    """Digest of the code behind the results of functions in a module, as it is asked for first.
 
     That of the mechanics, of the module, and of all it imports of this project, at whatever
     place.
@@ -55,14 +57,8 @@ def behind(module: str) -> str:
     ----------
     module : str
     """
-    files = [file for name in sorted(modules(module)) if (file := _file(name)) is not None]
+    files = _reached([module], lambda top: top in {*PROJECT, "tests"} - {*MECHANICS})
     return digest([*(Path(__file__).parents[2] / name for name in MECHANICS), *files])
-
-
-@cache
-def modules(module: str) -> frozenset[str]:
-    """A module and all that it imports of this project, beside the mechanics."""
-    return frozenset(_reached([module], lambda top: top in {*PROJECT, "tests"} - {*MECHANICS}))
 
 
 def own_files(names: Iterable[str]) -> list[Path]:
@@ -72,22 +68,21 @@ def own_files(names: Iterable[str]) -> list[Path]:
         file = None if top in PROJECT else _file(top)
         return file is not None and not any(file.is_relative_to(each) for each in _INSTALLED)
 
-    return sorted(_reached(names, is_own).values())
+    return _reached(names, is_own)
 
 
-def _reached(names: Iterable[str], follows: Callable[[str], bool]) -> dict[str, Path]:
-    """Modules and all that they import, with their files, of packages that are followed."""
-    found: dict[str, Path] = {}
-    waiting = [*names]
+def _reached(names: Iterable[str], follows: Callable[[str], bool]) -> list[Path]:
+    """Files of modules and of all that they import, of packages that are followed."""
+    known, found, waiting = set[str](), list[Path](), [*names]
     while waiting:
         name = waiting.pop()
-        if name not in found and follows(name.partition(".")[0]):
-            file = _file(name)
-            if file is not None:
-                found[name] = file
+        if name not in known and follows(name.partition(".")[0]):
+            known.add(name)
+            if (file := _file(name)) is not None:
+                found.append(file)
                 package = name if file.name == "__init__.py" else name.rpartition(".")[0]
                 waiting += _imports(ast.parse(file.read_bytes()), package)
-    return found
+    return sorted(found)
 
 
 def _imports(tree: ast.Module, package: str) -> Iterator[str]:
@@ -108,12 +103,9 @@ def _file(module: str) -> Path | None:
     """File of a module; None if it has none that can be read."""
     place = getattr(sys.modules.get(module), "__file__", None)
     if place is None:
-        try:
-            spec = find_spec(module)
-        except (ImportError, ValueError):
-            # The parent is a module and no package: what follows it is a name.
-            return None
-        place = None if spec is None else spec.origin
+        # Where the parent is a module and no package, what follows it is a name.
+        with suppress(ImportError, ValueError):
+            place = getattr(find_spec(module), "origin", None)
     return Path(place) if place is not None and place.endswith(".py") else None
 
 
