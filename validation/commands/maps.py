@@ -9,14 +9,7 @@ from analysis.simulation.compiled.library import require_heyoka
 from validation.commands.options import announce_cases, checked_end, in_cases
 from validation.display.tables import Table
 from validation.maps.panel import Panel, expected_cases, run_panel
-from validation.maps.problems import (
-    DISTANCES,
-    PROBLEMS,
-    Uncertainty,
-    panels,
-    shifted_sweeps,
-    uncertainty,
-)
+from validation.maps.problems import DISTANCES, PROBLEMS, panels, shifted_sweeps, uncertainty
 from validation.parser import kinds
 from validation.parser.files import PICTURES, Result, save
 from validation.sweeps.pools import Pool, open_pool
@@ -102,11 +95,10 @@ def map(  # noqa: A001 - the command's name
         done = _run_panels(runs, place, opened, by_face=mapped.by_face, retry=retry)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
     rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
-    fine = uncertainty([each.cells["outcome"] for each in starts]) if starts else None
-    table = Table.of(rows, mapped.title, _fineness(fine) if starts else "")
-    if starts:
-        # A map of several models has starts of the first alone.
-        rows = [row | _columns(None if number else fine) for number, row in enumerate(rows)]
+    fine, note = _fineness(starts) if starts else ({}, "")
+    table = Table.of(rows, mapped.title, note)
+    # A map of several models has starts of the first alone.
+    rows = [row | (dict.fromkeys(fine) if number else fine) for number, row in enumerate(rows)]
     lost = ", ".join(
         f"{each.sweep.scenario.name}{listed_failures(each.failures)}"
         for each in done
@@ -154,21 +146,16 @@ def _run_panels(
     ]
 
 
-def _columns(found: Uncertainty | None) -> dict[str, float | None]:
-    """The uncertainty exponent of a map, and the parts of pairs that it comes from."""
+def _fineness(starts: Sequence[Panel]) -> tuple[dict[str, float | None], str]:
+    """Uncertainty exponent of a map, and parts of pairs that it comes from: columns, and words."""
     heads = ["uncertainty exponent", "standard deviation"]
     heads += [f"part at {each:.3g} widths" for each in DISTANCES]
+    found = uncertainty([each.cells["outcome"] for each in starts])
     if found is None:
-        return dict.fromkeys(heads)
-    return dict(zip(heads, (found.exponent, found.error, *found.parts.tolist()), strict=True))
-
-
-def _fineness(found: Uncertainty | None) -> str:
-    """The same in words."""
-    if found is None:
-        return "no uncertainty exponent: pairs of starts end differently at too few distances"
+        none = "no uncertainty exponent: pairs of starts end differently at too few distances"
+        return dict.fromkeys(heads), none
     parts = ", ".join(f"{100 * part:.0f} %" for part in found.parts)
-    return (
+    return dict(zip(heads, (found.exponent, found.error, *found.parts.tolist()), strict=True)), (
         f"uncertainty exponent {found.exponent:.2f} ± {found.error:.2f}: of pairs of starts "
         f"{', '.join(f'{each:.1e}' for each in DISTANCES)} widths apart, {parts} end differently"
     )
