@@ -11,10 +11,8 @@ import numpy as np
 from analysis import CONSTRAINTS, Scenario, multiplier_names
 from analysis.motion.endings import named_conditions
 from analysis.motion.trajectory import versions
-from analysis.problem.bodies import BODIES
-from analysis.problem.friction import LAWS
 from analysis.problem.names import ArgumentError
-from analysis.problem.user_modules import is_user_name, user_object
+from analysis.problem.user_modules import is_user_name
 from analysis.problem.variations import changed, check_fields
 from analysis.simulation.compiled.library import require_heyoka
 from validation.measurement.sources import behind, digest, own_files
@@ -89,17 +87,10 @@ class Sweep:
     def code(self) -> dict[str, str]:
         """What the results depend on besides: versions, and digests of all sources."""
         # A law, a body and a condition may be of one's own.
-        parts: list[Any] = [type(self.scenario.friction), type(self.scenario.disk)]
-        kinds: dict[str, Any] = {"friction.law": LAWS, "disk.body": BODIES}
-        for axis in self.design.axes:
-            for name in axis.values if axis.field in kinds else ():
-                # A case whose class cannot be found is refused.
-                with suppress(ValueError):
-                    parts.append(kinds[axis.field].find(name))
-        if is_user_name(self.plan.stop_when):
-            parts.append(user_object("stop_when", self.plan.stop_when))
-        own = own_files({each.__module__ for each in parts})
-        sources = {"sources": behind("validation.sweeps.case"), "own": digest(own)}
+        named = (self.plan.stop_when, *(each for axis in self.design.axes for each in axis.values))
+        own = {each.partition(":")[0] for each in named if is_user_name(each)}
+        own |= {type(each).__module__ for each in (self.scenario.friction, self.scenario.disk)}
+        sources = {"sources": behind("validation.sweeps.case"), "own": digest(own_files(own))}
         return versions("exudyn", "numpy", "scipy") | sources
 
 
