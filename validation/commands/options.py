@@ -1,9 +1,8 @@
 """From options of the command line, which several commands share, to what they mean."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,8 +23,7 @@ _CLASSES: Mapping[str, Kinds[Any]] = {"friction.law": LAWS, "disk.body": BODIES}
 """What a class may be told for, which may be one's own."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Problem:
+class Problem(NamedTuple):
     """What a call tells of a scenario.
 
     Parameters

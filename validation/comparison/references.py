@@ -6,8 +6,8 @@ is made again from the sample before, with finer and finer samples.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -49,8 +49,7 @@ Plain = Callable[[Scenario, Array], Trajectory]
 _SAMPLED = ("times", "coordinates", "rates", "multipliers")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Reference:
+class Reference(NamedTuple):
     """Two runs of a motion by two methods.
 
     Parameters

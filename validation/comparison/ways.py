@@ -1,8 +1,7 @@
 """Ways to compute a motion, and a limit on their work that is the same on every machine."""
 
 import warnings
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import analysis
 import mbs_models
@@ -13,8 +12,7 @@ from mbs_models import Integrator, IntegratorName
 from validation.run import run
 
 
-@dataclass(frozen=True, slots=True)
-class Way:
+class Way(NamedTuple):
     """A way to compute a motion: formulation, and integrator or in-house method.
 
     What is left out, the side chooses.

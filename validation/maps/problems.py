@@ -6,7 +6,7 @@ sensitivity: an obstruction to predictability, Physics Letters A 99 (1983).
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 from typing import Any, NamedTuple
 
@@ -175,8 +175,7 @@ def critical_points(sweep: Sweep) -> dict[str, Array]:
 # --- The uncertainty exponent of its boundaries --------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Uncertainty:
+class Uncertainty(NamedTuple):
     """Part f of the starts whose class an error of the start changes, f ~ distance**exponent.
 
     Parameters

@@ -10,7 +10,7 @@ whose spin falls at a rate r from the Hopf point on is lost at
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,8 +64,7 @@ Passage = Mapping[str, Any]
 """How a motion passes the critical speed, by the names of `measure`."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SlowPair:
+class SlowPair(NamedTuple):
     """The slow pair of inverted spinning about its Hopf point.
 
     Parameters

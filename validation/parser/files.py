@@ -9,10 +9,9 @@ import sys
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from analysis.problem.quantities import listed
 from validation.display.tables import Table
@@ -114,8 +113,7 @@ CsvOut = Annotated[Path | None, file(writable, ".csv")]
 PictureOut = Annotated[Path | None, file(writable, *PICTURES, metavar="PICTURE")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Result:
+class Result(NamedTuple):
     """What a command has found.
 
     Parameters
