@@ -237,7 +237,9 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
                 # By every way alike.
                 raise
             may_go_on, is_late = integrator.steps_accelerations, isinstance(error, TimeLimitError)
-            leaning, scene = call.watch.flattest[1], call.motion.scene
+            scene = call.motion.scene
+            start = sin(scene.scenario.initial_state.coordinates[4])
+            leaning = min(start, call.watch.flattest[1])
             hint = advice(scene, integrators[0], leaning, is_late=is_late)
             told = type(error)(f"{error}; {hint}")
             if is_last or is_late or not may_go_on:
@@ -340,12 +342,12 @@ def advice(scene: Scene, integrator: Integrator, leaning: float, *, is_late: boo
     is_late : bool
         Whether it has taken too long.
     """
-    found = []
-    if leaning < NEARLY_FLAT and CLASSES[scene.built_as].has_euler_angles:
+    found, is_flat = [], leaning < NEARLY_FLAT
+    if is_flat and CLASSES[scene.built_as].has_euler_angles:
         found.append("formulation 'floating', which loses fewer digits nearly flat")
     if scene.scenario.contact is None:
         best = Scene(scene.scenario)
-        if not best.has_constraints:
+        if not (best.has_constraints or is_flat):
             if scene.built_as != best.built_as:
                 found.append(f"formulation {best.built_as!r}, which has no constraints")
             elif not integrator.controls_step:

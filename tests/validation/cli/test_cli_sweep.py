@@ -29,6 +29,16 @@ def test_sweep_fills_its_store_and_tells_what_failed() -> None:
     assert Results.load(Path("a.db")).sweep.scenario == Scenario(constraints=MODELS[4])
 
 
+def test_a_local_tolerance_of_the_engine_takes_the_integrator_that_is_given() -> None:
+    stepped = "--local-tolerance 1e-9 --end 0.02 --workers 1 --out a.db"
+    call = f"sweep spin=30 --model 4 --source engine {stepped}"
+    assert "'DOPRI5' is explicit" in refusal(call)
+    assert run(call, "--integrator DOP853 --witnesses 1") == 0
+    found = Results.load(Path("a.db"))
+    assert found.sweep.plan.integrator == "DOP853"
+    assert found.columns["difference"][0] < 1e-7
+
+
 def test_axes_come_from_a_file_as_well() -> None:
     Path("axes.toml").write_text(
         'layout = "sobol"\nnumber = 3\nseed = 5\n\n[axes]\nstart.spin = "30:40"\n'
