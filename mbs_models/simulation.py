@@ -61,7 +61,9 @@ def simulate(
     engine's own integrators. With `tolerance`, there are several: those of the engine's own
     integrators halve their steps again and again and are extrapolated until the estimated error of
     beta and gamma is below it; those that step the engine's accelerations tighten the tolerance of
-    a step until two agree, and `step` only limits their steps.
+    a step until two agree, and `step` only limits their steps. Where these come nearly flat, a
+    scene whose formulation is left open is begun anew as a free body, which loses fewer digits
+    there.
 
     A run ends where a bilateral contact would have to pull, where the disk lies flat, where it is
     told to, or at its time limit: the trajectory then holds fewer samples than asked for, the
