@@ -232,6 +232,8 @@ ROOT = PowerLawCoulomb(
     coefficient=0.5, smoothing=1e-3, reference_load=7.0, exponent=0.5, load="contact"
 )
 STRONG = replace(ROOT, coefficient=2.1, smoothing=0.02, reference_load=49.0)
+FLATTENED = replace(ROOT, coefficient=2.44, smoothing=0.012, reference_load=13.0, exponent=0.16)
+CALLING = replace(ROOT, coefficient=1.56, smoothing=0.009, reference_load=60.0, exponent=0.47)
 
 
 @pytest.mark.parametrize(
@@ -240,6 +242,10 @@ STRONG = replace(ROOT, coefficient=2.1, smoothing=0.02, reference_load=49.0)
         (ROOT, Start(beta=1.0, gamma=0.0, spin=-5.0, gamma_rate=30.0, beta_rate=-20.0)),
         # With some sixty times the force that there is without friction.
         (STRONG, Start(beta=1.76, gamma=-2.76, spin=17.0, gamma_rate=5.5, beta_rate=13.0)),
+        # Secants alone lead away, and the force is small, but not the sizes that cancel in it.
+        (FLATTENED, Start(beta=0.8, gamma=-1.1, spin=3.0, gamma_rate=10.0, beta_rate=8.0)),
+        # To take what friction calls for as the next load leads nowhere within sixty steps.
+        (CALLING, Start(beta=2.5, gamma=2.3, spin=-11.0, gamma_rate=-3.0, beta_rate=-4.0)),
     ],
 )
 def test_contact_force_is_found_where_friction_grows_less_than_in_proportion_to_it(
