@@ -55,6 +55,13 @@ TWICE = Scenario(
 
 RISING = State(coordinates=Scenario().initial_state.coordinates, rates=(0, 0, 2e-9, 0, 0, 0))
 
+
+def displaced(*shift: float) -> State:
+    held = scene_of(2).scenario.initial_state
+    moved = np.add(held.coordinates, (*shift, 0.0, 0.0, 0.0))
+    return replace(held, coordinates=tuple(moved.tolist()))
+
+
 REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(simulate, step=1e-3, tolerance=1e-3), "either step or tolerance"),
     (partial(simulate, integrator="DOPRI5"), "explicit and cannot take the constraints"),
@@ -67,6 +74,10 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(Integrator, name="GeneralizedAlpha", spectral_radius=1.5), "from 0 to 1, got 1.5"),
     (partial(mbs_models.acceleration, scene_of(start=RISING)),
      "breaks the constraint 'contact' of Model 1 on velocity level by 2.000e-09 m/s"),
+    *((partial(mbs_models.acceleration, scene_of(2, start=displaced(*shift))),
+       f"breaks the constraint {held} on position level by {broken} m")
+      for shift, held, broken in (((0.0, 2e-9, 0.0), "'fixed-cog' of Model 2", "2.000e-09"),
+                                  ((0.0, 0.0, -2e-9), "'contact' of Model 2", "-2.000e-09"))),
     *((partial(call, TWICE), "start must be one where the constraints of contact .* depend on")
       for call in (mbs_models.eigenvalues, mbs_models.acceleration)),
     (partial(scene_of, 2, "contact-tree"), "exists for Model 1 alone, got Model 2"),
