@@ -150,6 +150,21 @@ def test_an_ending_on_steep_friction_is_located_by_implicit_steps() -> None:
     assert moments[-1] == pytest.approx(not_none(known.ending).time, abs=1e-7)
 
 
+def test_what_a_run_has_met_is_looked_for_a_little_later_and_what_it_may_have_met_is_not() -> None:
+    condition = reaching("alpha", 1.0)
+    known = not_none(analysis.simulate(Scenario(), [0.0, 0.1], stop_when=condition).ending)
+    motion = AccelerationProblem(Scene(Scenario()), {"turned": condition})
+    record = np.append(Scenario().initial_state.vector, 0.0)
+
+    def search(reason: str) -> tuple[str | None, float]:
+        how, suspect = Search(motion=motion, watch=Watch()), Suspect(0, 0.9 * known.time, reason)
+        found, moments, _ = how.until_ending(LONG[:1], record[None], [suspect], known.time)
+        return found, float(moments[-1])
+
+    assert search("turned") == ("turned", pytest.approx(known.time, abs=1e-7))
+    assert search("") == (None, 0.0)
+
+
 @pytest.mark.parametrize("top", [0.76458, 1.78355])
 def test_a_condition_that_is_positive_only_shortly_ends_the_run_where_it_no_longer_is(
     top: float,
