@@ -85,6 +85,15 @@ def test_fixed_steps_are_halved_where_a_disk_that_falls_presses_hard_on_the_tabl
         mbs_models.simulate_to_rest(scene, 0.1, step=step)
 
 
+def test_steps_of_a_stretch_that_is_given_up_count_too() -> None:
+    scene = rest_scene(dissipation=Dissipation(pivoting=0.05), start=Start(beta=0.5, spin=5.0))
+    halved, fine = (
+        mbs_models.simulate_to_rest(scene, 0.1, step=step).counts["steps"]
+        for step in (1e-4, 2.5e-5)
+    )
+    assert (halved, fine) == (1000 + 2000 + 4000, 4000)
+
+
 def test_halved_steps_come_to_the_condition_that_longer_ones_have_met() -> None:
     contact = PenaltyContact.damped(1e5, STEEL_DISK, half_thickness=2e-4)
     scenario = Scenario.rest(contact=contact, start=Start(spin=5.0, beta=1.2, height=0.3))
