@@ -156,6 +156,19 @@ def test_an_impact_between_two_samples_leaves_the_time_open(part: float, after: 
     assert not_none(found.time_error) <= 0.05
 
 
+@pytest.mark.parametrize(("rise", "fall", "part"), [(2.5, -7.0, 0.87), (7.8, -3.3, 0.11)])
+def test_an_impact_below_the_level_does_not_come_up_to_it_between_two_samples(
+    rise: float, fall: float, part: float
+) -> None:
+    # Polynomials through samples on both sides of it do.
+    times = np.arange(0.0, 3.0, 0.1)
+    since = times - 0.7 - 0.1 * part
+    slopes, least = np.where(since < 0.0, rise, fall), np.where(since < 0.0, -1.4, -0.5)
+    directions = 0.89 + np.maximum(slopes * since, least)
+    rates = np.where(slopes * since > least, slopes, 0.0)
+    assert judged(times, directions, rates).outcome == "not inverted"
+
+
 def test_staying_counts_from_the_rise_and_not_from_the_sample_behind_it() -> None:
     run = simulate(Scenario(), np.linspace(0.0, 1.49, 11), local_tolerance=1e-8)
     assert not_none(run.inversion_time) + STAYING < 1.49
