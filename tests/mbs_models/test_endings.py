@@ -46,6 +46,11 @@ def test_a_run_of_which_next_to_nothing_makes_sense_ends_at_no_condition(
     assert not list(suspects(np.linspace(0.0, 1.0, 11), {"slow": values}, None))
 
 
+def test_a_dip_is_looked_for_where_it_is_though_the_condition_is_negative_at_first() -> None:
+    told = {"near": [-1.0, -1.0, 1.0, 1.0, 0.01, 1.0]}
+    assert list(suspects(np.arange(6.0), told, None)) == [Suspect(3, 2.0, "")]
+
+
 def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
     fast = Scenario(start=Start(spin=200.0))
     run = analysis.simulate(fast, np.linspace(0.0, 0.11, 2), allow_pulling=True)
