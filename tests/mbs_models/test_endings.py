@@ -63,6 +63,30 @@ def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
         assert (found[0], *found[1]) == (reason, 0.0)
 
 
+TUGGED = Start(spin=51.3877, beta=1.0, gamma=0.0)
+"""Its contact pulls for 0.4 ms, which either of two intervals between records may hold."""
+
+
+@pytest.mark.parametrize(
+    ("start", "moments"),
+    [
+        *((TUGGED, np.linspace(0.0, 0.156, count)) for count in (6, 7)),
+        # It pulls at four records in a row, and presses in between.
+        (Start(spin=300.0), np.array([0.0, 0.07, 0.078, 0.0883, 0.092])),
+    ],
+)
+def test_times_of_pulling_are_those_in_house_wherever_records_lie(
+    start: Start, moments: Any
+) -> None:
+    scenario = Scenario(start=start)
+    known = analysis.simulate(scenario, moments, allow_pulling=True, local_tolerance=1e-12)
+    records = np.hstack((known.coordinates, known.rates, known.multipliers))
+    search = Search(motion=AccelerationProblem(Scene(scenario), {}), watch=Watch())
+    found = search.pulling_times(moments, records, known.normal_force)
+    assert known.pulling
+    np.testing.assert_allclose(found, known.pulling, rtol=0.0, atol=1e-9)
+
+
 INVERTED = Start(gamma=pi / 2 - 0.01, spin=40.0)
 SPINNING = Start(gamma=0.3, spin=20.0)
 
