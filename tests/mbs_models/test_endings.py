@@ -190,7 +190,9 @@ def test_what_a_run_has_met_is_looked_for_a_little_later_and_what_it_may_have_me
         found, moments, _ = how.until_ending(LONG[:1], record[None], [suspect], known.time)
         return found, float(moments[-1])
 
-    assert search("turned") == ("turned", pytest.approx(known.time, abs=1e-7))
+    reason, moment = search("turned")
+    assert reason == "turned"
+    assert moment == pytest.approx(known.time, abs=1e-7)
     assert search("") == (None, 0.0)
 
 

@@ -23,7 +23,7 @@ TITLE = "Lean scenes"
 DURATION, STEP, SPACING = 0.125, 5e-4, 5e-3
 """Of a run, of its steps and between its samples in s."""
 
-PAIRS = 11
+PAIRS = 31
 SAME = 1e-9
 """Most that a part which a scene does not need may change of what is sampled, in SI units."""
 

@@ -69,14 +69,15 @@ def _checks(to_goals: pd.DataFrame, least: dict[str, float], found: pd.DataFrame
 def _lesson(runs: pd.DataFrame, to_goals: pd.DataFrame) -> dict[str, Any]:
     """Numbers of the text beside the tables."""
     held = runs[runs["formulation"].isin(measuring.CONSTRAINED)]
-    free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])["seconds"]
+    free = cheapest(runs[runs["formulation"] == "contact-tree"], ["problem"])
     best = cheapest(held, ["problem"])
     in_house = cheapest(runs[runs["formulation"] == "index-1"], ["problem"])
     failed = held[held["kind"] == "step"].groupby("scheme")["failed"].agg(["sum", "size"])
     careful = to_goals.groupby("setting", sort=False)[["ratio", "excess"]].median()
-    ratios = (best["seconds"] / free).dropna()
+    ratios, effort = ((best[cost] / free[cost]).dropna() for cost in ("seconds", "work"))
     return {
         "topology": ratios,
+        "effort": effort,
         "answer": grade(yes=(ratios > 1.0).all(), partly=(ratios > 1.0).any()),
         "won": {
             g: best.loc[best["goal"] == g, "formulation"].value_counts().to_dict() for g in GOALS
