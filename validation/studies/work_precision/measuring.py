@@ -61,7 +61,7 @@ def reference(problem: str) -> Trajectory:
 
 
 def measure_reference(problem: str) -> list[Row]:
-    """Difference of a run by another method, or on the other side, from the reference, or of two."""
+    """Difference of a run by another method or on the other side from the reference, or of two."""
     scenario, others = PROBLEMS[problem], []
     if "contact-tree" in mbs_models.formulations(scenario):
         step = SPACING / _SUBSTEPS.get(problem, 64)
