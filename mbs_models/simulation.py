@@ -8,7 +8,7 @@ from math import isnan, sin, sqrt
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import FLAT, StopWhen, named_conditions
+from analysis.motion.endings import FLAT, StopWhen, each_condition, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
     Array,
@@ -131,6 +131,7 @@ def simulate(
     True
     """
     scene, times = Scene.of(scene), increasing_times(times)
+    stop_when = each_condition(stop_when)
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
     step, tolerance = _accuracy(scene, times, chosen, step, tolerance)

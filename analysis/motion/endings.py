@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import isnan
-from typing import Any
 
 from analysis.problem.checks import choice, number, several
 from analysis.problem.elementary import sin
@@ -124,6 +123,13 @@ class Turning:
         return said
 
 
+def each_condition(stop_when: StopWhen) -> list[str | Condition]:
+    """Conditions one by one, to be gone through as often as wanted; see `named_conditions`."""
+    if isinstance(stop_when, str) or not isinstance(stop_when, Iterable):
+        return [stop_when]
+    return several("stop_when", stop_when, "conditions")
+
+
 def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[str, Turning]:
     """Conditions by the reason they give.
 
@@ -139,10 +145,8 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
         If a name is unknown, stands for two of them or is that of an ending there is anyway,
         something is neither a name nor callable, or says no number of the state.
     """
-    is_one = isinstance(stop_when, str) or not isinstance(stop_when, Iterable)
-    given: Any = (stop_when,) if is_one else several("stop_when", stop_when, "conditions")
     found: dict[str, Turning] = {}
-    for each in given:
+    for each in each_condition(stop_when):
         name, condition = _named(each)
         if found.setdefault(name, Turning(condition)).condition is not condition:
             fault = f"must hold functions of different names, got {name} twice"

@@ -267,6 +267,10 @@ def test_a_run_that_comes_nearly_flat_goes_by_a_free_body_unless_its_formulation
         run = mbs_models.simulate(scenario, times, tolerance=1e-7, time_limit=60.0, **how)
         assert run.method["formulation"] == "floating"
         assert deviation(run, expected) < 1e-7
+    rising = reaching("beta_rate", 3.0)
+    known = analysis.simulate(scenario, times, stop_when=rising).ending
+    ending = mbs_models.simulate(scenario, times, stop_when=iter([rising])).ending
+    assert not_none(ending).time == pytest.approx(not_none(known).time, abs=1e-8)
     given = mbs_models.simulate(
         Scene(scenario, "euler-tree"), times, tolerance=1e-3, time_limit=60.0, **ACCELERATED
     )
