@@ -196,6 +196,19 @@ def test_what_a_run_has_met_is_looked_for_a_little_later_and_what_it_may_have_me
     assert search("") == (None, 0.0)
 
 
+def test_the_earliest_of_several_endings_is_that_of_the_run_in_whatever_order_they_are_told() -> (
+    None
+):
+    conditions = {str(limit): reaching("alpha", limit) for limit in (1.0, 2.0)}
+    known = analysis.simulate(Scenario(), [0.0, 0.02, 0.04])
+    records = np.hstack((known.coordinates, known.rates, known.multipliers))
+    search = Search(motion=AccelerationProblem(Scene(Scenario()), conditions), watch=Watch())
+    told = [Suspect(2, 0.02, "2.0"), Suspect(1, 0.02, "1.0")]
+    for order in (told, told[::-1]):
+        reason, moments, _ = search.until_ending(known.times, records, order, 0.0)
+        assert (reason, moments[-1]) == ("1.0", pytest.approx(0.025, abs=1e-4))
+
+
 @pytest.mark.parametrize("top", [0.76458, 1.78355])
 def test_a_condition_that_is_positive_only_shortly_ends_the_run_where_it_no_longer_is(
     top: float,
