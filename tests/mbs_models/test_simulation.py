@@ -277,6 +277,21 @@ def test_a_run_that_comes_nearly_flat_goes_by_a_free_body_unless_its_formulation
     assert given.method["formulation"] == "euler-tree"
 
 
+def test_a_run_that_goes_on_as_a_free_body_ends_and_steps_and_tells_progress_as_asked() -> None:
+    scenario, times = Scenario(start=Start(spin=0.0, beta=0.3)), np.linspace(0.0, 0.1, 11)
+    rising, told = reaching("beta_rate", 1.0), list[tuple[float, float]]()
+    run = mbs_models.simulate(
+        scenario, times, tolerance=1e-7, step=1e-4, stop_when=rising, time_limit=60.0,
+        progress=lambda *at: told.append(at), **ACCELERATED,
+    )  # fmt: skip
+    known = not_none(analysis.simulate(scenario, times, stop_when=rising).ending)
+    assert run.method["formulation"] == "floating"
+    assert run.method["step"] == 1e-4
+    assert not_none(run.ending).reason == "beta_rate 1.0"
+    assert not_none(run.ending).time == pytest.approx(known.time, abs=1e-7)
+    assert max(told)[0] == pytest.approx(known.time, abs=1e-3)
+
+
 def test_newtons_iteration_is_not_asked_for_less_than_rounding_leaves_of_the_norm() -> None:
     # Of the smallest disks, the rate of that norm has larger last digits than all forces.
     r = 0.001365283619037153
