@@ -35,7 +35,7 @@ from analysis.stability.linearisation import (
     upright,
 )
 from analysis.stability.spectra import System, eigenvalues, full_matrices
-from tests.bodies import COMPOSED, TIPPE_TOP
+from tests.bodies import BODIES, COMPOSED, TIPPE_TOP
 from tests.helpers import model, not_none, random_disk
 
 SPINS = np.array([0.0, 5.0, 30.0, 60.0])
@@ -181,8 +181,9 @@ def test_all_others_are_none() -> None:
     starts = [*(replace(SPINNING, **{name: value}) for name, value in BESIDE.items()), Start()]
     others = [Scenario(start=start) for start in starts]
     others += [Scenario(disk=body, start=SPINNING) for body in (COMPOSED, TIPPE_TOP)]
+    others.append(Scenario(disk=BODIES["sphere"], start=Start.stationary(1.0)))
     others.append(Scenario(constraints=MODELS[4], start=SPINNING))
-    others.append(Scenario(table=Table(inclination=0.1), start=SPINNING))
+    others += [Scenario(table=Table(inclination=each), start=SPINNING) for each in (1e-9, 0.1)]
     others.append(Scenario(start=Start(gamma=0.3, gamma_rate=0.0, spin=10.0)))
     # Of an oblique axis of inertia.
     others.append(Scenario(disk=replace(STEEL_DISK, eccentricity=0.0)))
