@@ -334,6 +334,16 @@ def test_estimates_are_no_less_than_the_runs_before_let_expect(case: str) -> Non
     assert ladder.estimate >= 0.999 * (least or 0.0)
 
 
+def test_times_of_pulling_are_extrapolated_over_runs_alone_that_pull_as_often() -> None:
+    scene = scene_of(1, "euler-tree", friction=SmoothCoulomb(coefficient=0.0))
+    ladder = Ladder(scene, Integrator(name="TrapezoidalIndex2"))
+    runs = np.array([0.1, 0.2, 0.3]), np.array([0.14, 0.24]), np.array([0.11, 0.21])
+    for halvings, begins in enumerate(runs):
+        values, edges = np.full((3, 12), 1.0 + 0.16 / 4**halvings), begins[:, None] + (0.0, 0.05)
+        ladder.add(values, np.arange(3.0), 0.01 / 2**halvings, edges)
+    np.testing.assert_allclose(ladder.best_edges, [(0.1, 0.15), (0.2, 0.25)], rtol=1e-12)
+
+
 # --- Whatever the times --------------------------------------------------------------------------
 
 
