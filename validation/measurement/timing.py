@@ -8,6 +8,9 @@ from scipy.stats import binom
 
 T = TypeVar("T")
 
+CONFIDENCE = 0.99
+"""With which an interval holds the median of ratios."""
+
 
 def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
     """Results of some calls, such as their times, made one after the other so many times.
@@ -30,10 +33,10 @@ def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
 
 
 def interval(ratios: Sequence[float]) -> tuple[float, float, float]:
-    """Median ratio of pairs of times, and an interval that holds it with 99 % confidence.
+    """Median ratio of pairs of times, and an interval that holds it with `CONFIDENCE`.
 
     Of 31 pairs, that is the one between the ninth and the last but eight.
     """
     ranked = sorted(ratios)
-    first = int(binom.ppf(0.005, len(ranked), 0.5))
+    first = int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(ranked), 0.5))
     return median(ranked), ranked[first], ranked[-1 - first]
