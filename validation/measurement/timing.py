@@ -9,7 +9,7 @@ from scipy.stats import binom
 T = TypeVar("T")
 
 CONFIDENCE = 0.99
-"""With which an interval holds the median of ratios."""
+"""With which, at least, an interval holds the median of ratios."""
 
 
 def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
@@ -35,8 +35,10 @@ def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
 def interval(ratios: Sequence[float]) -> tuple[float, float, float]:
     """Median ratio of pairs of times, and an interval that holds it with `CONFIDENCE`.
 
-    Of 31 pairs, that is the one between the ninth and the last but eight.
+    Of 31 pairs, that is the one between the eighth and the last but seven; of less than 8, the
+    widest there is, which holds it with less.
     """
     ranked = sorted(ratios)
-    first = int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(ranked), 0.5))
+    # No more than half of what is left may lie below the first.
+    first = max(0, int(binom.ppf((1.0 - CONFIDENCE) / 2.0, len(ranked), 0.5)) - 1)
     return median(ranked), ranked[first], ranked[-1 - first]
