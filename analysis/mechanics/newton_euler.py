@@ -13,11 +13,12 @@ from analysis.mechanics.constraints import SLIPS, Direction, contact_directions,
 from analysis.mechanics.dual import rate
 from analysis.mechanics.linear_algebra import NONE, Vector, add, dot, scaled, solve
 from analysis.problem.body import Body
-from analysis.problem.constraints import ConstraintSet
+from analysis.problem.constraints import PRESCRIBED, ConstraintSet, multiplier_names
 from analysis.problem.elementary import Numbers
 from analysis.problem.friction import FrictionLaw, SmoothCoulomb
 from analysis.problem.quantities import Load
 from analysis.problem.scenario import Scenario
+from analysis.problem.start import COORDINATES
 
 Friction = Callable[[Any, Any, Any], tuple[Any, Any]]
 """From two parts of a slip and a load to the force against it: `FrictionLaw.force`. A slip that is
@@ -137,11 +138,13 @@ def derivative(
 
 def _changes(constraints: ConstraintSet, disk: Any, moving: Moving) -> list[Any]:
     """Changes of what constraints hold, by the turning of their directions alone."""
+    known = dict(zip(COORDINATES[3:], moving.rates, strict=True))
+    # What has a scale holds a rate, which stays as it is.
+    kept = [known.get(PRESCRIBED.get(name, ""), 0.0) for name in multiplier_names(constraints)]
 
     def held(angles: Numbers) -> list[Any]:
-        every = directions(constraints, disk, angles)
-        # One with a scale keeps the spin what it is.
-        return [dot(each.turning, moving.angular) - each.scale * moving.spin for each in every]
+        every = zip(directions(constraints, disk, angles), kept, strict=True)
+        return [dot(each.turning, moving.angular) - each.scale * still for each, still in every]
 
     return rate(held, moving.attitude, moving.rates)
 
