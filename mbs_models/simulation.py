@@ -135,19 +135,13 @@ def simulate(
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
     step, tolerance = _accuracy(scene, times, chosen, step, tolerance)
-    effort = simulation_effort(scene, times, integrator, step=step, tolerance=tolerance)
-    effort.check()
-    tried, most = [chosen], effort.most
-    if integrator is None and tolerance is not None:
-        tried = ways(scene, times, tolerance)
-        # There is another way to try.
-        most += simulation_effort(scene, times, chosen, tolerance=tolerance).most
+    tried, most = _ways(scene, times, integrator, step, tolerance)
     check_slipping(scene.scenario.friction)
-    start = scene.scenario.initial_state
     watch = Watch(time_limit, progress, most)
     may_change = tolerance is not None and (integrator is None or chosen.steps_accelerations)
     freed = scene.freed if may_change else None
-    motion = AccelerationProblem(scene, named_conditions(stop_when, start))
+    conditions = named_conditions(stop_when, scene.scenario.initial_state)
+    motion = AccelerationProblem(scene, conditions)
     call = Call(
         motion=motion,
         times=times,
@@ -157,14 +151,12 @@ def simulate(
         allow_pulling=allow_pulling,
         watch=watch,
     )
-    with closing(motion.model):
-        with solving(motion.system):
-            pulls_at_start(motion.starting_at(start.vector), allow_pulling=allow_pulling)
-        try:
+    try:
+        with closing(motion.model):
             return _first_that_leads_there(call, tried)
-        except FlatError:
-            if freed is None:
-                raise
+    except FlatError:
+        if freed is None:
+            raise
     return simulate(
         freed,
         times,
@@ -176,6 +168,23 @@ def simulate(
         time_limit=None if time_limit is None else max(time_limit - watch.seconds, 1e-3),
         progress=progress,
     )
+
+
+def _ways(
+    scene: Scene,
+    times: Array,
+    integrator: Integrator | IntegratorName | None,
+    step: float | None,
+    tolerance: float | None,
+) -> tuple[Sequence[Integrator], float]:
+    """Integrators to be tried in turn, and steps after which all of them are given up."""
+    effort = simulation_effort(scene, times, integrator, step=step, tolerance=tolerance)
+    effort.check()
+    usual = find_integrator(scene, integrator)
+    if integrator is not None or tolerance is None:
+        return [usual], effort.most
+    other = simulation_effort(scene, times, usual, tolerance=tolerance)
+    return ways(scene, times, tolerance), effort.most + other.most
 
 
 def _accuracy(
@@ -218,6 +227,10 @@ def _check_reachable(scene: Scene, times: Array, tolerance: float) -> None:
 def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Trajectory:
     """The motion by the first of some integrators that leads there."""
     failed: Exception | None = None
+    start = call.motion.scenario.initial_state
+    with solving(call.motion.system):
+        problem = call.motion.starting_at(start.vector)
+        pulls_at_start(problem, allow_pulling=call.allow_pulling)
     for number, integrator in enumerate(integrators, start=1):
         is_last = number == len(integrators)
         try:
@@ -240,10 +253,8 @@ def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Tr
                 # By every way alike.
                 raise
             may_go_on, is_late = integrator.steps_accelerations, isinstance(error, TimeLimitError)
-            scene = call.motion.scene
-            start = sin(scene.scenario.initial_state.coordinates[4])
-            leaning = min(start, call.watch.flattest[1])
-            hint = advice(scene, integrators[0], leaning, is_late=is_late)
+            leaning = min(sin(start.coordinates[4]), call.watch.flattest[1])
+            hint = advice(call.motion.scene, integrators[0], leaning, is_late=is_late)
             told = type(error)(f"{error}; {hint}")
             if is_last or is_late or not may_go_on:
                 raise told from error

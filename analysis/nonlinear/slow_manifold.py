@@ -143,59 +143,73 @@ def slow_connection(scenario: Scenario) -> SlowOrbit:
     return _surviving(scenario, float(np.pi))
 
 
-def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
-    flow.require_cycles(scenario)
-    disk = scenario.disk
-    height = disk.radius + disk.eccentricity * np.cos(amplitude)
+class _Orbit(NamedTuple):
+    """All orbits of an amplitude in rad: their places are the same at every spin.
 
-    def place(theta: Array) -> tuple[Array, Array, Array]:
-        """Lever r + e sin(gamma) in m, cosine of beta, and gamma.
+    Along one goes theta, from -pi/2 to pi/2. Gamma deviates by the part sin(theta) of the
+    amplitude, which removes the square roots at the turning points.
+    """
 
-        The latter deviates by the part sin(theta) of the amplitude, which removes the square
-        roots at the turning points.
-        """
-        turn = amplitude * np.sin(theta)
+    scenario: Scenario
+    amplitude: float
+
+    def place(self, theta: Array) -> tuple[Array, Array, Array]:
+        """Lever r + e sin(gamma) in m, cosine of beta, and gamma."""
+        disk, turn = self.scenario.disk, self.amplitude * np.sin(theta)
+        height = disk.radius + disk.eccentricity * np.cos(self.amplitude)
         # cos(turn) - cos(amplitude) without loss of digits.
-        half, other = (amplitude - turn) / 2, (amplitude + turn) / 2
+        half, other = (self.amplitude - turn) / 2, (self.amplitude + turn) / 2
         excess = 2.0 * disk.eccentricity * np.sin(half) * np.sin(other)
         rho = height + excess
         return rho, -np.sqrt(excess * (height + rho)) / rho, np.pi / 2 + turn
 
-    def needed(theta: npt.ArrayLike, spin: float) -> Array:
-        _, cos_beta, gamma = place(np.asarray(theta))
-        return needed_friction(scenario, spin, np.arccos(cos_beta), gamma)
+    def needed(self, theta: npt.ArrayLike, spin: float) -> Array:
+        """See `needed_friction`."""
+        _, cos_beta, gamma = self.place(np.asarray(theta))
+        return needed_friction(self.scenario, spin, np.arccos(cos_beta), gamma)
 
-    def gain(spin: float, asked: Array) -> float:
-        _slips(scenario, asked)
+    def gain(self, spin: float) -> float:
+        """Melnikov's integral but for a factor, in m²/s.
+
+        Raises
+        ------
+        NoManifoldError
+            If the friction law cannot give the force that is needed.
+        """
+        asked = self.needed(_GRID, spin)
+        _slips(self.scenario, asked)
         signs = np.sign(asked)
         # Where friction changes its sign, the slip that it takes has a kink; in the middle, it
         # has a peak where friction is hardly strong enough.
         kinks = [
-            brentq(needed, *_GRID[each : each + 2], args=(spin,))
+            brentq(self.needed, *_GRID[each : each + 2], args=(spin,))
             for each in np.flatnonzero(signs[1:] * signs[:-1] < 0.0).tolist()
         ]
 
         def gained(theta: Array) -> Array:
-            return np.cos(theta) * _slips(scenario, needed(theta, spin)) * place(theta)[0]
+            slips = _slips(self.scenario, self.needed(theta, spin))
+            return np.cos(theta) * slips * self.place(theta)[0]
 
         ends = np.sort([-np.pi / 2, 0.0, *kinks, np.pi / 2])
         return float(np.sum(tanhsinh(gained, ends[:-1], ends[1:], rtol=_PRECISION).integral))
 
-    def bounded(spin: float) -> float:
+    def bounded_gain(self, spin: float) -> float:
         """The same between -1 and 1, where it is infinite as friction cannot give more."""
-        asked = needed(_GRID, spin)
         try:
-            gained = gain(spin, asked)
+            gained = self.gain(spin)
         except NoManifoldError:
+            asked = self.needed(_GRID, spin)
             return float(np.sign(asked[np.argmax(np.abs(asked))]))
-        return gained / (abs(gained) + disk.radius / scenario.friction.gradient)
+        scenario = self.scenario
+        return gained / (abs(gained) + scenario.disk.radius / scenario.friction.gradient)
 
-    critical = critical_speed(scenario).spin
-    spin = next(roots_around(bounded, critical), None)
-    told = critical if spin is None else spin
-    asked = needed(_GRID, told)
+
+def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
+    flow.require_cycles(scenario)
+    orbit, critical = _Orbit(scenario, amplitude), critical_speed(scenario).spin
+    spin = next(roots_around(orbit.bounded_gain, critical), None)
     # Either may be where friction cannot hold the disk, and then says so.
-    gain(told, asked)
+    orbit.gain(critical if spin is None else spin)
     if spin is None:
         raise NoManifoldError(
             f"no spin within half the critical one keeps the orbit of {amplitude:.6g} rad on the "
@@ -204,7 +218,9 @@ def _surviving(scenario: Scenario, amplitude: float) -> SlowOrbit:
     period = np.inf
     if amplitude < np.pi:
         ends = -np.pi / 2, np.pi / 2
-        slowness, _ = fixed_quad(lambda theta: np.cos(theta) / place(theta)[1], *ends, n=_NODES)
+        slowness, _ = fixed_quad(
+            lambda theta: np.cos(theta) / orbit.place(theta)[1], *ends, n=_NODES
+        )
         period = float(-2.0 / spin * amplitude * slowness)
-    friction = float(np.max(np.abs(asked)))
+    friction = float(np.max(np.abs(orbit.needed(_GRID, spin))))
     return SlowOrbit(amplitude=amplitude, spin=spin, period=period, friction=friction)

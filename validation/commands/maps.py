@@ -1,6 +1,6 @@
 """The command `map`: what becomes of the disk over two parameters."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -94,30 +94,31 @@ def map(  # noqa: A001 - the command's name
         place = out / name
         done = _run_panels(runs, place, opened, by_face=mapped.by_face, retry=retry)
     maps, starts = done[: len(wanted)], done[len(wanted) :]
-    rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
-    fine, note = _fineness(starts) if starts else ({}, "")
-    table = Table.of(rows, mapped.title, note)
-    # A map of several models has starts of the first alone.
-    rows = [row | (dict.fromkeys(fine) if number else fine) for number, row in enumerate(rows)]
-    lost = ", ".join(
-        f"{each.sweep.scenario.name}{listed_failures(each.failures)}"
-        for each in done
-        if each.failures
-    )
     # Matplotlib takes half a second, which no refusal waits for.
     from validation.maps import figures
 
     figure = figures.draw({each.sweep.scenario.name: each for each in maps})
     for suffix in PICTURES[:2]:
         save(figure, place.with_suffix(suffix))
-    notes = [f"{lost}; --retry runs them again"] if lost else []
-    return Result(
-        tables=[table],
-        values=rows,
-        csv=Table.of(rows, mapped.title).to_csv,
-        draw=lambda: figure,
-        notes=[f"{place}{PICTURES[0]}", *notes],
-    )
+    notes = [f"{place}{PICTURES[0]}", *_lost(done)]
+    return Result(**_told(maps, starts, mapped.title), draw=lambda: figure, notes=notes)
+
+
+def _told(maps: Sequence[Panel], starts: Sequence[Panel], title: str) -> dict[str, Any]:
+    """Tables and values of a `Result`: a row for each panel, with how fine the map is."""
+    rows = [each.summary | {"time in s": float(each.cells["seconds"].sum())} for each in maps]
+    fine, note = _fineness(starts) if starts else ({}, "")
+    table = Table.of(rows, title, note)
+    # A map of several models has starts of the first alone.
+    rows = [row | (dict.fromkeys(fine) if number else fine) for number, row in enumerate(rows)]
+    return {"tables": [table], "values": rows, "csv": Table.of(rows, title).to_csv}
+
+
+def _lost(done: Sequence[Panel]) -> Iterator[str]:
+    """What is to be said of cases that failed."""
+    if lost := [each for each in done if each.failures]:
+        named = (f"{each.sweep.scenario.name}{listed_failures(each.failures)}" for each in lost)
+        yield f"{', '.join(named)}; --retry runs them again"
 
 
 def _run_panels(

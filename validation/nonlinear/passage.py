@@ -165,33 +165,8 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
         If the disk is never inverted for a second, or the motion ends soon after.
     """
     inversion = motion.inversion
-    if inversion.time is None:
-        raise ValueError(
-            f"motion must be one that inverts the disk, and it is {inversion.outcome}"
-        )
-    # A little more than is told, for the means about the last samples.
-    measured = 2.0 * pair.settling
-    beyond = motion.times[-1] if inversion.lost is None else inversion.lost + measured
-    end = beyond - measured
-    if inversion.lost is None and end < inversion.time + measured:
-        raise ValueError(
-            f"motion must go on for {2.0 * measured:.3g} s after the inversion at t = "
-            f"{inversion.time:.3g} s, or until that is lost"
-        )
-    if isinstance(motion, SpatialMotion):
-        if inversion.lost is not None:
-            # It may lie flat that soon afterwards, where Euler angles end.
-            lying = motion.times[(motion.leaning < _FLAT) & (motion.times > inversion.lost)]
-            beyond = float(np.nextafter(np.min(lying, initial=beyond), 0.0))
-        path = motion.to_trajectory(beyond)
-    else:
-        path = motion
-    near = path.times <= beyond
-    times, gamma, rates = (
-        each[near] for each in (path.times, path.coordinate("gamma"), path.rate("alpha"))
-    )
+    (times, gamma, rates), kept = _inverted(motion, pair)
     spins = running_mean(times, rates, 2.0 * np.pi / pair.frequency)
-    kept = (times >= inversion.time) & (times <= end)
     spins = np.sign(spins[kept][0]) * spins
     turns = np.round((np.median(gamma[kept]) - np.pi / 2) / (2.0 * np.pi))
     deviation = gamma - np.pi / 2 - 2.0 * np.pi * turns
@@ -225,6 +200,36 @@ def measure(motion: Trajectory | SpatialMotion, pair: SlowPair) -> Passage:
         "deviations": amplitude,
         "linear": linear,
     }
+
+
+def _inverted(
+    motion: Trajectory | SpatialMotion, pair: SlowPair
+) -> tuple[tuple[Array, Array, Array], npt.NDArray[np.bool_]]:
+    """Times, gamma and rates of alpha up to the loss, or the end, and which of them are told."""
+    inversion = motion.inversion
+    if inversion.time is None:
+        raise ValueError(
+            f"motion must be one that inverts the disk, and it is {inversion.outcome}"
+        )
+    # A little more than is told, for the means about the last samples.
+    measured = 2.0 * pair.settling
+    beyond = motion.times[-1] if inversion.lost is None else inversion.lost + measured
+    end = beyond - measured
+    if inversion.lost is None and end < inversion.time + measured:
+        raise ValueError(
+            f"motion must go on for {2.0 * measured:.3g} s after the inversion at t = "
+            f"{inversion.time:.3g} s, or until that is lost"
+        )
+    if isinstance(motion, SpatialMotion):
+        if inversion.lost is not None:
+            # It may lie flat that soon afterwards, where Euler angles end.
+            lying = motion.times[(motion.leaning < _FLAT) & (motion.times > inversion.lost)]
+            beyond = float(np.nextafter(np.min(lying, initial=beyond), 0.0))
+        motion = motion.to_trajectory(beyond)
+    near = motion.times <= beyond
+    times = motion.times[near]
+    moving = times, motion.coordinate("gamma")[near], motion.rate("alpha")[near]
+    return moving, (times >= inversion.time) & (times <= end)
 
 
 def follow(

@@ -71,6 +71,10 @@ class Group:
     def __len__(self) -> int:
         return len(self.starts)
 
+    def watch(self, members: Rows) -> Watch:
+        """Who watches a run of some members at once."""
+        return Watch(most=float(self.most[members].max()))
+
     def subset(self, rows: AnyArray) -> "Group":
         """Some of the members."""
         arrays = (getattr(self, field.name)[rows] for field in fields(self)[1:])
@@ -283,7 +287,7 @@ def integrate(
         for first in range(0, members.size, width):
             some = slice(first, first + width)
             _start(solver, edges, group, lanes[some], begin)
-            limit = watch or Watch(most=float(group.most[lanes[some]].max()))
+            limit = watch or group.watch(lanes[some])
             _, samples = solver.propagate_grid(
                 grid.reshape(-1, width),
                 max_delta_t=longest[some],
@@ -307,9 +311,8 @@ def integrate(
         found.states[row, :-1][times >= found.ends[row]] = found.last[row]
     for row in failed:
         member = members[row : row + 1]
-        alone = Watch(most=float(group.most[member[0]]))
         single, fault = integrate(
-            group, times, member, local_tolerance, step_fraction, watch=alone
+            group, times, member, local_tolerance, step_fraction, watch=group.watch(member)
         )
         found.put(np.array([row]), single)
         errors |= fault
