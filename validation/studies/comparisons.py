@@ -137,15 +137,13 @@ def compare_scene(
     scene: Scene, *, states: int = 100, end: float | None = END
 ) -> Iterator[Comparison]:
     """Compare one formulation; the arguments are those of `compare_scenario`."""
-    way = scene.built_as
     yield from compare_accelerations(scene, states)
     contact = scene.scenario.contact
     rounded = contact is not None and contact.is_rounded
-    if end is not None and rounded and way == Scene(scene.scenario).built_as:
+    if end is not None and rounded and scene.built_as == Scene(scene.scenario).built_as:
         # Through impacts and flat attitudes.
         quantity = "vertical and energies of the motion, relative"
-        told = partial(Comparison, quantity, way, REST_LIMIT)
-        yield _tried(told, partial(_rest, scene, end))
+        yield _tried(scene, quantity, REST_LIMIT, _rest, end)
     elif end is not None:
         yield compare_motions(scene, end)
     yield from (compare_eigenvalues(scene, motion) for motion in MOTIONS)
@@ -162,6 +160,22 @@ def table(comparisons: Sequence[Comparison]) -> Table:
         for each in comparisons
     ]
     return Table(title="Engine against in-house equations", columns=heads, rows=rows)
+
+
+def _tried(
+    scene: Scene, quantity: str, criterion: float, compared: Callable[..., Found], *given: Any
+) -> Comparison:
+    """What a comparison finds, or why there is nothing to compare."""
+    told = partial(Comparison, quantity, scene.built_as, criterion)
+    try:
+        return told(*compared(scene, *given))
+    except FlatError as error:
+        flat = f"nearly flat at t = {error.time:.4g} s"
+        return told(None, f"the disk lies {flat}, where a run fails; give an earlier end")
+    except (ToleranceError, TimeLimitError, ValueError) as error:
+        return told(None, " ".join(str(error).split()))
+    except ArithmeticError as error:
+        return told(inf, f"a side fails: {error}")
 
 
 # --- Accelerations ------------------------------------------------------------------------------
@@ -237,19 +251,6 @@ def solutions(scene: Scene, state: State) -> list[tuple[Array, Array] | None]:
 # --- Motions ------------------------------------------------------------------------------------
 
 
-def _tried(told: Callable[..., Comparison], compared: Callable[[], Found]) -> Comparison:
-    """What a comparison finds, or why there is nothing to compare."""
-    try:
-        return told(*compared())
-    except FlatError as error:
-        flat = f"nearly flat at t = {error.time:.4g} s"
-        return told(None, f"the disk lies {flat}, where a run fails; give an earlier end")
-    except (ToleranceError, TimeLimitError, ValueError) as error:
-        return told(None, " ".join(str(error).split()))
-    except ArithmeticError as error:
-        return told(inf, f"a run fails: {error}")
-
-
 def compare_motions(scene: Scene, end: float) -> Comparison:
     """Compare beta and gamma in rad, from the scenario's own start.
 
@@ -264,11 +265,11 @@ def compare_motions(scene: Scene, end: float) -> Comparison:
     end : float
         Longest time in s.
     """
-    told = partial(Comparison, MOTION, scene.built_as, ANGLE_LIMIT)
-    whole = found = _tried(told, partial(_motion, scene, end))
+    tried = partial(_tried, scene, MOTION, ANGLE_LIMIT, _motion)
+    whole = found = tried(end)
     for part in (0.1, 0.01):
         if found.difference is None:
-            found = _tried(told, partial(_motion, scene, part * end))
+            found = tried(part * end)
     if found.difference is None or found is whole:
         return whole
     return found._replace(detail=f"{found.detail}; over {end:.4g} s: {whole.detail}")
@@ -279,15 +280,20 @@ def _motion(scene: Scene, end: float) -> Found:
     integrator, *_ = mbs_models.integrators(scene)
     stepped: dict[str, Any] = {"formulation": scene.built_as, "integrator": integrator}
     stepped["tolerance"] = ANGLE_LIMIT
-    times, inhouse, cut = _comparable(scene.scenario, end, stepped)
+    efforts = (run_effort(scene.scenario, _times(end), **how) for how in (stepped, IN_HOUSE))
+    longest = max(efforts, key=lambda effort: effort.seconds)
+    if longest.seconds > 100.0 * PATIENCE:
+        raise ValueError(f"a motion takes {longest}")
+    part = min(1.0, PATIENCE / longest.seconds)
+    cut = f": over {end:.4g} s it takes {longest}" if part < 1.0 else ""
+    end *= part
     try:
-        engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
+        engine, inhouse = _runs(scene.scenario, end, stepped)
     except FlatError as error:
-        if np.sin(inhouse.coordinates[:, 4]).min() > MAY_FAIL_BELOW:
+        if np.sin(reference(scene.scenario, end).coordinates[:, 4]).min() > MAY_FAIL_BELOW:
             return inf, f"a run fails: {error}", None
-        times, cut = _before_flat(error.time)
-        inhouse = reference(scene.scenario, times)
-        engine = run(scene.scenario, times, **stepped, time_limit=LIMIT)
+        cut = f", as the disk lies flat at {error.time:.4g} s"
+        engine, inhouse = _runs(scene.scenario, 0.8 * error.time, stepped)
     for each in (engine, inhouse):
         if _reason(each) == TIME_LIMIT:
             raise TimeLimitError(f"{each.source} {each.ending}")
@@ -299,31 +305,24 @@ def _motion(scene: Scene, end: float) -> Found:
     return deviation(engine, inhouse), f"over {last:.4g} s{where}{cut}", last
 
 
-def _comparable(
+def _runs(
     scenario: Scenario, end: float, stepped: Mapping[str, Any]
-) -> tuple[tuple[float, ...], Trajectory, str]:
-    """Times in s as far as `end` if disk and patience allow, the in-house motion, what cut it."""
-    efforts = (run_effort(scenario, _times(end), **how) for how in (stepped, IN_HOUSE))
-    longest = max(efforts, key=lambda effort: effort.seconds)
-    if longest.seconds > 100.0 * PATIENCE:
-        raise ValueError(f"a motion takes {longest}")
-    is_cut = longest.seconds > PATIENCE
-    cut = f": over {end:.4g} s it takes {longest}" if is_cut else ""
-    times = _times(end * min(1.0, PATIENCE / longest.seconds))
-    inhouse = reference(scenario, times)
+) -> tuple[Trajectory, Trajectory]:
+    """Both sides up to an end in s.
+
+    Raises
+    ------
+    FlatError
+        If the disk comes to lie flat, or so nearly that the engine may fail.
+    """
+    inhouse = reference(scenario, end)
     if inhouse.ending is not None and inhouse.ending.reason == FLAT:
-        times, cut = _before_flat(inhouse.ending.time)
-        inhouse = reference(scenario, times)
-    return times, inhouse, cut
+        raise FlatError(str(inhouse.ending), inhouse.ending.time)
+    return run(scenario, _times(end), **stepped, time_limit=LIMIT), inhouse
 
 
-def _before_flat(moment: float) -> tuple[tuple[float, ...], str]:
-    """Times in s up to well before a disk lies flat, or nearly so, and what to say of it."""
-    return _times(0.8 * moment), f", as the disk lies flat at {moment:.4g} s"
-
-
-def _times(end: float) -> tuple[float, ...]:
-    return tuple(np.linspace(0.0, end, 101).tolist())
+def _times(end: float) -> Array:
+    return np.linspace(0.0, end, 101)
 
 
 def _reason(motion: Trajectory | SpatialMotion) -> str | None:
@@ -331,10 +330,10 @@ def _reason(motion: Trajectory | SpatialMotion) -> str | None:
 
 
 @cache
-def reference(scenario: Scenario, times: tuple[float, ...]) -> Trajectory:
-    """In-house run, two digits better than what is compared with it."""
+def reference(scenario: Scenario, end: float) -> Trajectory:
+    """In-house run up to an end in s, two digits better than what is compared with it."""
     try:
-        return run(scenario, times, **IN_HOUSE, time_limit=LIMIT)
+        return run(scenario, _times(end), **IN_HOUSE, time_limit=LIMIT)
     except TimeLimitError:
         raise
     except ArithmeticError as error:
@@ -360,21 +359,20 @@ def _rest(scene: Scene, end: float) -> Found:
 
 def compare_eigenvalues(scene: Scene, motion: Motion) -> Comparison:
     """Compare them at `SPINS`, relative to the larger of the eigenvalue's size and 1."""
-    scenario, way = scene.scenario, scene.built_as
-    told = partial(Comparison, f"eigenvalues, {motion}", way, EIGENVALUE_LIMIT)
-    try:
-        expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
-    except ValueError as error:
-        return told(None, str(error))
-    except ArithmeticError as error:
-        return told(inf, str(error))
-    scenes = (spinning(scenario, spin, formulation=way, motion=motion) for spin in SPINS)
+    return _tried(scene, f"eigenvalues, {motion}", EIGENVALUE_LIMIT, _eigenvalues, motion)
+
+
+def _eigenvalues(scene: Scene, motion: Motion) -> Found:
+    expected = spectra.eigenvalues(scene.scenario, SPINS, system="numeric", motion=motion)
+    how: dict[str, Any] = {"formulation": scene.built_as, "motion": motion}
+    scenes = (spinning(scene.scenario, spin, **how) for spin in SPINS)
     try:
         worst = largest(map(distance, map(mbs_models.eigenvalues, scenes), expected))
-    except (ValueError, ArithmeticError) as error:
-        return told(inf, f"the engine fails: {error}")
+    except ValueError as error:
+        # In-house there are some.
+        raise ArithmeticError(f"the engine has none: {error}") from error
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
-    return told(worst, f"relative to max(|λ|, 1), at {spins} rad/s")
+    return worst, f"relative to max(|λ|, 1), at {spins} rad/s", None
 
 
 def spinning(
