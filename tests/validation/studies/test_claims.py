@@ -54,10 +54,11 @@ def test_measures_of_a_motion(inversions: pd.DataFrame) -> None:
 def test_convergence_holds_from_half_a_second_on_or_is_no_convergence(
     inversions: pd.DataFrame,
 ) -> None:
-    levels = motion.measured(inversion.motions(inversions)).iloc[1:]
+    runs = inversion.motions(inversions)
+    levels = motion.measured(runs).iloc[1:]
     for settled, reached, told in ((0.5, 0.4, "yes"), (inf, 0.5, "partly"), (0.6, 0.6, "no")):
         contact = levels.iloc[:1].assign(settled=settled, reached=reached)
-        judged = motion.judge(pd.concat([contact, levels]), np.zeros(2), np.zeros((3, 2)), levels)
+        judged = motion.judge(runs, pd.concat([contact, levels]), levels)
         assert judged["converges"]["verdict"] == told
 
 

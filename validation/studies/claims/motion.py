@@ -111,30 +111,21 @@ def measured(runs: inversion.Runs) -> pd.DataFrame:
     return pd.DataFrame([measures(runs[case, "engine"]) for case in inversion.cases()])
 
 
-def change(runs: inversion.Runs) -> Array:
-    """Largest changes of beta and gamma in rad by the load of the friction law."""
-    return np.abs(inversion.changes_by_load(runs)[:, 4:]).max(axis=0)
+def judge(runs: inversion.Runs, found: pd.DataFrame, longs: pd.DataFrame) -> dict[str, Row]:
+    """All statements on the motion from Table 3, from the runs, their measures and `LONG_RUNS`.
 
-
-def between_models(runs: inversion.Runs) -> Array:
-    """Largest differences of beta and gamma of Models 2 to 4 from Model 1 in rad, shape (3, 2)."""
-    first, *others = (runs[name, "engine"].coordinates[:, 4:] for name in inversion.NAMES)
-    return np.array([np.abs(each - first).max(axis=0) for each in others])
-
-
-def judge(
-    found: pd.DataFrame, change: Array, between: Array, longs: pd.DataFrame
-) -> dict[str, Row]:
-    """All statements on the motion from Table 3.
-
-    From `measured`, `change`, `between_models` and `LONG_RUNS`.
+    With the largest changes of beta and gamma in rad by the load of the friction law, and their
+    largest differences in Models 2 to 4 from Model 1, shape (3, 2).
     """
     contact, levels, long = found.iloc[0], found.iloc[1:], longs.iloc[0]
+    change = np.abs(inversion.changes_by_load(runs)[:, 4:]).max(axis=0)
+    one, *others = (runs[name, "engine"].coordinates[:, 4:] for name in inversion.NAMES)
+    between = np.array([np.abs(each - one).max(axis=0) for each in others])
     turns, beyond, settled, inverted = (
         levels[name].tolist() for name in ("turns", "beyond", "settled", "inverted")
     )
     like = [bool(np.all(each <= NEAR)) for each in between]
-    same = np.isfinite(np.array(inverted, dtype=float))
+    same = np.isfinite(np.array(inverted, dtype=float)).tolist()
     in_time = [contact[name] <= inversion.PRINTED_TIME for name in ("settled", "reached")]
     off = (levels["spin"][:3] - inversion.PRINTED_SPIN).abs() > CONSTANT
     share = (levels["risen"] / levels["lost"])[:3].min()
@@ -143,7 +134,7 @@ def judge(
         "converges": {"verdict": grade(yes=in_time[0], partly=in_time[1])},
         "tilt": within(contact["tilt"], 0.1, 0.5),
         "force": within(force, 0.1, 0.3),
-        "loads": within(np.max(change), inversion.PRINTED_CHANGE, 5e-2),
+        "loads": within(np.max(change), inversion.PRINTED_CHANGE, 5e-2) | {"change": change},
         "drift": within(long["away_early"] / Scenario().disk.eccentricity, 1.0, 2.0),
         "slip": within(long["cog_speed"] / long["slip_speed"], 0.1, 0.5),
         "oscillation": within(turns[1] / turns[0], 0.5),
@@ -152,8 +143,8 @@ def judge(
         "tilts": within(levels["tilt"].max(), 0.1, 0.5),
         "spin": within(off.sum(), 0, 2),
         "constant": within((longs["constant_until"][:3] <= inversion.END).sum(), 0, 2),
-        "similar": {"verdict": grade(yes=like[0], partly=bool(same[:2].all()))},
-        "preserved": {"verdict": grade(yes=all(like), partly=bool(same.all()))},
+        "similar": {"verdict": grade(yes=like[0], partly=all(same[:2]))},
+        "preserved": {"between": between, "verdict": grade(yes=all(like), partly=all(same))},
         "linear": within(levels["bent"].iloc[0] / levels["turned"].iloc[0], 0.05, 0.2),
         "repelled": {"verdict": grade(yes=bool(long["end"] < LONG))},
         "potential": within(1.0 - share, 0.1, 0.75),

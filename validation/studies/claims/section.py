@@ -20,13 +20,12 @@ STUDIES = (
 def present(rows: Rows) -> Content:
     """All statements with their verdicts, and what stands behind those on other starts."""
     runs, longs = inversion.motions(rows["inversion"]), rows["long-runs"]
-    measured, change = motion.measured(runs), motion.change(runs)
-    shares, rolled = starts.shares(rows["random-starts"]), rows["pure-rolling"]
+    measured, rolled = motion.measured(runs), rows["pure-rolling"]
+    shares = starts.shares(rows["random-starts"])
     least, engine = rows["least-spins"], rows["random-starts-engine"]
     loss = equations.loss()
-    between = motion.between_models(runs)
     judgements = (
-        motion.judge(measured, change, between, longs)
+        motion.judge(runs, measured, longs)
         | linear.judge()
         | {
             "attraction": starts.judge_attraction(shares),
@@ -43,8 +42,6 @@ def present(rows: Rows) -> Content:
             "c": judgements,
             "contact": measured.iloc[0],
             "levels": measured.iloc[1:],
-            "change": change,
-            "between": between,
             "longs": longs,
             "long": longs.iloc[0],
             "counted": counted,
