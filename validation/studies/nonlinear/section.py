@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis import Dissipation
-from analysis.mechanics.paper import CriticalSpeed, critical_speed
+from analysis.mechanics.paper import critical_speed
 from validation.comparison.limits import largest
 from validation.display.figures import COLOURS, ENGINE, angle_axis, legend_above
 from validation.display.tables import Table
@@ -50,7 +50,8 @@ def present(rows: Rows) -> Content:
     families, engine, connections, passages = (rows[study.name] for study in STUDIES)
     cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
     fits = families[families.kind != "motion"].set_index("kind").T
-    hopf, connection = critical_speed(PAPER), connections.set_index("case").loc[measured.OF_PAPER]
+    connection = connections.set_index("case").loc[measured.OF_PAPER]
+    end = connection["spin"]
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
@@ -60,7 +61,7 @@ def present(rows: Rows) -> Content:
     return Content(
         numbers={
             "cycles": cycles,
-            "hopf": hopf,
+            "hopf": critical_speed(PAPER),
             "connection": connection,
             "fits": fits,
             "apart": apart.max(skipna=False).clip(lower=KEPT),
@@ -89,8 +90,8 @@ def present(rows: Rows) -> Content:
             "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
-            "bifurcations": _bifurcations(cycles, hopf, connection, families, engine),
-            "periods": _family(cycles, hopf, connection, "period", "multiplier", "log10_strong"),
+            "bifurcations": _bifurcations(_family(cycles, end, "amplitude"), families, engine),
+            "periods": _family(cycles, end, "period", "multiplier", "log10_strong"),
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
         checks=[*_checks(fits, apart, connections, passages, law.exponent)],
@@ -111,34 +112,27 @@ def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:
     return [(each["case"], each) for each in passages.to_dict("records")]
 
 
-def _family(
-    cycles: list[Row], hopf: CriticalSpeed, connection: "pd.Series[Any]", *names: str
-) -> Any:
+def _family(cycles: list[Row], end: float, *names: str) -> Any:
     """What is told of cycles over their spins, from the Hopf point to the connection."""
+    hopf = critical_speed(PAPER)
     born = {"spin": hopf.spin, "amplitude": 0.0, "period": 2.0 * np.pi / hopf.frequency}
     born |= {"multiplier": 1.0, "log10_strong": np.nan, "stable": cycles[0]["stable"]}
-    return figures.diagram([born, *cycles], names, marks={"heteroclinic": connection["spin"]})
+    return figures.diagram([born, *cycles], names, marks={"heteroclinic": end})
 
 
-def _bifurcations(
-    cycles: list[Row],
-    hopf: CriticalSpeed,
-    connection: "pd.Series[Any]",
-    families: pd.DataFrame,
-    engine: pd.DataFrame,
-) -> Any:
-    """Amplitude over spin, with the stationary motions it leads between and cycles of others."""
+def _bifurcations(figure: Any, families: pd.DataFrame, engine: pd.DataFrame) -> Any:
+    """Beside amplitudes over spin the stationary motions between them, and cycles of others."""
+    hopf = critical_speed(PAPER).spin
     slow = families[families.case == measured.SLOW]
     engine = engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")]
-    figure = _family(cycles, hopf, connection, "amplitude")
     (axes,) = figure.axes
     low, high = axes.get_xlim()
-    for value, end, word in ((0.0, hopf.spin, "unstable"), (np.pi, high, None)):
+    for value, end, word in ((0.0, hopf, "unstable"), (np.pi, high, None)):
         axes.plot([low, end], [value] * 2, "--", color=COLOURS[figures.UNSTABLE], label=word)
-    axes.plot([hopf.spin, high], [0.0, 0.0], color=COLOURS[figures.STABLE])
+    axes.plot([hopf, high], [0.0, 0.0], color=COLOURS[figures.STABLE])
     axes.annotate("inverted spinning", (0.05 * high + 0.95 * low, 0.08))
     axes.annotate("noninverted spinning", (high, np.pi - 0.22), ha="right")
-    axes.plot(hopf.spin, 0.0, "D", color="black", label="Hopf point", zorder=5)
+    axes.plot(hopf, 0.0, "D", color="black", label="Hopf point", zorder=5)
     axes.plot(slow.spin, slow.amplitude, ":", color=COLOURS[3], label="slow manifold")
     axes.plot(engine.spin, engine.amplitude, label="engine", **ENGINE)
     axes.set(xlim=(low, high))
