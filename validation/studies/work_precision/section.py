@@ -110,8 +110,6 @@ LOOKS = {
 }
 """Name, colour and marker of each formulation; they differ in grey, too."""
 
-NAMES = {formulation: name for formulation, (name, *_) in LOOKS.items()}
-
 CURVE = ["problem", "formulation", "scheme"]
 
 _SIDES = {"engine": "in the engine", "in-house": "in-house"}
@@ -133,10 +131,8 @@ def cheapest(runs: pd.DataFrame, by: Sequence[str], cost: str = "seconds") -> pd
 
     Runs to a tolerance, which are not chosen with the reference at hand, are not among them.
     """
-    chosen = runs[runs["kind"] != "tolerance"]
-    met = pd.concat(
-        [chosen[chosen["error"] <= goal].assign(goal=goal) for goal in GOALS], ignore_index=True
-    )
+    each = pd.DataFrame({"goal": GOALS}).merge(runs[runs["kind"] != "tolerance"], how="cross")
+    met = each[each["error"] <= each["goal"]]
     best = met.loc[met.groupby([*by, "goal"], sort=False)[cost].idxmin()]
     return best.set_index([*by, "goal"], drop=False)
 
@@ -200,10 +196,8 @@ def orders(runs: pd.DataFrame, floor: dict[str, float]) -> pd.DataFrame:
     coarse, fine = rungs.groupby(CURVE, sort=False)["error"].shift(), rungs["error"]
     converging = (coarse < USEFUL) & (fine < coarse) & (fine > rungs["problem"].map(floor))
     slopes = rungs[converging].assign(observed=np.log2(coarse[converging] / fine[converging]))
-    table = slopes.groupby(["formulation", "scheme"], sort=False)["observed"].agg(
-        ["size", "median"]
-    )
-    table = table.rename(columns={"size": "pairs of rungs", "median": "observed"}).reset_index()
+    groups = slopes.groupby(["formulation", "scheme"], sort=False)["observed"]
+    table = groups.agg(**{"pairs of rungs": "size", "observed": "median"}).reset_index()
     orders = [EXPONENTS[measuring.INTEGRATORS[scheme].name][0] for scheme in table["scheme"]]
     return table.assign(order=orders)
 
