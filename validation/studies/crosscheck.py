@@ -1,6 +1,7 @@
 """Engine against in-house equations: the paper's models, all sets of constraints, other bodies."""
 
 from collections.abc import Iterator
+from itertools import product
 from math import inf, pi
 from typing import Any
 
@@ -84,24 +85,18 @@ def cases() -> dict[str, tuple[str, Scenario]]:
 
     Each with what it is one of, as in `STATES`.
     """
-    models = {
-        f"Model {level}, load {load}": Scenario(
-            constraints=MODELS[level], friction=SmoothCoulomb(load=load)
-        )
-        for load in LOADS
-        for level in LEVELS
-    }
-    sets = {" + ".join(each): Scenario(constraints=each) for each in POSSIBLE_SETS}
-    bodies = {
-        "composed disk": Scenario(disk=COMPOSED),
-        "sphere": Scenario(disk=TOP),
-        "ellipse": Scenario(disk=ELLIPSE),
-        "ellipse on a spring": Scenario(disk=ELLIPSE, contact=PenaltyContact.damped(1e5, ELLIPSE)),
-    }
+    found = {}
+    for load, level in product(LOADS, LEVELS):
+        scenario = Scenario(constraints=MODELS[level], friction=SmoothCoulomb(load=load))
+        found[f"Model {level}, load {load}"] = MODELS_OF_PAPER, scenario
+    spring = PenaltyContact.damped(1e5, ELLIPSE)
     return {
-        label: (kind, scenario)
-        for kind, scenarios in ((MODELS_OF_PAPER, models), (SETS, sets), (OTHERS, bodies))
-        for label, scenario in scenarios.items()
+        **found,
+        **{" + ".join(each): (SETS, Scenario(constraints=each)) for each in POSSIBLE_SETS},
+        "composed disk": (OTHERS, Scenario(disk=COMPOSED)),
+        "sphere": (OTHERS, Scenario(disk=TOP)),
+        "ellipse": (OTHERS, Scenario(disk=ELLIPSE)),
+        "ellipse on a spring": (OTHERS, Scenario(disk=ELLIPSE, contact=spring)),
     }
 
 
