@@ -51,7 +51,6 @@ def present(rows: Rows) -> Content:
     cycles, rotations = (_motions(families, name) for name in (SWINGING, ROTATING))
     fits = families[families.kind != "motion"].set_index("kind").T
     connection = connections.set_index("case").loc[measured.OF_PAPER]
-    end = connection["spin"]
     slows = passages.case.str.startswith(measured.SLOWED)
     slowed, followed = passages[slows], passages[~slows]
     law = passage.delay_law(slowed.rate, slowed.hopf - slowed.lowest_spin)
@@ -90,11 +89,11 @@ def present(rows: Rows) -> Content:
             "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
-            "bifurcations": _bifurcations(_family(cycles, end, "amplitude"), families, engine),
-            "periods": _family(cycles, end, "period", "multiplier", "log10_strong"),
+            "bifurcations": _bifurcations(_family(cycles, connection.spin, "amplitude"), rows),
+            "periods": _family(cycles, connection.spin, "period", "multiplier", "log10_strong"),
             "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
         },
-        checks=[*_checks(fits, apart, connections, passages, law.exponent)],
+        checks=[*_checks(rows, fits, apart, law.exponent)],
     )
 
 
@@ -120,9 +119,10 @@ def _family(cycles: list[Row], end: float, *names: str) -> Any:
     return figures.diagram([born, *cycles], names, marks={"heteroclinic": end})
 
 
-def _bifurcations(figure: Any, families: pd.DataFrame, engine: pd.DataFrame) -> Any:
+def _bifurcations(figure: Any, rows: Rows) -> Any:
     """Beside amplitudes over spin the stationary motions between them, and cycles of others."""
     hopf = critical_speed(PAPER).spin
+    families, engine = rows[measured.FAMILIES.name], rows[measured.ENGINE.name]
     slow = families[families.case == measured.SLOW]
     engine = engine[(engine.source == "engine") & engine.case.str.startswith("Model 4")]
     (axes,) = figure.axes
@@ -151,12 +151,9 @@ def _apart(engine: pd.DataFrame) -> pd.DataFrame:
 
 
 def _checks(
-    fits: pd.DataFrame,
-    apart: pd.DataFrame,
-    connections: pd.DataFrame,
-    passages: pd.DataFrame,
-    power_of_decay: float,
+    rows: Rows, fits: pd.DataFrame, apart: pd.DataFrame, power_of_decay: float
 ) -> Iterator[Check]:
+    connections, passages = rows[measured.CONNECTIONS.name], rows[measured.PASSAGES.name]
     for name, limit in SAME_CYCLE.items():
         yield at_most(f"cycles: {name}, engine", largest(apart[name]), limit)
     birth, end = fits.birth, fits.end
