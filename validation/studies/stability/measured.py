@@ -14,7 +14,6 @@ from analysis import (
     POSSIBLE_SETS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
-    ConstraintSet,
     Scenario,
     SmoothCoulomb,
 )
@@ -26,7 +25,7 @@ from analysis.stability.boundaries import corners, hopf_curves
 from analysis.stability.chart import with_gradient
 from analysis.stability.critical import Spectra, critical_speeds
 from analysis.stability.linearisation import ComplexArray
-from mbs_models import Formulation
+from mbs_models import Scene
 from validation.comparison.limits import largest
 from validation.studies.comparisons import distance, engine_matrices, gaps, spinning
 from validation.studies.stability.variants import PRINTED, reproduces, variants
@@ -56,19 +55,16 @@ STABLE = "stable spins in rad/s"
 # --- Eigenvalues of the engine ------------------------------------------------------------------
 
 
-def scenes() -> dict[str, tuple[ConstraintSet, Formulation]]:
+def scenes() -> dict[str, Scene]:
     """Every possible set of constraints in each formulation of the engine."""
     scenarios = [Scenario(constraints=held) for held in POSSIBLE_SETS]
-    return {
-        f"{scenario.name}, {formulation}": (scenario.constraints, formulation)
-        for scenario in scenarios
-        for formulation in mbs_models.formulations(scenario)
-    }
+    found = [Scene(each, way) for each in scenarios for way in mbs_models.formulations(each)]
+    return {f"{each.scenario.name}, {each.built_as}": each for each in found}
 
 
-def compare(case: tuple[ConstraintSet, Formulation]) -> Iterator[Row]:
+def compare(scene: Scene) -> Iterator[Row]:
     """Eigenvalues of both motions on both sides, and those of the engine's own function."""
-    scenario, formulation = Scenario(constraints=case[0]), case[1]
+    scenario, formulation = scene.scenario, scene.built_as
     spins = FEW_SPINS if scenario.model is None else CHECKED_SPINS
     at = spins.tolist().index(SPIN)
     free = tuple(each for each in scenario.constraints if each != "constant-spin")
@@ -76,8 +72,8 @@ def compare(case: tuple[ConstraintSet, Formulation]) -> Iterator[Row]:
         expected = spectra.eigenvalues(scenario, spins, motion=motion)
         matrices = engine_matrices(scenario, spins, formulation=formulation, motion=motion)
         found = np.linalg.eigvals(matrices).astype(complex)
-        scene = spinning(scenario, SPIN, formulation=formulation, motion=motion)
-        stock = mbs_models.stock_eigenvalues(scene)
+        started = spinning(scenario, SPIN, formulation=formulation, motion=motion)
+        stock = mbs_models.stock_eigenvalues(started)
         yield {
             "motion": motion,
             "constraints": scenario.name,
@@ -234,21 +230,18 @@ def stable_region(scenario: Scenario) -> Iterator[Row]:
     for number, each in enumerate(hopf_curves(scenario, GRADIENTS)):
         curve = {"spins": each.spins, "gradients": each.gradients}
         yield {"kind": "curve", "place": str(number), **curve}
-    places = []
-    for corner in corners(scenario, GRADIENTS):
-        places.append((corner.spin, np.log(corner.gradient)))
-        yield {"kind": "corner", "place": MEETING[corner.kind], **_place(*places[-1])}
+    met = corners(scenario, GRADIENTS)
+    for corner in met:
+        where = {"spin": corner.spin, "gradient": corner.gradient}
+        yield {"kind": "corner", "place": MEETING[corner.kind], **where}
+    places = np.array([(corner.spin, np.log(corner.gradient)) for corner in met])
     middle = np.mean(places, axis=0)
     edges = (np.sum(places, axis=0) - places) / (len(places) - 1)
     points = {f"beyond edge {n}": 2.0 * edge - middle for n, edge in enumerate(edges, 1)}
     points |= {INSIDE: middle, "at the paper's gradient": (middle[0], np.log(PAPER_GRADIENT))}
     for name, (spin, log_gradient) in points.items():
-        where = _place(spin, log_gradient)
+        where = {"spin": float(spin), "gradient": float(np.exp(log_gradient))}
         yield {"kind": "point", "place": name, **where, **growth(scenario, **where)}
-
-
-def _place(spin: float, log_gradient: float) -> Row:
-    return {"spin": float(spin), "gradient": float(np.exp(log_gradient))}
 
 
 def growth(scenario: Scenario, *, spin: float, gradient: float) -> dict[str, float]:
