@@ -157,8 +157,8 @@ def present(rows: Rows) -> Content:
         "at most": ("criterion", "max"),
     }
     worst = found.groupby(["kind", "quantity"], sort=False).agg(**aggregated)
-    told, checks = _tippe_top(rows["tippe-top"])
-    checks = [*_checks(worst.reset_index()), *checks]
+    told = _tippe_top(rows["tippe-top"])
+    checks = [*_checks(worst.reset_index(), told)]
     models = worst.loc[MODELS_OF_PAPER]
     parts = {"accelerations": "accelerations|forces", "motions": "motion in", "eigenvalues": "eig"}
     most = {
@@ -181,18 +181,15 @@ def present(rows: Rows) -> Content:
     )
 
 
-def _tippe_top(rows: pd.DataFrame) -> tuple[Row, list[Check]]:
-    """What is told of the tippe top, and whether both sides agree on it."""
+def _tippe_top(rows: pd.DataFrame) -> Row:
+    """What is told of the tippe top: when it has turned over, and how far both sides agree."""
     turned, moved = rows["turned"], largest(rows["jellett"])
     apart = float(turned.max() - turned.min()) if turned.notna().all() else inf
-    return {"turned": turned, "turned_apart": apart, "jellett_moved": moved}, [
-        at_most("tippe top: turned over, in s", apart, TURNED),
-        at_most("tippe top: Jellett's constant", moved, KEPT),
-    ]
+    return {"turned": turned, "turned_apart": apart, "jellett_moved": moved}
 
 
-def _checks(worst: pd.DataFrame) -> Iterator[Check]:
-    """Whether all scenes and states were compared and agree."""
+def _checks(worst: pd.DataFrame, told: Row) -> Iterator[Check]:
+    """Whether all scenes and states were compared and agree, and the tippe top turns over."""
     for row in worst.to_dict("records"):
         kind, name = row["kind"], f"crosscheck: {row['quantity']}, {row['kind']}"
         yield at_most(name, row["largest"], row["at most"])
@@ -207,3 +204,5 @@ def _checks(worst: pd.DataFrame) -> Iterator[Check]:
             yield equal(f"{name}, states with a solution", states, STATES[kind])
         elif row["quantity"] == comparisons.MOTION:
             yield equal(f"{name}, least time in s", row["time in s"], comparisons.END)
+    yield at_most("tippe top: turned over, in s", told["turned_apart"], TURNED)
+    yield at_most("tippe top: Jellett's constant", told["jellett_moved"], KEPT)
