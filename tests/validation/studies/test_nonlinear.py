@@ -62,9 +62,8 @@ def rows() -> Rows:
     ]
     saddle = {"growing": 6.0, "slow": -8.0, "strong": -100.0, "saddle_index": 1.3}
     connections = [
-        {"case": label, "disk": disk, "coefficient": mu, "smoothing": eps, **saddle}
-        | {"spin": 30.12, "predicted": 30.2, "bracket": 1e-11}
-        for label, (disk, mu, eps) in measured.disks_and_friction().items()
+        {"case": label, "spin": 30.12, "predicted": 30.2, "bracket": 1e-11, **saddle}
+        for label in measured.disks_and_friction()
     ]
     found = (_families(), engine, connections, _passages())
     names = (study.name for study in section.STUDIES)

@@ -1,11 +1,13 @@
 """What is measured: cycles and their end, the engine's cycles, and passages."""
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 
-from analysis import DISKS, MODELS, Dissipation, Scenario, SmoothCoulomb
+from analysis import MODELS, ROUNDED_STEEL_DISK, Dissipation, Scenario, SmoothCoulomb
 from analysis.nonlinear.families import cycle_at, cycle_family, rotating_family
 from analysis.nonlinear.following import Family, events
 from analysis.nonlinear.heteroclinic import heteroclinic_connection, period_growth
@@ -32,17 +34,13 @@ AMPLITUDES = (0.1, 0.2, 0.4, 0.7, 1.0)
 
 def families() -> dict[str, Callable[[], Iterable[Row]]]:
     """The cycles and rotating motions of Model 4, and the cycles of Models 1 and 2."""
-    held = {name: partial(_held, name) for name in HELD_NAMES}
+    held = {name: partial(family, name, AMPLITUDES) for name in HELD_NAMES}
     return {SWINGING: _swinging, ROTATING: _rotating, SLOW: _slow, **held}
 
 
 def follow_family(follow: Callable[[], Iterable[Row]]) -> list[Row]:
     """Periodic motions of a family, whole or not at all; fits and folds by their kinds."""
-    return [{"number": number, **row} for number, row in enumerate(follow())]
-
-
-def _held(name: str) -> list[Row]:
-    return [{"kind": "motion", **each} for each in family(name, AMPLITUDES)]
+    return [{"kind": "motion", **row} for row in follow()]
 
 
 def _swinging() -> Iterator[Row]:
@@ -70,13 +68,13 @@ def _rotating() -> list[Row]:
 def _slow() -> list[Row]:
     amplitudes = np.linspace(0.05, 3.1, 25).tolist()
     cycles = [slow_cycle(PAPER, amplitude) for amplitude in amplitudes]
-    return [{"kind": "motion", "amplitude": each.amplitude, "spin": each.spin} for each in cycles]
+    return [{"amplitude": each.amplitude, "spin": each.spin} for each in cycles]
 
 
 def _whole(found: Family) -> list[Row]:
     if found.reason is not None:
         raise ArithmeticError(f"the family ends early: {found.reason}")
-    return [{"kind": "motion", **each.as_row()} for each in found.motions]
+    return [each.as_row() for each in found.motions]
 
 
 FAMILIES = Study(name="families", cases=families, measure=follow_family)
@@ -111,29 +109,26 @@ ENGINE = Study(name="engine-cycles", cases=repeated, measure=find_on_both)
 
 # --- The connection -----------------------------------------------------------------------------
 
-FRICTION = [(mu, eps) for mu in (0.1, 0.3) for eps in (0.01, 0.03, 0.1)]
-"""Friction coefficients and smoothing speeds in m/s."""
-
 OF_PAPER = "μ = 0.3, ε = 0.1 m/s"
 """The case of the paper's friction."""
 
 
-def disks_and_friction() -> dict[str, tuple[str, float, float]]:
+def disks_and_friction() -> dict[str, Scenario]:
     """The paper's disk with other friction, and the one with the printed numbers."""
-    steel = {f"μ = {mu:g}, ε = {eps:g} m/s": ("steel", mu, eps) for mu, eps in FRICTION}
-    return {**steel, "disk of Table 1": ("steel-rounded", *FRICTION[-1])}
+    steel = {}
+    for mu, eps in product((0.1, 0.3), (0.01, 0.03, 0.1)):
+        law = SmoothCoulomb(coefficient=mu, smoothing=eps)
+        steel[f"μ = {mu:g}, ε = {eps:g} m/s"] = replace(PAPER, friction=law)
+    return {**steel, "disk of Table 1": replace(PAPER, disk=ROUNDED_STEEL_DISK)}
 
 
-def connect(case: tuple[str, float, float]) -> list[Row]:
+def connect(scenario: Scenario) -> list[Row]:
     """The heteroclinic connection, and its first-order prediction."""
-    disk, mu, eps = case
-    law = SmoothCoulomb(coefficient=mu, smoothing=eps)
-    scenario = Scenario(constraints=MODELS[4], disk=DISKS[disk], friction=law)
     found = ends(scenario)
     row = {"predicted": found["prediction"], **(found["connection"] or {})}
     if found["connection"] is not None:
         row["bracket"] = row["above"] - row["below"]
-    return [{"disk": disk, "coefficient": mu, "smoothing": eps, **row}]
+    return [row]
 
 
 CONNECTIONS = Study(name="connections", cases=disks_and_friction, measure=connect)
