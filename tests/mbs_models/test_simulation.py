@@ -277,7 +277,7 @@ def test_a_run_that_comes_nearly_flat_goes_by_a_free_body_unless_its_formulation
     assert given.method["formulation"] == "euler-tree"
 
 
-def test_a_run_that_goes_on_as_a_free_body_ends_and_steps_and_tells_progress_as_asked() -> None:
+def test_a_run_that_goes_on_as_a_free_body_does_all_that_is_asked() -> None:
     scenario, times = Scenario(start=Start(spin=0.0, beta=0.3)), np.linspace(0.0, 0.1, 11)
     rising, told = reaching("beta_rate", 1.0), list[tuple[float, float]]()
     run = mbs_models.simulate(
@@ -290,6 +290,14 @@ def test_a_run_that_goes_on_as_a_free_body_ends_and_steps_and_tells_progress_as_
     assert not_none(run.ending).reason == "beta_rate 1.0"
     assert not_none(run.ending).time == pytest.approx(known.time, abs=1e-7)
     assert max(told)[0] == pytest.approx(known.time, abs=1e-3)
+    start = Start(spin=40.0, beta=0.3, gamma=-1.4, beta_rate=-12.0, gamma_rate=0.0)
+    pulled, how = Scenario(start=start), {"allow_pulling": True, **ACCELERATED}
+    run = mbs_models.simulate(pulled, times, tolerance=1e-6, **how)
+    assert run.method["formulation"] == "floating"
+    pulling = analysis.simulate(pulled, times, allow_pulling=True).pulling
+    np.testing.assert_allclose(run.pulling, pulling, rtol=0.0, atol=1e-6)
+    with pytest.raises(TimeLimitError, match="try formulation 'contact-tree'"):
+        mbs_models.simulate(pulled, [0.0, 5.0], tolerance=1e-9, time_limit=0.5, **how)
 
 
 def test_newtons_iteration_is_not_asked_for_less_than_rounding_leaves_of_the_norm() -> None:
