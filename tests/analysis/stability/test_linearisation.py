@@ -154,6 +154,8 @@ def test_same_motion_told_otherwise_elsewhere_or_on_a_penalty_contact_is_one() -
     for height in (None, 0.005):
         resting = Scenario.rest(start=replace(SPINNING, height=height))
         assert unstable_start(resting) == expected
+    alike = AnisotropicCoulomb(along=0.3, across=0.3)
+    assert unstable_start(Scenario(friction=alike, start=SPINNING)) == expected
     hard = Scenario(contact=PenaltyContact(stiffness=2e5), start=SPINNING)
     steep = SmoothCoulomb(smoothing=1e-8, load="contact")
     for scenario in (hard, Scenario(friction=steep, start=Start.stationary(5.0))):
