@@ -11,7 +11,7 @@ from dataclasses import asdict, replace
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from threading import Event
+from threading import Event, Timer
 from typing import Any
 
 import numpy as np
@@ -257,12 +257,18 @@ def test_a_store_says_in_its_head_what_it_is(path: Path) -> None:
     assert path.read_bytes()[68:72] == b"tipp"
 
 
-def test_second_writer_is_refused_and_readers_are_not(path: Path) -> None:
-    with Store(path, WANTED) as kept:
+def test_second_writer_is_refused_and_readers_are_waited_for(path: Path) -> None:
+    reader = sqlite3.connect(path, check_same_thread=False)
+    with closing(reader), Store(path, WANTED) as kept:
         run_cases(kept, direct(), numbers=[1])
         with pytest.raises(OSError, match="is being written to by another process"):
             Store(path, WANTED)
         assert Results.load(path).columns["number"].tolist() == [0, 1]
+        kept.add(run_chunk(WANTED, [2]))
+        held = reader.execute("SELECT * FROM cases")
+        Timer(0.5, held.close).start()
+        kept.commit()
+        assert kept.count() == 3
 
 
 # --- Results -------------------------------------------------------------------------------------
