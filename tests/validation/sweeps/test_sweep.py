@@ -399,3 +399,7 @@ def test_look_ahead_refuses_what_cannot_run_and_reckons_with_witnesses() -> None
     seconds = [look_ahead(sweep("mu=0.2,0.3", witnesses=each))[0] for each in (0, 2, 200)]
     assert seconds[1] > 1.5 * seconds[0]
     assert seconds[2] == seconds[1]
+    # A case that is refused takes no time.
+    half = sweep("mu=0.2,-0.1")
+    whole = half.plan.effort(half.scenario_of(0)).seconds
+    assert look_ahead(half)[0] == pytest.approx(0.5 * whole)
