@@ -16,7 +16,13 @@ from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array, ToleranceError
 from analysis.problem.choices import Method
 from analysis.problem.elementary import Rows
-from analysis.solve.stepping import InitialValueProblem, SolverError, integrate, pulls_at_start
+from analysis.solve.stepping import (
+    InitialValueProblem,
+    Run,
+    SolverError,
+    integrate,
+    pulls_at_start,
+)
 from analysis.solve.watch import Watch
 from mbs_models.solving import EngineError, stepping
 
@@ -174,19 +180,27 @@ class Search:
 
     def _located(self, record: Array, end: float) -> tuple[str | None, float, Array]:
         """Why the motion ends first within `end` s of a record, if it does; when, and record."""
-        # On a stiff contact a search may be endless, and a run that broke off has then no ending.
-        watch, motion = self.watch.part(MOST_STEPS_OF_A_SEARCH), self.motion
-        with stepping(motion.system):
-            problem = motion.starting_at(record)
+        with stepping(self.motion.system):
+            problem = self.motion.starting_at(record)
             if pulls_at_start(problem, allow_pulling=True) and not self.allow_pulling:
                 return CONTACT_WOULD_PULL, 0.0, record
-            how: dict[str, Any] = {"allow_pulling": self.allow_pulling, "watch": watch}
-            try:
-                found = integrate(problem, np.array([0.0, end]), motion.method, LOCAL, **how)
-            except ToleranceError as error:
-                raise SolverError(f"{MOST_STEPS_OF_A_SEARCH} steps are too few") from error
-            self.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
-            return found.ended, float(found.times[-1]), motion.samples(found.states[-1:])[0]
+            found = self._stepped(problem, np.array([0.0, end]), self.watch)
+            last = self.motion.samples(found.states[-1:])[0]
+            return found.ended, float(found.times[-1]), last
+
+    def _stepped(
+        self, problem: InitialValueProblem, times: Array, watch: Watch, records: int = 1
+    ) -> Run:
+        """A motion from a record on, up to so many later ones."""
+        # On a stiff contact a search may be endless, and a run that broke off has then no ending.
+        most = MOST_STEPS_OF_A_SEARCH * records
+        how: dict[str, Any] = {"allow_pulling": self.allow_pulling, "watch": watch.part(most)}
+        try:
+            found = integrate(problem, times, self.motion.method, LOCAL, **how)
+        except ToleranceError as error:
+            raise SolverError(f"{most} steps are too few") from error
+        self.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
+        return found
 
     def pulling_times(
         self, moments: Array, records: Array, forces: Array
@@ -211,12 +225,9 @@ class Search:
             searched[rows] = searched[rows + 1] = True
         found = [tuple(moments[rows].tolist()) for rows in _runs_of(pulls[:-1] & ~searched)]
         with stepping(motion.system):
-            for rows in _runs_of(searched):
-                problem = motion.starting_at(records[rows[0]])
-                how: dict[str, Any] = {"allow_pulling": True, "watch": Watch()}
-                part = integrate(problem, moments[rows], motion.method, LOCAL, **how)
-                self.counts.update(steps=part.steps, right_hand_sides=part.evaluations)
-                found += part.pulling
+            for first, last in _runs_of(searched).tolist():
+                problem, ends = motion.starting_at(records[first]), moments[[first, last]]
+                found += self._stepped(problem, ends, Watch(), last - first).pulling
         joined: list[tuple[float, float]] = []
         for first, last in sorted(found):
             begin = joined.pop()[0] if joined and joined[-1][1] >= first else first
