@@ -10,6 +10,7 @@ import pytest
 
 import mbs_models
 from analysis import PowerLawCoulomb, Scenario, SmoothCoulomb, Start, Table
+from analysis.problem.variations import changed
 from mbs_models import ACCELERATED, Formulation, Integrator, Newton, Scene
 from mbs_models.integrators import STABILITY, largest_step
 from mbs_models.runs import force_rounding
@@ -172,14 +173,21 @@ def test_counts_of_explicit_runs_are_those_of_their_stages() -> None:
 
 
 def test_options_of_an_integrator_change_the_run_and_go_with_it() -> None:
-    loosely = Newton(relative=1e-4, absolute=1e-6)
-    run = partial(mbs_models.simulate, scene_of(1, "floating-lie"), TIMES, step=5e-3)
-    usual, tight = (run(integrator=each) for each in ("GeneralizedAlpha", "TrapezoidalIndex2"))
-    damped = run(integrator=Integrator(name="GeneralizedAlpha", spectral_radius=0.6))
-    loose = run(integrator=Integrator(name="TrapezoidalIndex2", newton=loosely))
+    scene, weights = scene_of(1, "floating-lie"), Newton(absolute=1e-6)
+    heavy = Scene(changed(scene.scenario, {"disk.density": 1e6}), "floating-lie")
+    run = partial(mbs_models.simulate, times=TIMES, step=5e-3)
+    usual, tight = (
+        run(scene, integrator=each) for each in ("GeneralizedAlpha", "TrapezoidalIndex2")
+    )
+    damped = run(scene, integrator=Integrator(name="GeneralizedAlpha", spectral_radius=0.6))
+    loose, fair, other = (
+        run(each, integrator=Integrator(name="TrapezoidalIndex2", newton=newton))
+        for each, newton in ((scene, Newton(relative=1e-4)), (scene, weights), (heavy, weights))
+    )
     assert deviation(usual, damped) > 1e-6
     assert [run.method["spectral_radius"] for run in (usual, damped)] == [0.9, 0.6]
-    assert loose.counts["newton_iterations"] < tight.counts["newton_iterations"]
+    taken = [each.counts["newton_iterations"] for each in (loose, fair, other, tight)]
+    assert taken[0] < taken[1] == taken[2] < taken[3]
     assert deviation(tight, loose) > 1e-9
 
 
