@@ -34,7 +34,7 @@ from mbs_models.integrators import Integrator
 from mbs_models.loads import largest_lever
 from mbs_models.model import Reading
 from mbs_models.probe import Probe
-from mbs_models.runs import Stop, run
+from mbs_models.runs import Recording, Stop, run
 from mbs_models.scene import Scene
 from mbs_models.solving import EngineError, stepping
 
@@ -318,26 +318,17 @@ class EngineWay(WayToRest):
     def _over_steps(self, step: float, times: Array, state: Array) -> Run:
         leaning = float(np.hypot(*spatial(state[None]).rotations[0, 2, :2]))
         step = min(step, SAFETY * largest_step(self.scenario, 0.5 * leaning))
-        spacing, model, counts = float(self.times[1]), self.model, Counter[str]()
+        spacing, counts = float(self.times[1]), Counter[str]()
         last = self.times[-1]
         for halvings in range(HALVINGS + 1):
-            recording = run(
-                model,
-                Integrator(name="RK44"),
-                times,
-                np.full(times.size - 1, ceil(spacing / step - 1e-9) << halvings),
-                stop=self._stop(state),
-            )
+            steps = ceil(spacing / step - 1e-9) << halvings
+            recording, is_balanced = self._run(times, steps, state)
             counts.update(recording.counts)
-            states = states_of(recording.records)
-            if recording.failure is None:
-                # Where a condition has stopped it, it may have exploded after the last record.
-                reached = states_of(model.record()[None])
-                if self._is_balanced(np.vstack((states[:1], reached))):
-                    break
+            if is_balanced:
+                break
             if self.watch.is_out_of_time:
-                steps = counts["right_hand_sides"], TIME_LIMIT, (), counts["steps"]
-                return Run(times[:1], states[:1], *steps)
+                taken = counts["right_hand_sides"], TIME_LIMIT, (), counts["steps"]
+                return Run(times[:1], state[None], *taken)
         else:
             shortest = f"even steps of {step / 2**HALVINGS:.3g} s are too long"
             text = f"the energy explodes after t = {times[0]:.6g} s: {shortest}"
@@ -345,6 +336,7 @@ class EngineWay(WayToRest):
         # The next run goes on from there.
         data = self.system.systemData
         data.SetSystemState(data.GetSystemState(), exu.ConfigurationType.Initial)
+        states = states_of(recording.records)
         times = times[: len(states)]
         told = {why: [each(state) for state in states] for why, each in self.conditions.items()}
         found = suspects(times, told, recording.stopped)
@@ -353,6 +345,18 @@ class EngineWay(WayToRest):
         if ended is None and self.watch.is_over(times[-1], last) and times[-1] < last:
             ended = TIME_LIMIT
         return Run(times, states, counts["right_hand_sides"], ended, (), counts["steps"])
+
+    @np.errstate(over="ignore", invalid="ignore")
+    def _run(self, times: Array, steps: int, state: Array) -> tuple[Recording, bool]:
+        """A run of so many steps for each record, and whether its energies balance.
+
+        Where it explodes, conditions and energies are asked of numbers that are none.
+        """
+        substeps, stop = np.full(times.size - 1, steps), self._stop(state)
+        recording = run(self.model, Integrator(name="RK44"), times, substeps, stop=stop)
+        # Where a condition has stopped it, it may have exploded after the last record.
+        ends = np.vstack((recording.records[0], self.model.record()))
+        return recording, recording.failure is None and self._is_balanced(states_of(ends))
 
     def _stop(self, state: Array) -> Stop | None:
         """What ends a run from a state on that meets a condition or is out of time, if any may."""

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import ceil, inf, sqrt
+from math import ceil, inf, isfinite, sqrt
 from typing import Any
 
 import exudyn as exu
@@ -121,7 +121,8 @@ def run(
             # But for rounding.
             at = float(times[len(found)])
             found.append(model.read())
-            awaited = due[len(found)] - early
+            # One number that is not finite makes none of all others.
+            awaited = due[len(found)] - early if isfinite(found[-1][0][0]) else inf
         # Set at every step, it would cost 2 % of a run.
         if evaluates_ends and is_end_evaluated != (moment + longest >= awaited):
             is_end_evaluated = not is_end_evaluated

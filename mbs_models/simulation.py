@@ -134,12 +134,12 @@ def simulate(
     stop_when = each_condition(stop_when)
     allow_pulling = switch("allow_pulling", allow_pulling)
     chosen = find_integrator(scene, integrator)
-    step, tolerance = _accuracy(scene, times, chosen, step, tolerance)
+    step, tolerance = _accuracy(chosen, step, tolerance)
+    may_change = integrator is None or chosen.steps_accelerations
+    scene, freed = _begun_with(scene, times, tolerance, may_change=may_change)
     tried, most = _ways(scene, times, integrator, step, tolerance)
     check_slipping(scene.scenario.friction)
     watch = Watch(time_limit, progress, most)
-    may_change = tolerance is not None and (integrator is None or chosen.steps_accelerations)
-    freed = scene.freed if may_change else None
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
     motion = AccelerationProblem(scene, conditions)
     call = Call(
@@ -188,11 +188,7 @@ def _ways(
 
 
 def _accuracy(
-    scene: Scene,
-    times: Array,
-    chosen: Integrator,
-    step: float | None,
-    tolerance: float | None,
+    chosen: Integrator, step: float | None, tolerance: float | None
 ) -> tuple[float | None, float | None]:
     """Step and tolerance that are asked for, checked; a tolerance by default."""
     if step is not None and tolerance is not None and not chosen.steps_accelerations:
@@ -206,22 +202,34 @@ def _accuracy(
             )
     elif step is None or chosen.steps_accelerations:
         tolerance = positive("tolerance", DEFAULT_TOLERANCE if tolerance is None else tolerance)
-        _check_reachable(scene, times, tolerance)
     return step, tolerance
 
 
-def _check_reachable(scene: Scene, times: Array, tolerance: float) -> None:
-    """Raise `ToleranceError` where rounding hides an error of this size."""
-    finest, where = FINEST, ""
+def _begun_with(
+    scene: Scene, times: Array, tolerance: float | None, *, may_change: bool
+) -> tuple[Scene, Scene | None]:
+    """The scene that a run begins with, and the one with which it may be begun anew.
+
+    Raises
+    ------
+    ToleranceError
+        Where rounding hides an error of this size.
+    """
+    if tolerance is None:
+        return scene, None
+    finest, where, freed = FINEST, "", scene.freed if may_change else None
     flatness = sin(scene.scenario.initial_state.coordinates[4])
     falls = times[-1] - times[0] > sqrt(2.0 * flatness / scene.scenario.fall)
     if flatness < NEARLY_FLAT and falls and CLASSES[scene.built_as].has_euler_angles:
         finest = FLAT_ROUNDING / flatness**2
         leaning = f"{scene.built_as!r}, which leans by {flatness:.2g} rad and falls"
         where = f" on {leaning}; try formulation 'floating'"
-    if tolerance < finest:
-        leaves = f"rounding leaves {finest:.2g} rad{where}"
-        raise ToleranceError(f"tolerance {tolerance:g} rad cannot be reached: {leaves}")
+    if tolerance >= finest:
+        return scene, freed
+    if where and freed is not None:
+        return _begun_with(freed, times, tolerance, may_change=False)
+    leaves = f"rounding leaves {finest:.2g} rad{where}"
+    raise ToleranceError(f"tolerance {tolerance:g} rad cannot be reached: {leaves}")
 
 
 def _first_that_leads_there(call: Call, integrators: Sequence[Integrator]) -> Trajectory:

@@ -42,8 +42,8 @@ all forces tiny."""
 def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     """Load in N that friction acts with, which itself changes the normal force.
 
-    The normal force N is that without friction, and what the friction under the load max(0, N)
-    adds to it.
+    The normal force N is that without friction, and what the friction under the load N adds to
+    it. Where the contact pulls under no load, that is the load.
 
     Parameters
     ----------
@@ -68,21 +68,23 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     size = abs(force) or 1.0
     loads = [size * place for place in _PLACES]
     misses = [missing(load) for load in loads]
+    if misses[0] >= 0.0:
+        return 0.0
     while misses[-1] < 0.0 and loads[-1] < _LARGEST * size:
         loads.append(1e4 * loads[-1])
         misses.append(missing(loads[-1]))
-    # With no load the normal force need not be zero, but may pull.
-    found = [0.0] * (misses[0] >= 0.0)
-    for low, high, first, last in zip(loads, loads[1:], misses, misses[1:], strict=False):
-        if (first < 0.0) != (last < 0.0):
-            found.append(brentq(missing, low, high, xtol=1e-15 * size, rtol=1e-14))
+    found = [
+        float(brentq(missing, low, high, xtol=1e-15 * size, rtol=1e-14))
+        for low, high, first, last in zip(loads, loads[1:], misses, misses[1:], strict=False)
+        if (first < 0.0) != (last < 0.0)
+    ]
     if len(found) != 1:
         listed = ", ".join(f"{each:.6g} N" for each in found) or "none"
         raise ArithmeticError(
             f"friction under the contact force has no single solution for it, found: {listed}"
         )
     (load,) = found
-    if load == 0.0 or not any(isinstance(each, Dual) for each in given):
+    if not any(isinstance(each, Dual) for each in given):
         return load
     # One step of Newton's from the value is exact for its derivative.
     x, y = law.force(along, across, load)

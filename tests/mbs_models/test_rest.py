@@ -20,6 +20,7 @@ from analysis import (
     Start,
     Table,
     TimeLimitError,
+    ViscousFriction,
 )
 from analysis.problem.choices import SOURCES, Source
 from mbs_models import EngineError, rest
@@ -115,6 +116,15 @@ def test_steps_that_explode_are_halved_though_they_meet_a_condition_before_the_n
     rising = reaching("z_rate", 3.0)
     assert analysis.simulate_to_rest(scene.scenario, 0.1, stop_when=rising).ending is None
     assert mbs_models.simulate_to_rest(scene, 0.1, step=3e-4, stop_when=rising).ending is None
+    # Conditions and energies may then be asked of numbers that are none.
+    losses = Dissipation(rolling_dry=1e-2, rolling_viscous=0.05, pivoting=3e-4)
+    start = Start(beta=0.2656, gamma=2.3, spin=0.73, height=1e-3)
+    wild = rest_scene(dissipation=losses, friction=ViscousFriction(load="contact"), start=start)
+    motion = mbs_models.simulate_to_rest(
+        wild, 0.06, step=3.1e-4, spacing=5e-3, time_limit=1.0,
+        stop_when=reaching("alpha_rate", 30.0, -1.0),
+    )  # fmt: skip
+    assert not_none(motion.ending).reason == "time limit"
 
 
 def test_a_time_limit_is_looked_at_within_a_stretch() -> None:

@@ -146,6 +146,16 @@ def test_times_of_pulling_are_not_looked_for_without_end_in_a_run_that_makes_no_
     assert deviation(run, analysis.simulate(Scenario(start=start), SHORT, **how)) < 2e-6
 
 
+def test_a_contact_that_pulls_rubs_with_no_load_whatever_the_law() -> None:
+    start = Start(spin=-122.0, beta=0.7448, gamma=-2.1845)
+    steep = Scenario(friction=PowerLawCoulomb(load="contact"), start=start)
+    how: dict[str, Any] = {"tolerance": 1e-6, "allow_pulling": True}
+    run, known = (side.simulate(steep, SHORT, **how) for side in (mbs_models, analysis))
+    assert deviation(run, known) < 1e-6
+    assert known.pulling
+    np.testing.assert_allclose(run.pulling, known.pulling, rtol=0.0, atol=1e-6)
+
+
 def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() -> None:
     friction = SmoothCoulomb(coefficient=0.3, smoothing=0.03, load="contact")
     start = Start(spin=19.7, beta=1.494, gamma=-1.635)
@@ -283,6 +293,11 @@ def test_a_run_that_comes_nearly_flat_goes_by_a_free_body_unless_its_formulation
         Scene(scenario, "euler-tree"), times, tolerance=1e-3, time_limit=60.0, **ACCELERATED
     )
     assert given.method["formulation"] == "euler-tree"
+    # A tree would lose too many digits at the start.
+    low = model(level, start=Start(beta=0.021, spin=0.0))
+    run = mbs_models.simulate(low, 0.2 * times, tolerance=1e-9)
+    assert run.method["formulation"] == "floating"
+    assert deviation(run, truth(low, 0.2 * times)) < 1e-9
 
 
 def test_a_run_that_goes_on_as_a_free_body_does_all_that_is_asked() -> None:

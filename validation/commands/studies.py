@@ -138,7 +138,7 @@ def benchmark(*, repeats: int = 7) -> Result:
     Parameters
     ----------
     repeats
-        Timed calls of each run.
+        Timed calls of each run; of what takes long, 3 at most.
     """
     whole("repeats", repeats)
     from validation.benchmark import measured_parts

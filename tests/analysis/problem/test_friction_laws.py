@@ -114,6 +114,9 @@ def test_contact_force_without_or_with_several_solutions_is_told() -> None:
         any_contact_load(steep, 1.0, *per_newton, *slip)
     with pytest.raises(ArithmeticError, match=r"no single solution for it, found: 0\.10"):
         any_contact_load(steep, 0.1, 0.0, -1.5, *slip)
+    # One that pulls rubs with no load, though friction would call for its own.
+    alone = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=0.5)
+    assert any_contact_load(alone, -0.1, 0.0, -1.5, *slip) == 0.0
 
 
 @pytest.mark.parametrize("coefficient", [0.5, 1e3, 1e8])
