@@ -15,6 +15,8 @@ CONFIDENCE = 0.99
 def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
     """Results of some calls, such as their times, made one after the other so many times.
 
+    Every other time they are made in the opposite order, so that none is always the first.
+
     Parameters
     ----------
     *calls : callable
@@ -28,8 +30,11 @@ def in_turns(*calls: Callable[[], T], pairs: int) -> list[list[T]]:
     """
     for call in calls:
         call()
-    rounds = [[call() for call in calls] for _ in range(pairs)]
-    return [list(results) for results in zip(*rounds, strict=True)]
+    results: list[list[T]] = [[] for _ in calls]
+    for number in range(pairs):
+        for turn in range(len(calls))[:: 1 if number % 2 else -1]:
+            results[turn].append(calls[turn]())
+    return results
 
 
 def interval(ratios: Sequence[float]) -> tuple[float, float, float]:

@@ -100,7 +100,8 @@ def present(rows: Rows) -> Content:
     return Content(
         numbers={
             "dear": int(dear.sum()),
-            "unclear": int((~dear & (table["to"] > 0.0)).sum()),
+            "unclear": int((~dear & (table["to"] >= 0.0)).sum()),
+            "saving": rounded["price in %"][table["to"] < 0.0],
             "dearest": table.loc[table["price in %"].idxmax()],
             "change": change,
         },

@@ -4,7 +4,19 @@ from math import comb
 
 import pytest
 
-from validation.measurement.timing import CONFIDENCE, interval
+from validation.measurement.timing import CONFIDENCE, in_turns, interval
+
+
+def test_turns_are_taken_in_either_order_and_told_by_call_after_a_warm_up() -> None:
+    made: list[str] = []
+
+    def call(name: str) -> int:
+        made.append(name)
+        return len(made)
+
+    results = in_turns(lambda: call("a"), lambda: call("b"), pairs=3)
+    assert "".join(made) == "ab" + "ba" + "ab" + "ba"
+    assert results == [[4, 5, 8], [3, 6, 7]]
 
 
 @pytest.mark.parametrize("pairs", [8, 11, 31, 100])

@@ -43,8 +43,12 @@ def test_price_is_that_of_the_part_and_a_change_of_the_motion_is_seen(
     assert [row[name] for name in ("from", "price in %", "to")] == pytest.approx([20.0] * 3)
     (row,) = lean.price((PART, lean.scene(1, "contact-tree")))
     assert row["change"] > 1e3 * lean.SAME
-    for least, said in ((19.0, "1 have a price."), (-1.0, "0 have a price, and for 1 none is")):
-        table = pd.DataFrame([{"case": "a", **row, "change": 1e-12, "from": least}])
+    for least, most, said in (
+        (19.0, 21.0, "1 have a price."),
+        (-1.0, 21.0, "0 have a price, and for 1 none is"),
+        (-3.0, -1.0, "0 have a price, and 1 seem to save up to 20.0 % of"),
+    ):
+        table = pd.DataFrame([{"case": "a", **row, "change": 1e-12, "from": least, "to": most}])
         content = lean.present({"lean": table})
         text = Section("lean", content, Path(lean.__file__).with_suffix(".md")).filled(vars(lean))
         assert f"of 1 parts in these scenes, {said}" in text[1]
