@@ -123,7 +123,11 @@ STUDY = Study(
 
 def present(table: pd.DataFrame) -> Content:
     """Whether steps are stable below the predicted ones and not above them."""
-    found = table[table["below"] & ~table["above"]].groupby("integrator")["case"].nunique()
+    # A step that is no number predicts nothing.
+    complete = table.dropna()
+    found = (
+        complete[complete["below"] & ~complete["above"]].groupby("integrator")["case"].nunique()
+    )
     places = len(_cases())
     return Content(
         tables={"steps": table.drop(columns="case").rename(columns=STUDY.columns)},
