@@ -131,8 +131,9 @@ def cheapest(runs: pd.DataFrame, by: Sequence[str], cost: str = "seconds") -> pd
 
     Runs to a tolerance, which are not chosen with the reference at hand, are not among them.
     """
-    each = pd.DataFrame({"goal": GOALS}).merge(runs[runs["kind"] != "tolerance"], how="cross")
-    met = each[each["error"] <= each["goal"]]
+    chosen = runs[runs["kind"] != "tolerance"]
+    paired = pd.DataFrame({"goal": GOALS}).merge(chosen, how="cross")
+    met = paired[paired["error"] <= paired["goal"]]
     best = met.loc[met.groupby([*by, "goal"], sort=False)[cost].idxmin()]
     return best.set_index([*by, "goal"], drop=False)
 
