@@ -3,9 +3,14 @@
 import sys
 from contextlib import redirect_stdout
 
-# Where it is the build without range checks, it says so, and standard output may be JSON.
-with redirect_stdout(sys.stderr):
-    import exudyn as _exudyn  # noqa: F401
+try:
+    # Where it is the build without range checks, it says so, and standard output may be JSON.
+    with redirect_stdout(sys.stderr):
+        import exudyn as _exudyn  # noqa: F401
+except ImportError as error:
+    # It loads OpenGL even where it draws nothing.
+    _lacking = "; install that, libgl1 on Debian" if "libGL" in str(error) else ""
+    raise ImportError(f"exudyn cannot be loaded: {error}{_lacking}") from error
 
 from analysis.problem.choices import ACCELERATED, INTEGRATORS, IntegratorName
 from analysis.problem.choices import ENGINE_FORMULATIONS as FORMULATIONS

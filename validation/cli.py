@@ -69,13 +69,13 @@ def _run(arguments: Sequence[str] | None) -> int:
         module = import_module(f"validation.commands.{command.module}")
         with _warnings_in_a_line(name), _text_beside(given):
             return command.call(getattr(module, command.name), given)
-    except (ValueError, ArithmeticError, OSError, MemoryError) as error:
+    except (ValueError, ArithmeticError, OSError, MemoryError, ImportError) as error:
         message = " ".join(str(error).split()) or "not enough memory"
         flag = flag_of(getattr(error, "argument", ""), given.items())
         _complain(f"{name}: error: {flag and f'{flag}: '}{message}")
         if isinstance(error, OutputLostError):
             return _OUTPUT_LOST
-        return _REFUSED if isinstance(error, ValueError | OSError) else _FAILED
+        return _REFUSED if isinstance(error, ValueError | OSError | ImportError) else _FAILED
     except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, it is no result
         # A law of one's own, or this program, is at fault: where, the traceback says.
         _complain(format_exc().rstrip())

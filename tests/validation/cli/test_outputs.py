@@ -45,6 +45,19 @@ def test_json_stands_alone_whatever_the_engine_says_as_it_is_loaded() -> None:
     assert json.loads(shown.stdout)
 
 
+def test_engine_that_cannot_be_loaded_is_told_in_one_line_with_what_it_lacks(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "exudyn.py").write_text("raise ImportError('tried:\\n  libGL.so.1: not found')")
+    command = [sys.executable, "-m", "validation", "simulate", "--end", "0.1"]
+    env = os.environ | {"PYTHONPATH": str(tmp_path)}
+    shown = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    assert shown.returncode == 2
+    (line,) = shown.stderr.splitlines()
+    assert "exudyn cannot be loaded: tried: libGL.so.1: not found; " in line
+    assert "libgl1" in line
+
+
 @posix
 @every
 def test_link_stays_and_what_it_leads_to_is_replaced_with_its_mode(name: str) -> None:
