@@ -256,8 +256,7 @@ def compare_motions(scene: Scene, end: float) -> Comparison:
 
     The time is cut short of where the disk comes to lie flat, or so nearly that a run of the
     engine fails, and where a run would take too long or cannot be had to the tolerance, which is
-    then told. If one side ends because the contact
-    would pull, the other one has to do so there.
+    then told. If one side ends because the contact would pull, the other one has to do so there.
 
     Parameters
     ----------
