@@ -139,7 +139,7 @@ class AccelerationProblem:
         scenario = self.scenario
         self._start = record[:12].tolist()
         endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - least_tilt}
-        if self.model.may_pull:
+        if scenario.may_pull:
             endings[CONTACT_WOULD_PULL] = self._normal_force
         endings |= of_states(self.conditions, self._whole)
         return InitialValueProblem(
@@ -150,6 +150,7 @@ class AccelerationProblem:
             self._angles,
             self._slip_of_one_direction(),
             float(np.clip(BENDING * scenario.finest_slip, *DIFFERENCES)),
+            kinked_load=scenario.kinked_load,
         )
 
     def samples(self, states: Array) -> Array:

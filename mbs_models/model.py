@@ -107,11 +107,6 @@ class Model(ABC):
     def _build(self) -> None:
         """Add nodes, bodies, markers and joints."""
 
-    @property
-    def may_pull(self) -> bool:
-        """Whether the contact holds the disk down as well as up."""
-        return self.scenario.contact is None or self.scenario.contact.bilateral
-
     # --- What acts on the disk -------------------------------------------------------------------
 
     @cached_property

@@ -70,7 +70,7 @@ class Call(Search):
     @property
     def must_not_pull(self) -> bool:
         """Whether a contact that pulls ends a run."""
-        return self.motion.model.may_pull and not self.allow_pulling
+        return self.motion.scenario.may_pull and not self.allow_pulling
 
 
 def run_over(
@@ -118,7 +118,7 @@ def run_over(
     elif kept.size < sampled.size:
         ended = TIME_LIMIT
     pulling: tuple[tuple[float, float], ...] = ()
-    if call.allow_pulling and model.may_pull:
+    if call.allow_pulling and call.motion.scenario.may_pull:
         forces = values[:, NORMAL_FORCE]
         pulling = call.pulling_times(reached, values, forces)
     # Differences of times have fewer digits than these.

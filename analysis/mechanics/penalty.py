@@ -260,7 +260,7 @@ def contact_functions(scenario: Scenario) -> Functions:
     """
     contact: Any = scenario.contact
     weight, law = scenario.weight, scenario.friction
-    holds = contact is None or contact.bilateral
+    holds = scenario.may_pull
     fades = not (holds or law.follows_contact)
 
     def spring(gap: Any) -> Any:

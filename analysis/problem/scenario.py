@@ -212,6 +212,17 @@ class Scenario(Described):
         return self.friction.is_on and not held
 
     @property
+    def may_pull(self) -> bool:
+        """Whether the contact holds the disk down as well as up."""
+        return self.contact is None or self.contact.bilateral
+
+    @property
+    def kinked_load(self) -> float:
+        """Size in N of the load of friction, if that ends where the contact pulls; else 0."""
+        ends = self.may_pull and self.rubs and self.friction.load == "contact"
+        return self.weight if ends else 0.0
+
+    @property
     def penalty_contact(self) -> PenaltyContact:
         """The compliant contact; `ValueError` if there is none."""
         if self.contact is None:

@@ -124,7 +124,7 @@ def _full(
         return float(velocity_residuals(slips, scenario.disk, state.tolist())[0])
 
     kink: Callable[[Array], float] | None = slip if scenario.rubs and len(slips) == 1 else None
-    if scenario.contact is not None and not scenario.contact.bilateral:
+    if not scenario.may_pull:
         kink = opening(scenario)
 
     def expand(_: Array, states: Array) -> Array:
@@ -145,6 +145,7 @@ def _full(
         slice(4, 6),
         kink,
         jacobian=partial(recorded.jacobian, scenario),
+        kinked_load=scenario.kinked_load,
     )
     return problem, expand
 

@@ -82,6 +82,8 @@ class InitialValueProblem:
     jacobian : callable, optional
         Makes the function from a state to the exact Jacobian of a right-hand side that does not
         depend on time, shape (n, n); without it, differences are taken.
+    kinked_load : float
+        Size in N of the load of friction, if that ends where the contact pulls; else 0.
     """
 
     right_hand_side: Callable[[float, Array], npt.ArrayLike]
@@ -93,6 +95,7 @@ class InitialValueProblem:
     difference: float = 1e-8
     absolute: float | Array = 1.0
     jacobian: Callable[[], Callable[[Array], Array]] | None = None
+    kinked_load: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,7 +213,9 @@ def integrate(
     begin, first = time.thread_time(), float(times[0])
     # Late on the clock, SciPy's least step is longer than a motion may need.
     span = times - first
-    problem = replace(problem, longest_step=step_fraction * problem.longest_step)
+    longest = step_fraction * problem.longest_step
+    kink = _kinks(problem) if allow_pulling and problem.kinked_load else problem.kink
+    problem = replace(problem, longest_step=longest, kink=kink)
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(problem.endings, problem.start, allow_pulling)
     started: list[Any] = []
@@ -337,6 +342,12 @@ def _steps(
         if solver.status == "finished" and step.end < end:
             first = min(length, end - step.end)
             solver = started(step.end, solver.y, end, first_step=first)
+
+
+def _kinks(problem: InitialValueProblem) -> Callable[[Array], float]:
+    """What changes its sign at its kink, and where its contact begins or ceases to pull."""
+    slip, force = problem.kink, problem.endings[CONTACT_WOULD_PULL]
+    return lambda state: (slip(state) if slip else 1.0) * force(state) / problem.kinked_load
 
 
 def _turn(kink: Callable[[Array], float], before: float, step: Step, after: float) -> float:

@@ -25,6 +25,9 @@ def file(check: Callable[..., Path], *suffixes: str, **how: Any) -> dict[str, An
 
     def checked(value: str) -> Path:
         try:
+            # Paths of Python 3.14 on say no where they cannot be looked at.
+            with suppress(FileNotFoundError, NotADirectoryError):
+                os.lstat(value)
             return check(value, *suffixes)
         except OSError as error:
             # A name that is too long, or a folder that may not be looked into.
