@@ -362,9 +362,19 @@ def compare_eigenvalues(scene: Scene, motion: Motion) -> Comparison:
 
 
 def _eigenvalues(scene: Scene, motion: Motion) -> Found:
-    expected = spectra.eigenvalues(scene.scenario, SPINS, system="numeric", motion=motion)
+    scenario, contact = scene.scenario, scene.scenario.contact
+    if contact is not None:
+        # Either side's height has it, and eigenvalues change with the force on the spring.
+        digit = 2.0 * np.finfo(float).eps * scenario.disk.radius
+        lost = contact.stiffness * digit / scenario.weight
+        if lost > EIGENVALUE_LIMIT:
+            raise ValueError(
+                f"stiffness {contact.stiffness:g} N/m turns the last digit of a height into "
+                f"{lost:.1g} of the weight, where {EIGENVALUE_LIMIT:g} passes"
+            )
+    expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
     how: dict[str, Any] = {"formulation": scene.built_as, "motion": motion}
-    scenes = (spinning(scene.scenario, spin, **how) for spin in SPINS)
+    scenes = (spinning(scenario, spin, **how) for spin in SPINS)
     try:
         worst = largest(map(distance, map(mbs_models.eigenvalues, scenes), expected))
     except ValueError as error:

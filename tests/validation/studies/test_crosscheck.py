@@ -19,6 +19,7 @@ from analysis import (
     POSSIBLE_SETS,
     Dissipation,
     FlatError,
+    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     Start,
@@ -204,6 +205,17 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
     assert distance(found, VALUES) == distance(found[:0], VALUES[:0]) == inf
     monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
     assert comparisons.compare_eigenvalues(Scene(), MOTIONS[0]).difference == inf
+
+
+def test_eigenvalues_are_not_compared_on_a_contact_too_stiff_for_the_digits_of_heights() -> None:
+    found = [
+        comparisons.compare_eigenvalues(
+            Scene(Scenario(contact=PenaltyContact(stiffness=each)), "floating"), MOTIONS[0]
+        )
+        for each in (2e11, 1e12)
+    ]
+    assert [each.agrees for each in found] == [True, None]
+    assert found[1].detail.startswith("stiffness 1e+12 N/m turns the last digit of a height into")
 
 
 # --- The study ----------------------------------------------------------------------------------
