@@ -63,6 +63,9 @@ PART_OF_SLIP = 0.05
 UPRIGHT = 1e-9
 """Cosines of beta and gamma up to which a disk spins upright: nothing then changes its spin."""
 
+TOO_LOW = "too low"
+"""Why a motion ends where a disk is about to pass by flat so closely that Euler angles fail."""
+
 _Solved = tuple[list[float], list[float], Array, Array]
 """Coordinates, rates, and the engine's accelerations and multipliers."""
 
@@ -134,11 +137,11 @@ class AccelerationProblem:
         """With which an ending is located."""
         return stepping_integrator(self.scene, np.array([0.0, 1.0]), LOCAL).method
 
-    def starting_at(self, record: Array, least_tilt: float = LEAST_TILT) -> InitialValueProblem:
+    def starting_at(self, record: Array) -> InitialValueProblem:
         """The problem from coordinates and rates on; to be solved within `solving`."""
         scenario = self.scenario
         self._start = record[:12].tolist()
-        endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - least_tilt}
+        endings: dict[str, StateFunction] = {FLAT: lambda x: sin(x[self._tilt]) - LEAST_TILT}
         if scenario.may_pull:
             endings[CONTACT_WOULD_PULL] = self._normal_force
         endings |= of_states(self.conditions, self._whole)
@@ -197,6 +200,14 @@ class AccelerationProblem:
         z, u, second, _unused = self._solved(state)
         rates = (*u, *self.model.decode_accelerations(second, z, u))
         return [rates[place] for place in self._free]
+
+    def height_over(self, lowest: float, state: Array) -> float:
+        """Negative where a disk leans by less than this sine and is to pass by flat."""
+        z, u = self._whole(state)
+        leaning = sin(z[4])
+        # So low, it turns on about a level axis, as if nothing acted on it.
+        turning, across = leaning * abs(u[3]), hypot(u[4], leaning * u[3])
+        return max(leaning - lowest, LEAST_TILT * across - leaning * turning)
 
     def _normal_force(self, state: Array) -> float:
         found = self._solved(state)

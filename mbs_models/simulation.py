@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from math import isnan, sin, sqrt
 
 import numpy as np
 import numpy.typing as npt
 
-from analysis.motion.endings import FLAT, StopWhen, each_condition, named_conditions
+from analysis.motion.endings import StopWhen, each_condition, named_conditions
 from analysis.motion.trajectory import Trajectory, versions
 from analysis.problem.checks import (
     Array,
@@ -21,13 +22,13 @@ from analysis.problem.checks import (
 )
 from analysis.problem.choices import IntegratorName
 from analysis.problem.friction import check_slipping
-from analysis.problem.limits import DEFAULT_TOLERANCE, LEAST_TILT
+from analysis.problem.limits import DEFAULT_TOLERANCE
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import FlatError
 from analysis.solve.stepping import Run, integrate, pulls_at_start
 from analysis.solve.to_tolerance import run_to, tighter_and_tighter
-from analysis.solve.watch import Progress, Watch
-from mbs_models.accelerations import AccelerationProblem
+from analysis.solve.watch import Progress, StateFunction, Watch
+from mbs_models.accelerations import TOO_LOW, AccelerationProblem
 from mbs_models.effort import simulation_effort, ways
 from mbs_models.extrapolation import FINEST, HopelessError, extrapolated
 from mbs_models.integrators import FINEST_LOCAL, Integrator, find_integrator
@@ -41,6 +42,12 @@ FINE = 3e-9
 FLAT_ROUNDING = 1e-12
 """Error in rad, times sin² of the inclination at the start, that rounding may leave where a disk
 falls on and Euler angles are coordinates: their mass matrix is singular on a flat disk."""
+
+PASSING_ROUNDING = 1e-15
+"""The same, times sin² of the least inclination, where a disk passes by flat;"""
+
+STALLING = 1e3
+"""and that error, over the one allowed in a step, with which steps become ever shorter there."""
 
 
 def simulate(
@@ -112,7 +119,8 @@ def simulate(
     EngineError
         If the engine does not reach the end.
     FlatError
-        If the disk comes so close to lying flat that the Euler angles cannot be followed.
+        If the disk comes so close to lying flat that the Euler angles cannot be followed, or not
+        to `tolerance` in the formulation asked for.
     ToleranceError
         If `tolerance` cannot be met, or the run takes far more steps than it should; with a time
         limit it may.
@@ -147,7 +155,7 @@ def simulate(
         times=times,
         longest=np.inf if step is None else step,
         tolerance=tolerance,
-        least_tilt=LEAST_TILT if freed is None else FREE_BELOW,
+        may_change=freed is not None,
         allow_pulling=allow_pulling,
         watch=watch,
     )
@@ -281,13 +289,13 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     """
     times, tolerance = call.times, call.tolerance
     motion, start = call.motion, call.motion.scenario.initial_state.vector
-    problem = motion.starting_at(start, call.least_tilt)
+    problem = motion.starting_at(start)
     problem = replace(problem, longest_step=min(call.longest, problem.longest_step))
 
     def run(local: float, part: float) -> Run:
         motion.quick = local >= motion.model.quick_from
         found = integrate(
-            problem,
+            replace(problem, endings={**problem.endings, **_too_low(call, local)}),
             times,
             integrator.method,
             local,
@@ -296,9 +304,16 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
             watch=call.watch,
         )
         call.counts.update(steps=found.steps, right_hand_sides=found.evaluations)
-        if found.ended == FLAT and call.least_tilt > LEAST_TILT:
-            moment = float(found.times[-1])
-            raise FlatError(f"the disk comes nearly flat at t = {moment:.6g} s", moment)
+        leans = np.sin(found.states[:, problem.angles][:, 0])
+        call.watch.flattest = (float(found.times[np.argmin(leans)]), float(np.min(leans)))
+        if found.ended == TOO_LOW:
+            moment, formulation = float(found.times[-1]), motion.scene.built_as
+            raise FlatError(
+                f"tolerance {tolerance:g} rad cannot be reached: the disk passes by flat after "
+                f"t = {moment:.6g} s, where formulation {formulation!r} loses too many digits; "
+                "try formulation 'floating'",
+                moment,
+            )
         return found
 
     rungs = [integrator.local_tolerance or FINEST_LOCAL]
@@ -312,6 +327,16 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
     # The first sample is the start itself, without the rounding on the way there.
     values[0, :12] = start
     return replace(found, states=values)
+
+
+def _too_low(call: Call, local: float) -> dict[str, StateFunction]:
+    """What ends a run, with this error allowed in a step, where Euler angles lose its digits."""
+    if call.tolerance is None or not call.motion.model.has_euler_angles:
+        return {}
+    lowest = FREE_BELOW
+    if not call.may_change:
+        lowest = min(lowest, sqrt(PASSING_ROUNDING / min(call.tolerance, STALLING * local)))
+    return {TOO_LOW: partial(call.motion.height_over, lowest)}
 
 
 def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Trajectory:

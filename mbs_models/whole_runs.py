@@ -55,8 +55,8 @@ class Call(Search):
         Longest step in s.
     tolerance : float or None
         Largest error in rad, if the runs are to have one.
-    least_tilt : float
-        Sine of the inclination below which there is a better formulation to step.
+    may_change : bool
+        Whether nearly flat, another formulation may be stepped.
     allow_pulling, watch, counts
         See `Search`.
     """
@@ -65,7 +65,7 @@ class Call(Search):
     times: Array
     longest: float
     tolerance: float | None
-    least_tilt: float
+    may_change: bool
 
     @property
     def must_not_pull(self) -> bool:

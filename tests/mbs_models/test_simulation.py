@@ -36,6 +36,7 @@ from analysis import (
     ViscousFriction,
 )
 from analysis.mechanics.recorded import accelerations
+from analysis.motion.endings import FLAT
 from analysis.problem.checks import Array
 from analysis.problem.start import FlatError, State
 from analysis.problem.variations import changed
@@ -282,6 +283,13 @@ def test_a_run_that_comes_nearly_flat_goes_by_a_free_body_unless_its_formulation
         Scene(scenario, "euler-tree"), times, tolerance=1e-3, time_limit=60.0, **ACCELERATED
     )
     assert given.method["formulation"] == "euler-tree"
+    # One that falls straight down passes nowhere by flat.
+    falling = model(level, start=Start(spin=0.0, beta=0.3, gamma=-np.pi / 2))
+    known = analysis.simulate(falling, times, tolerance=1e-10).ending
+    assert not_none(known).reason == FLAT
+    run = mbs_models.simulate(Scene(falling, "euler-tree"), times, tolerance=1e-8, **ACCELERATED)
+    assert not_none(run.ending).reason == FLAT
+    assert not_none(run.ending).time == pytest.approx(not_none(known).time, abs=1e-8)
     # A tree would lose too many digits at the start.
     low = model(level, start=Start(beta=0.021, spin=0.0))
     run = mbs_models.simulate(low, 0.2 * times, tolerance=1e-9)
