@@ -23,7 +23,7 @@ from analysis.solve.stepping import (
     integrate,
     pulls_at_start,
 )
-from analysis.solve.watch import Watch
+from analysis.solve.watch import Watch, intervals
 from mbs_models.solving import EngineError, stepping
 
 T = TypeVar("T")
@@ -172,8 +172,9 @@ class Search:
                 continue
             if ended := reason or suspect.reason:
                 moments, records = moments[:size], records[:size]
-                if later > 0.0:
-                    moments = np.append(moments, moments[-1] + later)
+                # By the digits of its time, it may be no later.
+                if (moment := moments[-1] + later) > moments[-1]:
+                    moments = np.append(moments, moment)
                     records = np.vstack((records, last))
                 return ended, moments, records
         return None, moments, records
@@ -184,17 +185,14 @@ class Search:
             problem = self.motion.starting_at(record)
             if pulls_at_start(problem, allow_pulling=True) and not self.allow_pulling:
                 return CONTACT_WOULD_PULL, 0.0, record
-            found = self._stepped(problem, np.array([0.0, end]), self.watch)
+            found = self._stepped(problem, np.array([0.0, end]), MOST_STEPS_OF_A_SEARCH)
             last = self.motion.samples(found.states[-1:])[0]
             return found.ended, float(found.times[-1]), last
 
-    def _stepped(
-        self, problem: InitialValueProblem, times: Array, watch: Watch, records: int = 1
-    ) -> Run:
-        """A motion from a record on, up to so many later ones."""
+    def _stepped(self, problem: InitialValueProblem, times: Array, most: int) -> Run:
+        """A motion from a record on, in so many steps at most."""
         # On a stiff contact a search may be endless, and a run that broke off has then no ending.
-        most = MOST_STEPS_OF_A_SEARCH * records
-        how: dict[str, Any] = {"allow_pulling": self.allow_pulling, "watch": watch.part(most)}
+        how: dict[str, Any] = {"allow_pulling": self.allow_pulling, "watch": self.watch.part(most)}
         try:
             found = integrate(problem, times, self.motion.method, LOCAL, **how)
         except ToleranceError as error:
@@ -208,7 +206,8 @@ class Search:
         """Times in s between which the contact pulls.
 
         Between two records that differ in that, and where the force comes near to zero, they are
-        located by stepping the scene's accelerations.
+        located by stepping the scene's accelerations; those that no time is left for, as if the
+        force ran straight from record to record.
 
         Parameters
         ----------
@@ -226,8 +225,14 @@ class Search:
         found = [tuple(moments[rows].tolist()) for rows in _runs_of(pulls[:-1] & ~searched)]
         with stepping(motion.system):
             for first, last in _runs_of(searched).tolist():
-                problem, ends = motion.starting_at(records[first]), moments[[first, last]]
-                found += self._stepped(problem, ends, Watch(), last - first).pulling
+                if not self.watch.is_out_of_time:
+                    problem, ends = motion.starting_at(records[first]), moments[[first, last]]
+                    run = self._stepped(problem, ends, MOST_STEPS_OF_A_SEARCH * (last - first))
+                    if run.ended != TIME_LIMIT:
+                        found += run.pulling
+                        continue
+                here = slice(first, last + 1)
+                found += _straight(moments[here], forces[here])
         joined: list[tuple[float, float]] = []
         for first, last in sorted(found):
             begin = joined.pop()[0] if joined and joined[-1][1] >= first else first
@@ -252,6 +257,15 @@ def _dips(moments: Array, values: Array, reason: str) -> Iterator[Suspect]:
         yield Suspect(row, float(moments[row + 2] - moments[row]), "")
     if negative.size:
         yield Suspect(end - 1, float(moments[end] - moments[end - 1]), reason)
+
+
+def _straight(moments: Array, forces: Array) -> tuple[tuple[float, float], ...]:
+    """Times between which forces are negative that run straight from record to record."""
+    pulls = forces < 0.0
+    rows = np.flatnonzero(pulls[1:] != pulls[:-1])
+    parts = forces[rows] / (forces[rows] - forces[rows + 1])
+    edges = moments[rows] + parts * (moments[rows + 1] - moments[rows])
+    return intervals([*moments[:1][pulls[:1]], *edges.tolist()], float(moments[-1]))
 
 
 def _near_zero(moments: Array, values: Array) -> Rows:

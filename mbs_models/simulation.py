@@ -101,7 +101,8 @@ def simulate(
         Go on where the contact pulls. There is no friction there if its load is "contact"; if it
         is "weight", there is as before.
     time_limit : float, optional
-        Processor time in s after which the run ends with what it has reached.
+        Processor time in s after which the run ends with what it has reached. Times of pulling
+        that fixed steps leave no time to locate are those of straight lines between steps.
     progress : callable, optional
         Called after each step with the time reached and the end of the run in s; a
         tolerance-controlled run passes over its times again and again.

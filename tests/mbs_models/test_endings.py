@@ -87,6 +87,38 @@ def test_times_of_pulling_are_those_in_house_wherever_records_lie(
     np.testing.assert_allclose(found, known.pulling, rtol=0.0, atol=1e-9)
 
 
+class Late(Watch):
+    """A watch whose time is over when it is asked again."""
+
+    asked = 0
+
+    @property
+    def is_out_of_time(self) -> bool:
+        self.asked += 1
+        return self.asked > 1
+
+
+@pytest.mark.parametrize("watch", [Watch(1e-9), Late()])
+def test_times_of_pulling_that_no_time_is_left_to_locate_are_told_between_two_records(
+    watch: Watch,
+) -> None:
+    scenario, moments = Scenario(start=Start(spin=300.0)), np.linspace(0.0, 0.1, 201)
+    known = analysis.simulate(scenario, moments, allow_pulling=True)
+    records = np.hstack((known.coordinates, known.rates, known.multipliers))
+    search = Search(motion=AccelerationProblem(Scene(scenario), {}), watch=watch)
+    found = search.pulling_times(moments, records, known.normal_force)
+    assert search.counts["steps"] <= 1
+    assert len(known.pulling) > 1
+    np.testing.assert_allclose(found, known.pulling, rtol=0.0, atol=1e-4)
+
+
+def test_no_record_is_added_to_a_run_at_the_time_of_its_last_one() -> None:
+    search = Search(motion=AccelerationProblem(Scene(Scenario()), {}), watch=Late())
+    record, moments = np.append(Scenario().initial_state.vector, 0.0), np.array([1e15])
+    reason, times, _ = search.until_ending(moments, record[None], [Suspect(0, 0.1, "")], 0.0)
+    assert (reason, *times) == ("time limit", 1e15)
+
+
 INVERTED = Start(gamma=pi / 2 - 0.01, spin=40.0)
 SPINNING = Start(gamma=0.3, spin=20.0)
 
