@@ -146,7 +146,7 @@ def simulate(
     step, tolerance = _accuracy(chosen, step, tolerance)
     may_change = integrator is None or chosen.steps_accelerations
     scene, freed = _begun_with(scene, times, tolerance, may_change=may_change)
-    tried, most = _ways(scene, times, integrator, step, tolerance)
+    tried, most = _attempts(scene, times, integrator, step, tolerance)
     check_slipping(scene.scenario.friction)
     watch = Watch(time_limit, progress, most)
     conditions = named_conditions(stop_when, scene.scenario.initial_state)
@@ -179,7 +179,7 @@ def simulate(
     )
 
 
-def _ways(
+def _attempts(
     scene: Scene,
     times: Array,
     integrator: Integrator | IntegratorName | None,

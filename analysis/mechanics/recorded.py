@@ -65,12 +65,12 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
         x, y = law.force(slip_x, slip_y, load)
         return float(load - (force + by_along * x + by_across * y))
 
+    if missing(0.0) >= 0.0:
+        # Whatever other load there is that friction would call for by itself.
+        return 0.0
     size = abs(force) or 1.0
     loads = [size * place for place in _PLACES]
     misses = [missing(load) for load in loads]
-    if misses[0] >= 0.0:
-        # Whatever other load there is that friction would call for by itself.
-        return 0.0
     while misses[-1] < 0.0 and loads[-1] < _LARGEST * size:
         loads.append(1e4 * loads[-1])
         misses.append(missing(loads[-1]))

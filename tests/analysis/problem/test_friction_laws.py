@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import hypot, inf, nan
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,9 @@ def test_contact_force_without_or_with_several_solutions_is_told() -> None:
     # One that pulls rubs with no load, though friction would call for its own.
     alone = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=0.5)
     assert any_contact_load(alone, -0.1, 0.0, -1.5, *slip) == 0.0
+    # No other load is tried, for which a law of one's own may have no force.
+    silent: Any = SimpleNamespace(force=lambda _along, _across, load: (0.0, 0.0 / (load == 0.0)))
+    assert any_contact_load(silent, -0.1, 0.0, -1.5, *slip) == 0.0
 
 
 @pytest.mark.parametrize("coefficient", [0.5, 1e3, 1e8])
