@@ -72,8 +72,6 @@ class Model(ABC):
     has_norm: ClassVar[bool] = False
     """Whether the norm of its rotation parameters is held by an algebraic equation."""
 
-    _node: int
-
     @classmethod
     def obstacle(cls, scenario: Scenario) -> str:  # noqa: ARG003 - of a formulation without any
         """Why it cannot build a scenario; empty if it can."""
