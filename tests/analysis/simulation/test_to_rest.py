@@ -33,6 +33,7 @@ from analysis import (
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
+from analysis.simulation.to_rest import REST_METHODS, RestMethod
 from analysis.solve.until_rest import until_agreement
 from tests.bodies import of_six
 from tests.helpers import angles_apart, mostly_slow, not_none, reaching
@@ -170,6 +171,18 @@ def test_phases_follow_each_other_from_the_first_samples_at_which_they_hold(
     begin = int(np.searchsorted(times, not_none(phases.rolling)))
     assert not is_rolling(times[begin - 1])
     assert all(map(is_rolling, times[begin : first + 1 : 20]))
+
+
+@pytest.mark.parametrize("method", REST_METHODS)
+def test_a_touch_down_too_hard_for_the_shortest_steps_ends_no_run(method: RestMethod) -> None:
+    contact = PenaltyContact.damped(1e7, STEEL_DISK, ratio=2.0, half_thickness=2e-4)
+    drop = Scenario.rest(contact=contact, start=Start(beta=0.3, spin=20.0, height=0.03))
+    # It touches down after 0.067 s.
+    fine, coarse = (
+        simulate_to_rest(drop, 0.07, method=each, local_tolerance=local)
+        for each, local in ((method, 1e-13), ("LSODA", 1e-10))
+    )
+    assert fine.deviation(coarse) < 1e-7
 
 
 @pytest.mark.parametrize(("part", "is_ever_flat"), [(0.9999, False), (0.5, True)])
