@@ -198,7 +198,7 @@ def test_a_tolerance_is_met_and_estimated_through_every_attitude_and_impact(
 ) -> None:
     scenario, end, tolerance = CASES[case]
     how: dict[str, Any] = {"spacing": 5e-3, "time_limit": 60.0}
-    best = analysis.simulate_to_rest(scenario, end, local_tolerance=1e-12, **how)
+    best = analysis.simulate_to_rest(scenario, end, local_tolerance=1e-13, **how)
     run = run_to_rest(scenario, end, source=source, tolerance=tolerance, **how)
     assert run.ending is None
     # It does not stall where the contact opens and closes.
