@@ -13,6 +13,7 @@ through folds.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -50,6 +51,8 @@ _NEARLY_UPRIGHT = (-0.02, -0.02, 1.55, -3.0), (0.02, 0.02, 1.6, 3.0)
 """Least and largest x / r, y / r, beta and gamma of starts."""
 
 _SMALL = 1e-10
+"""Largest change in a stationary motion, see `_residual`."""
+
 _STEP = 0.03
 """Length of the steps along a branch, with spins in parts of sqrt(g / r)."""
 
@@ -164,7 +167,8 @@ def stationary_motions(
     Parameters
     ----------
     scenario : Scenario
-        On an ideal contact and a horizontal table; a round disk must be eccentric.
+        On an ideal contact and a horizontal table; a round disk must be eccentric, and the more so
+        the steeper friction is.
     spin : float
         In rad/s, not zero.
     starts : int
@@ -181,10 +185,14 @@ def stationary_motions(
         If an argument is out of range or the scenario another one.
     """
     require_spinning(scenario, "the search for stationary motions")
-    if scenario.disk.is_round_disk and scenario.disk.eccentricity == 0.0:
-        raise ValueError("eccentricity must be positive: without it every gamma is stationary")
     if turn_rate("spin", spin) == 0.0:
         raise ArgumentError("spin", f"must not be 0, got {spin!r}")
+    # What friction takes goes with the square of the slip, which steep friction keeps small.
+    disk, fastest = scenario.disk, max(abs(spin), spin_scale(scenario))
+    least = sqrt(_SMALL * max(1.0, scenario.rubs * scenario.slip_decay / fastest)) * disk.radius
+    if disk.is_round_disk and disk.eccentricity < least:
+        fault = f"must be {least:g} m or more here, got {disk.eccentricity:g}: with less,"
+        raise ArgumentError("eccentricity", f"{fault} every gamma is stationary but for rounding")
     starts = whole("starts", starts, most=MOST_STARTS)
     random = np.random.default_rng(0)
     begins = [np.array((0.0, 0.0, np.pi / 2, gamma)) for gamma in (np.pi / 2, -np.pi / 2)]

@@ -338,8 +338,12 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (stationary.stationary_motions, {"spin": 1e6}, "spin must lie from -100000 to 100000"),
     (stationary.stationary_motions, {"spin": 0.0}, "spin must not be 0"),
     (stationary.stationary_motions, {"starts": 10**9}, "starts must be at most 10000"),
-    (stationary.stationary_motions, {"scenario": Scenario(disk=CENTRED_DISK)},
-     ".*eccentricity must be positive"),
+    *((stationary.stationary_motions, {"scenario": Scenario(disk=disk, friction=friction)},
+       rf"eccentricity must be {least}\S* m or more here, got {disk.eccentricity:g}:")
+      for disk, friction, least in (
+          (CENTRED_DISK, SmoothCoulomb(), r"9\.5"),
+          (replace(STEEL_DISK, eccentricity=9e-7), SmoothCoulomb(), r"9\.8"),
+          (STEEL_DISK, SmoothCoulomb(smoothing=1e-9), r"0\.01"))),
     (stationary.stationary_motions, {"scenario": Scenario(table=LEANING)}, ".*horizontal table"),
     (stationary.stationary_motions, {"scenario": REST}, ".*ideal contact"),
     (stationary.stationary_branch, {"interval": [1.0]}, "interval must hold lowest, highest val"),
