@@ -196,8 +196,7 @@ def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
     scenario = scene.scenario
     if step is None:
         found = shared.rest_effort(scenario, end)
-        steps = 2.0 * found.steps
-        return replace(found, steps=steps, seconds=steps * _REST_SECONDS)
+        return replace(found, seconds=found.steps * _REST_SECONDS)
     step = positive("step", step)
     stiffness, gradient = scenario.penalty_contact.stiffness, scenario.friction_gradient
     return Effort(

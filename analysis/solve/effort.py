@@ -189,19 +189,20 @@ def _lowest(scenario: Scenario) -> float:
 
 
 def rest_effort(scenario: Scenario, end: float) -> Effort:
-    """Effort of `analysis.simulate_to_rest` with LSODA, up to the time `end` in s.
+    """Effort of `analysis.simulate_to_rest` to a tolerance with LSODA, up to the time `end` in s.
 
     Raises
     ------
     ValueError
         If the scenario has no penalty contact.
     """
-    contact = scenario.penalty_contact
-    # The method changes to implicit steps where friction is stiff, and follows the contact.
-    evaluations = 3.0 * end * sqrt(contact.stiffness * scenario.disk.contact_mobility)
+    stiffness = scenario.penalty_contact.stiffness
+    # Two runs follow the contact, and the motion on it; the method changes to implicit steps where
+    # friction is stiff.
+    steps = 2.0 * end * (3.0 / contact_time(scenario) + 100.0 / turning_time(scenario))
     return Effort(
-        steps=evaluations / 2.0,
-        seconds=evaluations * _SECONDS,
-        argument="stiffness",
-        value=f"{contact.stiffness:g} N/m until end = {end:g} s",
+        steps=steps,
+        seconds=2.0 * steps * _SECONDS,
+        argument="end",
+        value=f"= {end:g} s at stiffness {stiffness:g} N/m",
     )
