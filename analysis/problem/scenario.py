@@ -296,8 +296,8 @@ def steady(scenario: Scenario) -> Scenario:
 def require_lasting(scenario: Scenario, analysis: str) -> None:
     """Raise `ValueError` unless a spin lasts: on a horizontal table, without what brakes it."""
     require_level(scenario, analysis)
-    if scenario != steady(scenario):
-        loss = scenario.dissipation
+    loss = scenario.dissipation
+    if loss.pivoting or loss.air_drag:
         fault = (
             "must have neither pivoting friction nor air drag, by which the spin decays, got "
             f"{loss.pivoting:g} m and {loss.air_drag:g} kg/m³"
