@@ -215,12 +215,12 @@ class AccelerationProblem:
             return self.model.joints.contact_force(found[3])
         return float(self.forces([found])[0, 0])
 
-    def _slip_of_one_direction(self) -> Callable[[Array], float] | None:
+    def _slip_of_one_direction(self) -> Callable[[Array], Sequence[float]]:
         held = [f"no-slip-{way}" in self.scenario.constraints for way in ("along", "across")]
         if not self.scenario.rubs or sum(held) != 1:
-            return None
+            return lambda _: ()
         radius, direction = self.scenario.disk.radius, int(held[0])
-        return lambda state: slip_velocity(radius, *self._whole(state))[direction]
+        return lambda state: slip_velocity(radius, *self._whole(state))[direction : direction + 1]
 
 
 def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:

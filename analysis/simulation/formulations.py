@@ -119,13 +119,14 @@ def _full(
 ) -> tuple[InitialValueProblem, Expand]:
     start, solved = scenario.initial_state, recorded.solver(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
+    if not scenario.rubs or (scenario.contact is None and len(slips) > 1):
+        # A touch-down reverses slip while it is small. Else, to look for two gains nothing.
+        slips = ()
+    presses = [] if scenario.may_pull else [opening(scenario)]
 
-    def slip(state: Array) -> float:
-        return float(velocity_residuals(slips, scenario.disk, state.tolist())[0])
-
-    kink: Callable[[Array], float] | None = slip if scenario.rubs and len(slips) == 1 else None
-    if not scenario.may_pull:
-        kink = opening(scenario)
+    def kinks(state: Array) -> list[float]:
+        reversing = velocity_residuals(slips, scenario.disk, state.tolist()) if slips else ()
+        return [*reversing, *(press(state) for press in presses)]
 
     def expand(_: Array, states: Array) -> Array:
         found = _in_rows(paper_of(scenario.disk, states.T))
@@ -143,7 +144,7 @@ def _full(
             **of_states(conditions, lambda state: paper_of(scenario.disk, state.tolist())),
         },
         slice(4, 6),
-        kink,
+        kinks,
         jacobian=partial(recorded.jacobian, scenario),
         kinked_load=scenario.kinked_load,
     )
@@ -187,7 +188,7 @@ def _reduced(
             **of_states(conditions, to_paper),
         },
         slice(0, 2),
-        (lambda state: solved(*state[:3].tolist())[4]) if scenario.rubs else None,
+        lambda state: solved(*state[:3].tolist())[4:5] if scenario.rubs else (),
         jacobian=jacobian,
     )
     return problem, expand

@@ -76,9 +76,9 @@ class InitialValueProblem:
         `CONTACT_WOULD_PULL` the normal force in N of a contact that must not.
     angles : slice or sequence of int
         Columns of a state that hold beta and gamma in rad; errors are judged by them.
-    kink : callable, optional
-        From a state to a number near 1 or less; forces have a kink or jump where it changes its
-        sign: the slip in m/s in the one direction there is, or what presses on a contact.
+    kinks : callable
+        From a state to numbers near 1 or less; forces have a kink or jump where one changes its
+        sign: slips in m/s, or what presses on a contact.
     difference : float
         Part of a variable, or of 1 if that is smaller, by which it is moved to differentiate the
         right-hand side; friction may bend within less than usual.
@@ -96,7 +96,7 @@ class InitialValueProblem:
     longest_step: float
     endings: Mapping[str, StateFunction] = field(default_factory=dict)
     angles: slice | Sequence[int] = ()
-    kink: Callable[[Array], float] | None = None
+    kinks: Callable[[Array], Sequence[float]] = lambda _: ()
     difference: float = 1e-8
     absolute: float | Array = 1.0
     jacobian: Callable[[], Callable[[Array], Array]] | None = None
@@ -219,8 +219,8 @@ def integrate(
     # Late on the clock, SciPy's least step is longer than a motion may need.
     span = times - first
     longest = step_fraction * problem.longest_step
-    kink = _kinks(problem) if allow_pulling and problem.kinked_load else problem.kink
-    problem = replace(problem, longest_step=longest, kink=kink)
+    kinks = _kinks(problem) if allow_pulling and problem.kinked_load else problem.kinks
+    problem = replace(problem, longest_step=longest, kinks=kinks)
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(problem.endings, problem.start, allow_pulling)
     started: list[Any] = []
@@ -322,8 +322,8 @@ def _steps(
     SolverError
         If the solver fails, or stalls with steps too short to move its time, and soon again.
     """
-    kink = problem.kink or (lambda _: 0.0)
-    solver, before = started(0.0, problem.start, end), kink(problem.start)
+    kinks, solver = problem.kinks, started(0.0, problem.start, end)
+    before = kinks(problem.start)
     stride, equal, length, jumped = 0.0, 0, end, -end
     while solver.status == "running":
         state = solver.y.copy()
@@ -335,15 +335,15 @@ def _steps(
             step = _step(solver, clock)
         except SolverError:
             past = solver.t + PAST * np.spacing(solver.t)
-            rates = np.asarray(problem.right_hand_side(solver.t, state))
+            rates = np.asarray(solver.fun(solver.t, state))
             soon = solver.t - jumped < FIRST * problem.longest_step
             if soon or past >= end or not np.isfinite(rates.sum()):
                 raise
             jumped, equal = solver.t, 0
             solver = started(past, state + (past - jumped) * rates, end)
             continue
-        after = kink(step.last)
-        turn = _turn(kink, before, step, after)
+        after = kinks(step.last)
+        turn = _turn(kinks, before, step, after)
         if step.begin < turn < step.end:
             # By a step that goes across, it is not told exactly: one up to there may do so, too.
             length = max(step.end - step.begin, length if solver.t_bound < end else 0.0)
@@ -359,17 +359,28 @@ def _steps(
             solver = started(step.end, solver.y, end, first_step=first)
 
 
-def _kinks(problem: InitialValueProblem) -> Callable[[Array], float]:
-    """What changes its sign at its kink, and where its contact begins or ceases to pull."""
-    slip, force = problem.kink, problem.endings[CONTACT_WOULD_PULL]
-    return lambda state: (slip(state) if slip else 1.0) * force(state) / problem.kinked_load
+def _kinks(problem: InitialValueProblem) -> Callable[[Array], Sequence[float]]:
+    """Kinks of a problem, and where its contact begins to pull or ceases."""
+    kinks, force = problem.kinks, problem.endings[CONTACT_WOULD_PULL]
+    return lambda state: [*kinks(state), force(state) / problem.kinked_load]
 
 
-def _turn(kink: Callable[[Array], float], before: float, step: Step, after: float) -> float:
-    """Time at which a kink lies within a step, or its end."""
-    if before * after >= 0.0 or min(abs(before), abs(after)) <= STILL:
-        return step.end
-    return float(brentq(lambda time: kink(step.path(time)), step.begin, step.end))
+def _turn(
+    kinks: Callable[[Array], Sequence[float]],
+    before: Sequence[float],
+    step: Step,
+    after: Sequence[float],
+) -> float:
+    """Time at which the first kink lies within a step, or its end."""
+
+    def at(time: float, number: int) -> float:
+        return kinks(step.path(time))[number]
+
+    turn = step.end
+    for number, (first, last) in enumerate(zip(before, after, strict=True)):
+        if first * last < 0.0 and min(abs(first), abs(last)) > STILL:
+            turn = min(turn, float(brentq(at, step.begin, step.end, args=(number,))))
+    return turn
 
 
 def _step(solver: Any, clock: float) -> Step:

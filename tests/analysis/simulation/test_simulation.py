@@ -204,6 +204,19 @@ def test_steps_end_where_a_contact_opens_or_closes() -> None:
         assert angles_apart(found, truth) < tolerance
 
 
+def test_steps_on_a_contact_that_yields_end_where_slip_in_one_direction_reverses() -> None:
+    # At the touch-down it is small in the other one, too, and friction bends within a step.
+    contact = PenaltyContact(stiffness=4.2e4, damping=135.0)
+    start, law = (
+        Start(beta=0.39, gamma=2.0, spin=18.7, height=3.8e-5),
+        SmoothCoulomb(load="contact"),
+    )
+    scenario, times = Scenario(contact=contact, start=start, friction=law), [0.0, 0.062]
+    found, truth = (simulate(scenario, times, local_tolerance=each) for each in (1e-9, 1e-13))
+    # Across the bends it would be 4e-9.
+    assert angles_apart(found, truth) < 5e-10
+
+
 @pytest.mark.parametrize("simulated", [simulate, mbs_models.simulate])
 @pytest.mark.parametrize("late", [-3.0, 1e5])
 def test_a_motion_is_the_same_at_any_time_on_the_clock(
