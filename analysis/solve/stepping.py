@@ -218,8 +218,7 @@ def integrate(
     begin, first = time.thread_time(), float(times[0])
     # Late on the clock, SciPy's least step is longer than a motion may need.
     span = times - first
-    longest = step_fraction * problem.longest_step
-    kinks = _kinks(problem) if allow_pulling and problem.kinked_load else problem.kinks
+    longest, kinks = step_fraction * problem.longest_step, _kinks(problem, allow_pulling)
     problem = replace(problem, longest_step=longest, kinks=kinks)
     pulls_at_start(problem, allow_pulling=allow_pulling)
     lookout = Lookout(problem.endings, problem.start, allow_pulling)
@@ -359,8 +358,12 @@ def _steps(
             solver = started(step.end, solver.y, end, first_step=first)
 
 
-def _kinks(problem: InitialValueProblem) -> Callable[[Array], Sequence[float]]:
-    """Kinks of a problem, and where its contact begins to pull or ceases."""
+def _kinks(
+    problem: InitialValueProblem, allow_pulling: bool
+) -> Callable[[Array], Sequence[float]]:
+    """Kinks of a problem, and where its contact begins to pull or ceases, if that is one."""
+    if not (allow_pulling and problem.kinked_load):
+        return problem.kinks
     kinks, force = problem.kinks, problem.endings[CONTACT_WOULD_PULL]
     return lambda state: [*kinks(state), force(state) / problem.kinked_load]
 

@@ -24,6 +24,7 @@ from analysis import (
     ViscousFriction,
 )
 from analysis.problem.choices import SOURCES, Source
+from analysis.simulation.to_rest import RestMethod
 from mbs_models import EngineError, rest
 from tests.bodies import BODIES, TIPPE_TOP
 from tests.helpers import mostly_slow, not_none, reaching
@@ -198,7 +199,9 @@ def test_a_tolerance_is_met_and_estimated_through_every_attitude_and_impact(
 ) -> None:
     scenario, end, tolerance = CASES[case]
     how: dict[str, Any] = {"spacing": 5e-3, "time_limit": 60.0}
-    best = analysis.simulate_to_rest(scenario, end, local_tolerance=1e-13, **how)
+    # Of smooth ones by another method: the last run of LSODA is as tight.
+    method: RestMethod = "DOP853" if tolerance == 1e-7 else "LSODA"
+    best = analysis.simulate_to_rest(scenario, end, method=method, local_tolerance=1e-13, **how)
     run = run_to_rest(scenario, end, source=source, tolerance=tolerance, **how)
     assert run.ending is None
     # It does not stall where the contact opens and closes.
