@@ -6,7 +6,17 @@ from typing import Any
 
 from pebble import ProcessPool
 
-from analysis.solve.workers import Spawning
+from analysis.solve.workers import Spawning, _Process
+
+
+class _Worker(_Process):
+    """A process of which every end is told: of one with code 0 Pebble would take no notice."""
+
+    @property
+    def exitcode(self) -> Any:
+        """Text in place of 0."""
+        code = super().exitcode
+        return str(code) if code == 0 else code
 
 
 class Processes(Executor):
@@ -21,6 +31,7 @@ class Processes(Executor):
     def __init__(self, workers: int) -> None:
         spawning = Spawning()
         self.check_begun = spawning.check_begun
+        spawning.context.Process = _Worker  # type: ignore[misc] # of this context alone
         self._pool = ProcessPool(workers, context=spawning.context, **spawning.first)
 
     def submit(

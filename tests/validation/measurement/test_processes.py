@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
+from pebble import ProcessExpired
 
 from validation.measurement.processes import Processes
 
@@ -23,6 +24,16 @@ def test_an_interrupt_ends_no_call() -> None:
     # A terminal's Ctrl-C reaches workers as well, and is left to the process that was called.
     with Processes(1) as pool:
         assert pool.submit(signal.raise_signal, signal.SIGINT).result() is None
+
+
+@pytest.mark.parametrize("code", [0, 7])
+def test_a_worker_that_ends_fails_its_own_call_alone_whatever_its_code(code: int) -> None:
+    with Processes(1) as pool:
+        ended, other = pool.submit(os._exit, code), pool.submit(abs, -1)
+        with pytest.raises(ProcessExpired) as caught:
+            ended.result(timeout=20.0)
+        assert str(caught.value.exitcode) == str(code)
+        assert other.result() == 1
 
 
 @pytest.mark.skipif(os.name != "posix", reason="elsewhere no folder goes that a process is in")
