@@ -1,19 +1,29 @@
 """From options of the command line, which several commands share, to what they mean."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run, load_scenario
+from analysis import (
+    BODIES,
+    LAWS,
+    PenaltyContact,
+    Progress,
+    Scenario,
+    StoredRun,
+    load_run,
+    load_scenario,
+)
 from analysis.problem.checks import Array, positive, within
 from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort, duration
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import Kinds
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
-from validation.display.progress import say
+from validation.display.progress import progress_bar, say
 from validation.sweeps.axes import axis_from
 
 _CONSTRAINTS = ("model", "constraints")
@@ -138,11 +148,14 @@ def stored_runs(files: Sequence[Path], **named: str) -> list[StoredRun]:
 
 
 PATIENCE = 60.0
-"""Processor time in s from which on a run is announced before it starts."""
+"""Processor time in s from which on a run is announced as it starts."""
 
 
-def announce(command: str, effort: Effort, time_limit: float | None = None) -> None:
-    """Say on standard error what a run will take, if that is long and nothing ends it, or in vain.
+@contextmanager
+def announced(command: str, effort: Effort, time_limit: float | None = None) -> Iterator[Progress]:
+    """Progress of a run; once it has begun it says what it takes, if that is long or in vain.
+
+    So a run that is refused is told in one line. What a time limit ends may take long.
 
     Parameters
     ----------
@@ -159,9 +172,16 @@ def announce(command: str, effort: Effort, time_limit: float | None = None) -> N
     """
     effort.check()
     endless = effort.seconds > PATIENCE and time_limit is None
-    if endless or effort.doubt:
-        hint = "; --time-limit ends it early" if endless else ""
-        say(f"tippedisk {command}: {effort}{hint}")
+    hint = "; --time-limit ends it early" if endless else ""
+    left = [f"tippedisk {command}: {effort}{hint}"] if endless or effort.doubt else []
+    with progress_bar() as progress:
+
+        def tell(now: float, end: float) -> None:
+            while left:
+                say(left.pop())
+            progress(now, end)
+
+        yield tell
 
 
 def in_cases(count: int) -> str:
@@ -185,8 +205,8 @@ def announce_cases(command: str, cases: str, seconds: float, processes: int, mor
     more : str
         What else is to be said.
     """
-    time = duration(seconds / processes)
-    say(f"tippedisk {command}: {cases}, roughly {time} on {processes} processes{more}")
+    time, count = duration(seconds / processes), f"{processes} process{'es' * (processes != 1)}"
+    say(f"tippedisk {command}: {cases}, roughly {time} on {count}{more}")
 
 
 def parse_spins(texts: Sequence[str], *, ends: bool = False) -> Array:

@@ -9,9 +9,8 @@ from analysis.problem.checks import whole
 from analysis.problem.limits import REST_SPACING
 from analysis.problem.names import ArgumentError
 from analysis.stability.linearisation import unstable_start
-from validation.commands.options import announce, checked_end
+from validation.commands.options import announced, checked_end
 from validation.display.figures import comparison, draw_story
-from validation.display.progress import progress_bar
 from validation.display.tables import Table
 from validation.parser.commands import Group
 from validation.parser.files import Result
@@ -48,8 +47,8 @@ def simulate(
     whole("samples", samples, least=2)
     scenario = problem.scenario()
     times = even_times(scenario, checked_end(end), samples, "samples")
-    announce("simulate", run_effort(scenario, times, **how), how.get("time_limit"))
-    with progress_bar() as progress:
+    effort = run_effort(scenario, times, **how)
+    with announced("simulate", effort, how.get("time_limit")) as progress:
         motion = run(scenario, times, **how, progress=progress)
     estimate = motion.error_estimate
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
@@ -109,8 +108,8 @@ def rest(
             "needs a penalty contact on the way to rest, and its is ideal; give --stiffness and "
             "--half-thickness, or the table [contact]",
         )
-    announce("rest", rest_effort(scenario, end, **how), how.get("time_limit"))
-    with progress_bar() as progress:
+    effort = rest_effort(scenario, end, **how)
+    with announced("rest", effort, how.get("time_limit")) as progress:
         motion = run_to_rest(scenario, end, **how, progress=progress)
     return Result(
         tables=[_story(motion)],

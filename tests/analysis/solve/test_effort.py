@@ -170,7 +170,11 @@ def test_long_runs_alone_are_announced(capsys: pytest.CaptureFixture[str]) -> No
         (replace(short, seconds=61.0), "about 1.0e+02 steps, roughly 61 s, for tolerance 1"),
         (replace(short, doubt="in vain"), "roughly 1 s, for tolerance 1; in vain"),
     ):
-        options.announce("simulate", found)
+        with options.announced("simulate", found) as progress:
+            # What is refused before it begins is refused in a line of its own.
+            assert capsys.readouterr().err == ""
+            progress(0.0, 2.0)
+            progress(0.1, 2.0)
         shown = capsys.readouterr()
         assert shown.out == ""
         assert said in shown.err

@@ -12,7 +12,6 @@ import mbs_models
 from analysis.problem.choices import SOURCES
 from analysis.problem.quantities import QUANTITIES
 from tests.calls import answer
-from validation.commands import simulate as simulating
 
 NUMBERS = st.one_of(
     st.floats(),
@@ -71,7 +70,6 @@ def test_command_answers_in_one_line(call: str, monkeypatch: pytest.MonkeyPatch)
     for side in (analysis, mbs_models):
         for name in ("simulate", "simulate_to_rest"):
             monkeypatch.setattr(side, name, accept)
-    monkeypatch.setattr(simulating, "announce", lambda _, effort, __=None: effort.check())
     answers: Counter[bool] = Counter()
 
     @QUICK

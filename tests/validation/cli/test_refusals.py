@@ -24,6 +24,7 @@ REFUSED = {
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     "scenario --radius 1 --thickness 1 --density 1e100": "--radius: mass must be above 0 and at",
     ENGINE + "--source in-house --formulation floating": "formulation must be one of index-1",
+    "simulate --spin 1e5": "error: start needs a contact that pulls, with a normal force of -5",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
     "rest --model 2": "--model: contact must be left out, or constraints be those of Model 1",
     "animate run.npz --body ellipse": "--body: body belongs to none of the motions, got Ell",
