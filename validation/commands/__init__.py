@@ -27,7 +27,8 @@ examples:
   tippedisk animate engine.npz                       a page that plays the motion
   tippedisk play                                     a page on which the disk is spun by hand
 
-Each command has its own --help. Every switch has a --no-SWITCH, and `-` is standard output.
+Each command has its own --help. Every switch has a --no-SWITCH; `-` is standard output, and where
+a scenario or axes are read, standard input.
 
 exit codes:
    0  done

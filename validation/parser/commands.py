@@ -30,7 +30,7 @@ _LIGHT = ("pathlib", "typing", "validation.parser", "analysis.problem.choices")
 """Modules from which signatures have their names."""
 
 _NEGATIVE = re.compile(r"-(\d|\.\d|pi|inf|nan|$)")
-"""What begins like an option and is a value; `-` is standard output."""
+"""What begins like an option and is a value; `-` is standard output, or input."""
 
 _NUMBERS = {float: "a number", int: "a whole number"}
 
@@ -147,7 +147,7 @@ class OfScenario(NamedTuple):
     def add_to(self, parser: Parser, _: Mapping[str, str]) -> None:
         """Add the options for the file and for the quantities, a group for each table."""
         how: dict[str, Any] = {} if self.flag.startswith("-") else {"nargs": "?"}
-        about = "scenario, .toml, or a stored run to repeat, .npz"
+        about = "scenario, .toml or -, or a stored run to repeat, .npz"
         parser.add_argument(self.flag, **file(existing, help=about), **how)
         for table in self.tables:
             group = parser.add_argument_group(table or "problem", SECTIONS[table].about)

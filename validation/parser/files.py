@@ -47,8 +47,12 @@ def folder(value: str) -> Path:
 
 
 def existing(value: str, *suffixes: str) -> Path:
-    """Type of an argument that names a file to read, with one of these suffixes or any."""
-    path = _with_suffix(value, *suffixes)
+    """Type of an argument that names a file to read, with one of these suffixes or any.
+
+    Where any will do, `-` is standard input, on systems that have a file for it.
+    """
+    is_input = value == "-" and not suffixes
+    path = Path("/dev/stdin") if is_input else _with_suffix(value, *suffixes)
     if path.is_dir() or not os.access(path, os.R_OK):
         raise ArgumentTypeError(f"must be an existing file that can be read, got {value!r}")
     return path

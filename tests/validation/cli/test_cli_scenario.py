@@ -1,6 +1,8 @@
 """A problem told by options, by a file, or by a stored run; its runs by `simulate` and `rest`."""
 
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -62,6 +64,14 @@ def _files(folder: Path) -> None:
 @pytest.mark.parametrize("words", TOLD)
 def test_options_change_what_they_name_and_nothing_else(words: str) -> None:
     assert printed("scenario", words) == scenario_text(TOLD[words])
+
+
+@pytest.mark.skipif(not Path("/dev/stdin").exists(), reason="needs a file for standard input")
+def test_a_scenario_comes_from_standard_input_as_well() -> None:
+    call = [sys.executable, "-m", "validation", "scenario", "-", "--spin", "35"]
+    given = printed("scenario --mu 0.2")
+    done = subprocess.run(call, input=given, capture_output=True, text=True, check=True)
+    assert done.stdout == printed("scenario --mu 0.2 --spin 35")
 
 
 def test_no_option_is_blamed_for_what_a_file_tells() -> None:
