@@ -54,7 +54,11 @@ def check(*, problem: AnyProblem, end: float = 2.0, states: int = 100) -> Result
     failed = sum(each.agrees is False for each in checks)
     held = sum(each.agrees is True for each in checks)
     compared = [
-        (f"{each.formulation}: {each.quantity}", each.difference, each.criterion, each.agrees)
+        (
+            # What has no mark in the picture says why.
+            f"{each.formulation}: {each.quantity}" + ", not defined" * (each.agrees is None),
+            *(each.difference, each.criterion, each.agrees),
+        )
         for each in checks
     ]
     return Result(

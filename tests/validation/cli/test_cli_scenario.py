@@ -112,8 +112,10 @@ def test_check_answers_by_its_exit_code(verdict: str, monkeypatch: pytest.Monkey
         return [comparisons.Comparison(criterion=1e-8, difference=apart, **about)]
 
     monkeypatch.setattr(comparisons, "compare_scenario", compared)
-    shown = answer("check --mu 0.2 --states 10")
+    shown = answer("check --mu 0.2 --states 10 --plot check.svg")
     assert shown.code == ("FAIL" in verdict)
+    # A row of the picture that has no mark says why.
+    assert ("not defined" in Path("check.svg").read_text()) == (VERDICTS[verdict] is None)
     assert shown.out.endswith(f"{verdict}\n")
 
 
