@@ -32,6 +32,8 @@ _LIGHT = ("pathlib", "typing", "validation.parser", "analysis.problem.choices")
 _NEGATIVE = re.compile(r"-(\d|\.\d|pi|inf|nan|$)")
 """What begins like an option and is a value; `-` is standard output, or input."""
 
+_UNTOLD = "What help says of commands and options is left out where Python runs with -OO."
+
 _NUMBERS = {float: "a number", int: "a whole number"}
 
 _METAVARS: dict[Any, str] = {float: "NUMBER", int: "N", str: "NAME"}
@@ -99,7 +101,7 @@ class Parser(argparse.ArgumentParser):
 
 def described(function: Callable[..., Any]) -> tuple[str, dict[str, str]]:
     """What a docstring says, and what it says of each parameter, in a line."""
-    about, *sections = re.split(r"\n\n(?=\w+\n---)", cleandoc(function.__doc__ or ""))
+    about, *sections = re.split(r"\n\n(?=\w+\n---)", cleandoc(function.__doc__ or _UNTOLD))
     entry = re.compile(r"^(\w+).*\n((?: {4}.*\n?)+)", re.MULTILINE)
     entries = entry.findall("\n".join(sections))
     return about, {name: _as_in_help(" ".join(text.split())) for name, text in entries}
@@ -313,7 +315,7 @@ def parsed(words: Sequence[str]) -> tuple[Command, argparse.Namespace]:
 
 def _top(known: Mapping[str, Command]) -> Parser:
     """Parser of what stands before a command, or in its place."""
-    about = cleandoc(package.__doc__ or "")
+    about = cleandoc(package.__doc__ or _UNTOLD)
     lines = (f"  {name:16s}{_as_in_help(each.title)}" for name, each in known.items())
     top = Parser(
         prog="tippedisk",

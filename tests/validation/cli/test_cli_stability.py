@@ -53,7 +53,10 @@ def test_critical_says_first_where_the_motion_is_stable_and_last_the_closed_form
     assert re.search(r"^this pair becomes stable +30\.1049 ", shown, re.MULTILINE)
     assert shown.index("nowhere") < shown.index("26.8736")
     assert "Closed form of the reduced system with any friction, Eq. (126): 30.9168 rad/s" in shown
-    assert "no friction: undamped" in printed("critical --system full --mu 0")
+    undamped = printed("critical --system full --mu 0")
+    assert "no friction: undamped" in undamped
+    # Where spins begin, nothing is said of pairs that are there on either side, too.
+    assert re.findall(r"become a pair +(\S+)", undamped) == ["20.8806"]
     # Other constraints stand below those of the models.
     other = printed("critical --constraints contact,no-slip-along")
     assert re.search(r"^Model 4 .*\ncontact \+ no-slip-along +nowhere$", other, re.MULTILINE)

@@ -83,6 +83,12 @@ def test_help_says_which_model_is_taken(command: str, model: int) -> None:
     assert f"constraints of a model of the paper ({model})\n" in shown
 
 
+def test_help_says_why_it_says_little_where_python_has_left_its_text_out() -> None:
+    for words in ("--help", "critical --help"):
+        shown = python("-OO", "-m", "validation", *words.split()).stdout
+        assert "is left out where Python runs with -OO.\n" in shown
+
+
 def options_of(command: Command) -> list[Action]:
     """Options of a command but --help."""
     return [each for each in command.parser().actions if each.option_strings][1:]
