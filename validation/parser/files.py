@@ -173,7 +173,9 @@ class Result(NamedTuple):
             written(path)
         if json:
             values = self.values() if callable(self.values) else self.values
-            print(text_of.dumps(self.tables[0].records() if values is None else values))
+            text = text_of.dumps(self.tables[0].records() if values is None else values)
+            # JSON has no word for infinity or for what is no number, and its readers stop there.
+            print(text_of.dumps(text_of.loads(text, parse_constant=lambda _: None)))
             return self.code
         width, _ = get_terminal_size((100, 24))
         is_one = isinstance(held, Table)

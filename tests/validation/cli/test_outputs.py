@@ -16,6 +16,7 @@ import pytest
 from analysis import load_run
 from tests.calls import Capture, printed, refusal, run
 from tests.helpers import mostly_slow
+from validation.parser.files import Result
 
 posix = pytest.mark.skipif(os.name != "posix", reason="links, pipes and modes of POSIX")
 
@@ -56,6 +57,11 @@ def test_engine_that_cannot_be_loaded_is_told_in_one_line_with_what_it_lacks(
     (line,) = shown.stderr.splitlines()
     assert "exudyn cannot be loaded: tried: libGL.so.1: not found; " in line
     assert "libgl1" in line
+
+
+def test_json_has_nothing_in_place_of_what_is_no_finite_number(capsys: Capture) -> None:
+    assert Result(values={"apart": [np.inf, -np.inf, np.nan, 1e300]}).deliver(json=True) == 0
+    assert capsys.readouterr().out == '{"apart": [null, null, null, 1e+300]}\n'
 
 
 @posix
