@@ -160,15 +160,12 @@ class Section:
         text = self._content.tables[name].to_csv(index=False, lineterminator="\n")
         return self._piece(self._linked(name, path, text), f"`{path}`")
 
-    def figure(
-        self, name: str, title: str, caption: str = "", paper: str = "", wide: bool = False
-    ) -> str:
-        """A figure, embedded; `paper` is the figure of the paper that it shows."""
+    def figure(self, name: str, title: str, caption: str = "", wide: bool = False) -> str:
+        """A figure, embedded."""
         png, svg = drawn(self._content.figures[name])
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
         image = f'<img alt="{{}}" src="data:image/png;base64,{png}">'
-        title = f"{title} (paper: {paper})" if paper else title
         kind = ' class="wide"' if wide else ""
         return self._figure(f' id="{self.name}-{name}"{kind}', image, title, caption, links)
 
