@@ -20,7 +20,7 @@ from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import declared
 from analysis.problem.variations import changed
-from validation.commands.options import Problem, checked_end, parse_spins
+from validation.commands.options import checked_end, parse_spins
 from validation.display.figures import MARKED, legend_above, new_figure
 from validation.display.progress import counted, progress_bar
 from validation.display.tables import Table
@@ -83,7 +83,7 @@ def cycles(
         raise ArgumentError("spin", f"does not go together with {chosen[0]}: a family has many")
     if over is None and amplitude is not None:
         raise ArgumentError("amplitude", "belongs to --over; a family goes through all amplitudes")
-    scenario = _reduced(problem)
+    scenario = problem.scenario()
     if over is not None:
         return _cycles_over(over, scenario, spins, amplitude)
     if spins is not None:
@@ -196,7 +196,7 @@ def heteroclinic(*, problem: ReducedProblem, over: Axis = None) -> Result:
         Go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1,
         hole-radius=0.01:0.02:4.
     """
-    scenario = _reduced(problem)
+    scenario = problem.scenario()
     if over is not None:
         return _connections_over(over, scenario)
     found = heteroclinic_connection(scenario)
@@ -326,8 +326,3 @@ def passage(
         values={name: found[name] for name in shown},
         draw=lambda: figures.passage_diagram(named),
     )
-
-
-def _reduced(problem: Problem) -> Scenario:
-    """Scenario of the options, of Model 4 unless they or a file say otherwise."""
-    return problem.scenario(model=4 if problem.file is None else None)

@@ -42,10 +42,13 @@ class Problem(NamedTuple):
         Of a scenario, or of a stored run of either kind (.npz).
     named : mapping
         What changes it: texts by the keys of quantities.
+    model : int
+        Whose constraints it has where neither tells any.
     """
 
     file: Path | None
     named: Mapping[str, Any]
+    model: int
 
     def scenario(self, *, rest: bool = False, model: int | None = None) -> Scenario:
         """Scenario of the file, or the default one, with what the options change.
@@ -55,7 +58,7 @@ class Problem(NamedTuple):
         rest : bool
             Whether the default is that of the way to rest.
         model : int, optional
-            Its constraints unless the options tell some.
+            In place of the file's, unless the options tell constraints.
 
         Raises
         ------
@@ -65,6 +68,7 @@ class Problem(NamedTuple):
             If the file is none, or an option is out of range or does not fit the rest.
         """
         given = _given(self.named)
+        model = model or (self.model if self.file is None else None)
         if model is not None and not given.keys() & {"model", "constraints"}:
             given["model"] = model
         if self.file is None:

@@ -162,7 +162,7 @@ class OfScenario(NamedTuple):
         from validation.commands.options import Problem
 
         named = {key: given[key] for key in QUANTITIES if given.get(key) is not None}
-        return Problem(file=given["scenario"], named=named)
+        return Problem(file=given["scenario"], named=named, model=self.model)
 
 
 class Group:
