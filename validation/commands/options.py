@@ -7,22 +7,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis import (
-    BODIES,
-    LAWS,
-    PenaltyContact,
-    Progress,
-    Scenario,
-    StoredRun,
-    load_run,
-    load_scenario,
-)
+from analysis import BODIES, LAWS, PenaltyContact, Scenario, StoredRun, load_run, load_scenario
 from analysis.problem.checks import Array, positive, within
 from analysis.problem.limits import LONGEST_MOTION, MOST_SPINS, SHORTEST_STEP, Effort, duration
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import Kinds
 from analysis.problem.values import read_value
 from analysis.problem.variations import changed
+from analysis.solve.watch import Progress
 from validation.display.progress import progress_bar, say
 from validation.sweeps.axes import axis_from
 
