@@ -17,6 +17,7 @@ from typing import Any, TextIO
 
 from analysis.problem.names import ArgumentError, OutputLostError
 from validation.parser.commands import flag_of, parsed
+from validation.parser.files import STANDARD_INPUT
 
 _OUTPUT_LOST = 3
 """Exit code of a command that did its work and could not say so."""
@@ -118,7 +119,10 @@ def _text_beside(given: Mapping[str, Any]) -> Iterator[None]:
     from analysis.motion.files import is_standard_output
 
     paths = {name: each for name, each in given.items() if isinstance(each, Path)}
-    taking = [name for name, each in paths.items() if is_standard_output(each)]
+    # On a terminal, standard input is the same device.
+    taking = [
+        name for name, each in paths.items() if each != STANDARD_INPUT and is_standard_output(each)
+    ]
     if taking and len(taking) + bool(given.get("json")) > 1:
         fault = "must lead elsewhere: standard output takes one file, or JSON"
         raise ArgumentError(taking[-1], fault)

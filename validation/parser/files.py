@@ -16,6 +16,8 @@ from typing import Annotated, Any, NamedTuple
 from analysis.problem.quantities import listed
 from validation.display.tables import Table
 
+STANDARD_INPUT = Path("/dev/stdin")
+
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of pictures that can be written."""
 
@@ -52,7 +54,7 @@ def existing(value: str, *suffixes: str) -> Path:
     Where any will do, `-` is standard input, on systems that have a file for it.
     """
     is_input = value == "-" and not suffixes
-    path = Path("/dev/stdin") if is_input else _with_suffix(value, *suffixes)
+    path = STANDARD_INPUT if is_input else _with_suffix(value, *suffixes)
     if path.is_dir() or not os.access(path, os.R_OK):
         raise ArgumentTypeError(f"must be an existing file that can be read, got {value!r}")
     return path

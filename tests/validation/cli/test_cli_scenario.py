@@ -67,11 +67,13 @@ def test_options_change_what_they_name_and_nothing_else(words: str) -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/stdin").exists(), reason="needs a file for standard input")
-def test_a_scenario_comes_from_standard_input_as_well() -> None:
+def test_a_scenario_comes_from_standard_input_as_well_and_where_output_goes_to_the_same() -> None:
     call = [sys.executable, "-m", "validation", "scenario", "-", "--spin", "35"]
-    given = printed("scenario --mu 0.2")
-    done = subprocess.run(call, input=given, capture_output=True, text=True, check=True)
-    assert done.stdout == printed("scenario --mu 0.2 --spin 35")
+    both, given = Path("terminal"), printed("scenario --mu 0.2")
+    both.write_text(given)
+    with both.open() as read, both.open("a") as written:
+        subprocess.run(call, stdin=read, stdout=written, check=True)
+    assert both.read_text() == given + printed("scenario --mu 0.2 --spin 35")
 
 
 def test_no_option_is_blamed_for_what_a_file_tells() -> None:
