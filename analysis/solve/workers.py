@@ -23,7 +23,7 @@ class UnguardedScriptError(RuntimeError):
     """Workers import the script that starts them, and it starts them again."""
 
 
-class _Process(SpawnProcess):
+class Process(SpawnProcess):
     """A process that hears nothing of Ctrl-C before it knows what to do with it; see `_begin`."""
 
     def start(self) -> None:
@@ -38,15 +38,16 @@ class _Process(SpawnProcess):
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-class _Context(SpawnContext):
-    Process = _Process
-
-
 class Spawning:
     """How worker processes are started, and whether any of them has come as far as to work.
 
     Where a worker that is only being started comes here, as it imports a script that does not
     guard its calls, it ends without a word.
+
+    Parameters
+    ----------
+    process : type
+        Of the processes.
 
     Raises
     ------
@@ -60,14 +61,15 @@ class Spawning:
         `initializer` and `initargs` of a pool: what each worker is to call first.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, process: type[SpawnProcess] = Process) -> None:
         if getattr(current_process(), "_inheriting", False):
             sys.exit(UNGUARDED)
         try:
             Path.cwd()
         except OSError as error:
             raise OSError("workers start in the working directory, and that is gone") from error
-        self.context = _Context()
+        self.context = SpawnContext()
+        self.context.Process = process  # type: ignore[misc] # of this context alone
         self._begun = self.context.Event()
         self.first: dict[str, Any] = {"initializer": _begin, "initargs": (self._begun,)}
 

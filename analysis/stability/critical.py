@@ -184,7 +184,8 @@ def critical_speeds(
         motion=motion,
         interval=(low, high),
         crossings=crossings,
-        pair_changes=spectra.pair_changes(),
+        # What meets at an end may be a pair beyond, too, as without friction at no spin.
+        pair_changes=tuple(each for each in spectra.pair_changes() if low < each.spin < high),
         # Between neighbouring crossings nothing changes.
         stable=tuple(each for each in pairwise(ends) if spectra.decay(sum(each) / 2.0)),
         reason=reason,

@@ -100,9 +100,6 @@ def critical(
     spins, motion = parse_spins(spin, ends=True), spectrum["motion"]
     ends = spin_interval((spins[0], spins[-1]), "spin")
     found = critical_speeds(scenario, ends, **spectrum)
-    # What meets where the spins end may be a pair beyond, too, as without friction at no spin.
-    inner = tuple(each for each in found.pair_changes if ends[0] < each.spin < ends[1])
-    found = replace(found, pair_changes=inner)
     # Of other bodies the reduced system, Model 4 and a closed form know nothing; without friction
     # nothing is damped.
     is_damped = scenario.rubs and scenario.friction_gradient > 0.0

@@ -6,10 +6,10 @@ from typing import Any
 
 from pebble import ProcessPool
 
-from analysis.solve.workers import Spawning, _Process
+from analysis.solve.workers import Process, Spawning
 
 
-class _Worker(_Process):
+class _Worker(Process):
     """A process of which every end is told: of one with code 0 Pebble would take no notice."""
 
     @property
@@ -29,9 +29,8 @@ class Processes(Executor):
     """
 
     def __init__(self, workers: int) -> None:
-        spawning = Spawning()
+        spawning = Spawning(_Worker)
         self.check_begun = spawning.check_begun
-        spawning.context.Process = _Worker  # type: ignore[misc] # of this context alone
         self._pool = ProcessPool(workers, context=spawning.context, **spawning.first)
 
     def submit(
