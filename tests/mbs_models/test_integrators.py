@@ -88,7 +88,8 @@ def test_observed_order_is_that_of_the_integrator(
         *(pytest.param(each, "TrapezoidalIndex2", finest, most, marks=pytest.mark.slow)
           for each, finest, most in (
               (scene_of(1, "euler-tree", start=Start(spin=20.0, gamma=0.3, beta=1.2)), 1e-11, 1e4),
-              (scene_of(3, "floating"), 1e-12, 2e4),
+              # Rounding, which differs by processor, may leave 1.4e-12.
+              (scene_of(3, "floating"), 3e-12, 2e4),
           )),
     ],
 )  # fmt: skip
