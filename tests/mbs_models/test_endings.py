@@ -4,6 +4,7 @@ from collections import Counter
 from itertools import product
 from math import pi
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -167,9 +168,7 @@ def test_a_constraint_force_that_goes_up_and_down_is_no_pull() -> None:
 def test_an_ending_that_cannot_be_located_is_no_time_limit(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def lost(*_unused: Any, **_more: Any) -> None:
-        raise SolverError("lost the way")
-
+    lost = Mock(side_effect=SolverError("lost the way"))
     monkeypatch.setattr("mbs_models.endings.integrate", lost)
     with pytest.raises(EngineError, match=r"'inverted' after t = .* not found: .*lost the way"):
         mbs_models.simulate(scene_of(1, "euler-tree"), LONG, step=5e-3, stop_when="inverted")
@@ -199,46 +198,33 @@ def test_a_search_has_some_steps_of_its_own_and_tells_no_progress(
     assert not told
 
 
-def test_an_ending_on_steep_friction_is_located_by_implicit_steps() -> None:
-    steep = Scenario(friction=SmoothCoulomb(smoothing=1e-8))
-    condition = reaching("alpha", 1.0)
-    known = analysis.simulate(steep, [0.0, 0.02, 0.1], stop_when=condition)
-    record = np.hstack((known.coordinates[1], known.rates[1], known.multipliers[1]))
-    motion = AccelerationProblem(Scene(steep), {"turned": condition})
-    search, suspect = Search(motion=motion, watch=Watch()), Suspect(0, 0.08, "turned")
-    reason, moments, _ = search.until_ending(known.times[1:2], record[None], [suspect], 0.0)
-    assert reason == "turned"
-    assert moments[-1] == pytest.approx(not_none(known.ending).time, abs=1e-7)
+MET = 0.025
+"""Time in s at which alpha is 1 rad, nearly."""
+
+LOCATED: dict[str, tuple[Scenario, list[Suspect], bool]] = {
+    "on steep friction, by implicit steps": (
+        Scenario(friction=SmoothCoulomb(smoothing=1e-8)), [Suspect(1, 0.08, "1.0")], True
+    ),
+    # Within a tenth of that time.
+    "what a run has met, a little later": (Scenario(), [Suspect(0, 0.95 * MET, "1.0")], True),
+    "not what it may have met": (Scenario(), [Suspect(0, 0.95 * MET, "")], False),
+    "earlier first": (Scenario(), [Suspect(1, 0.02, "1.0"), Suspect(2, 0.02, "2.0")], True),
+    "earlier last": (Scenario(), [Suspect(2, 0.02, "2.0"), Suspect(1, 0.02, "1.0")], True),
+}  # fmt: skip
+"""What is searched, and whether that ends it."""
 
 
-def test_what_a_run_has_met_is_looked_for_a_little_later_and_what_it_may_have_met_is_not() -> None:
-    condition = reaching("alpha", 1.0)
-    known = not_none(analysis.simulate(Scenario(), [0.0, 0.1], stop_when=condition).ending)
-    motion = AccelerationProblem(Scene(Scenario()), {"turned": condition})
-    record = np.append(Scenario().initial_state.vector, 0.0)
-
-    def search(reason: str) -> tuple[str | None, float]:
-        how, suspect = Search(motion=motion, watch=Watch()), Suspect(0, 0.9 * known.time, reason)
-        found, moments, _ = how.until_ending(LONG[:1], record[None], [suspect], known.time)
-        return found, float(moments[-1])
-
-    reason, moment = search("turned")
-    assert reason == "turned"
-    assert moment == pytest.approx(known.time, abs=1e-7)
-    assert search("") == (None, 0.0)
-
-
-def test_the_earliest_of_several_endings_is_that_of_the_run_in_whatever_order_they_are_told() -> (
-    None
-):
+@pytest.mark.parametrize("case", LOCATED)
+def test_the_earliest_ending_that_a_run_has_met_is_located_near_there(case: str) -> None:
+    scenario, told, is_found = LOCATED[case]
     conditions = {str(limit): reaching("alpha", limit) for limit in (1.0, 2.0)}
-    known = analysis.simulate(Scenario(), [0.0, 0.02, 0.04])
+    known = analysis.simulate(scenario, [0.0, 0.02, 0.04])
     records = np.hstack((known.coordinates, known.rates, known.multipliers))
-    search = Search(motion=AccelerationProblem(Scene(Scenario()), conditions), watch=Watch())
-    told = [Suspect(2, 0.02, "2.0"), Suspect(1, 0.02, "1.0")]
-    for order in (told, told[::-1]):
-        reason, moments, _ = search.until_ending(known.times, records, order, 0.0)
-        assert (reason, moments[-1]) == ("1.0", pytest.approx(0.025, abs=1e-4))
+    search = Search(motion=AccelerationProblem(Scene(scenario), conditions), watch=Watch())
+    reason, moments, _ = search.until_ending(known.times, records, told, 0.1 * MET)
+    met = analysis.simulate(scenario, [0.0, 0.1], stop_when=conditions["1.0"]).ending
+    assert reason == ("1.0" if is_found else None)
+    assert moments[-1] == pytest.approx(not_none(met).time if is_found else 0.04, abs=1e-7)
 
 
 @pytest.mark.parametrize("top", [0.76458, 1.78355])
