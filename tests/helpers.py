@@ -1,6 +1,7 @@
 """What several tests share: random disks and states, own kinematics, derivatives, Lagrange."""
 
 from collections.abc import Callable, Container, Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -97,6 +98,13 @@ def second_derivative(function: Callable[[float], Array]) -> Array:
 def angles_apart(first: Trajectory, second: Trajectory) -> float:
     """Largest difference in beta and gamma in rad."""
     return float(np.max(np.abs(first.coordinates - second.coordinates)[:, 4:]))
+
+
+def shifted(start: State, field: str, index: int, amount: float) -> State:
+    """A state with one of its coordinates or rates changed."""
+    values = list(getattr(start, field))
+    values[index] += amount
+    return replace(start, **{field: tuple(values)})
 
 
 def random_disk(random: Generator, products: float = 0.0) -> Disk:

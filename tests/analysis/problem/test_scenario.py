@@ -1,15 +1,11 @@
 """What a scenario and its parts accept, refuse and compute; constraints, and starts under them."""
 
-import re
-from collections.abc import Callable
 from dataclasses import asdict, replace
-from functools import partial
 from math import pi
 
 import numpy as np
 import pytest
 
-import mbs_models
 from analysis import (
     CENTRED_DISK,
     COORDINATES,
@@ -29,18 +25,10 @@ from analysis import (
     State,
     Table,
     multiplier_names,
-    simulate,
 )
 from analysis.mechanics import constraints as rows
-from analysis.problem.constraints import DEMANDS
 from analysis.problem.limits import LEAST_TILT
-from tests.helpers import all_sets, model, random_scenario
-
-
-def shifted(start: State, field: str, index: int, amount: float) -> State:
-    values = list(getattr(start, field))
-    values[index] += amount
-    return replace(start, **{field: tuple(values)})
+from tests.helpers import all_sets, model, random_scenario, shifted
 
 
 def test_all_sets_but_the_one_without_freedom_are_possible() -> None:
@@ -77,43 +65,6 @@ def test_default_start_is_table_3_made_consistent(level: Level) -> None:
     place = (-eccentricity * np.sin(0.1), 0.0, 0.045, 0.0, pi / 2, -pi / 2 + 0.1)
     np.testing.assert_allclose(start.coordinates, place, rtol=0.0, atol=1e-15)
     np.testing.assert_allclose(start.rates, (0, 0, 0, 40, 0, 0), rtol=0.0, atol=1e-14)
-
-
-BROKEN = {
-    "normal_force": ("contact", 2),
-    "cog_force_x": ("fixed-cog", 0),
-    "cog_force_y": ("fixed-cog", 1),
-    "tangential_force": ("no-slip-along", 3),
-}
-
-
-@pytest.mark.parametrize("name", BROKEN)
-def test_broken_constraint_is_named_with_its_amount_on_both_sides(name: str) -> None:
-    constraint, index = BROKEN[name]
-    beta, gamma = 1.0, 0.3
-    scenario = model(3, start=Start(beta=beta, gamma=gamma, spin=0.5))
-    # Turning faster about the COG moves the contact point at its distance from the axis.
-    lever = (STEEL_DISK.radius + STEEL_DISK.eccentricity * np.sin(gamma)) * np.cos(beta)
-    amounts = {"velocity level": ("rates", 2e-6, "m/s")}
-    if name == "tangential_force":
-        amounts = {"velocity level": ("rates", lever * 2e-6, "m/s")}
-    else:
-        amounts["position level"] = ("coordinates", 2e-6, "m")
-    label = f"({re.escape(DEMANDS[name])}|{constraint})"
-    for level, (field, amount, unit) in amounts.items():
-        broken = replace(scenario, start=shifted(scenario.initial_state, field, index, 2e-6))
-        said = rf"'{label}' of Model 3 on {level} by {amount:.3e} {unit}, allowed is 1\.0e-09$"
-        calls: list[Callable[[], object]] = [partial(simulate, broken, [0.0, 0.1])]
-        for formulation in mbs_models.formulations(broken):
-            scene = mbs_models.Scene(broken, formulation)
-            calls.append(partial(mbs_models.simulate, scene, [0.0, 0.1]))
-            calls += (
-                partial(mbs_models.acceleration, scene),
-                partial(mbs_models.eigenvalues, scene),
-            )
-        for call in calls:
-            with pytest.raises(ValueError, match=said):
-                call()
 
 
 def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
