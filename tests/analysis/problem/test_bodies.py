@@ -187,6 +187,7 @@ UNEVEN, HELD_UNEVEN = Scenario(disk=COMPOSED), Scenario(disk=COMPOSED, constrain
 
 REFUSED: dict[str, Callable[[], Any]] = {
     "holes must lie": composed(PLATE, [(0.04, 0.0, 0.02)]),
+    "holes must not be negative, got -0.01": composed(PLATE, [(0.0, 0.0, -0.01)]),
     "holes must not overlap": composed(PLATE, [(0.0, 0.0, 0.01), (0.01, 0.0, 0.005)]),
     "holes must hold x, y": composed(PLATE, [(0.0, 1.0)]),
     "masses must lie on": composed(PLATE, (), [(0.0, 1.0, 1.0)]),
