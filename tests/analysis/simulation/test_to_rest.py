@@ -40,7 +40,6 @@ from tests.helpers import angles_apart, mostly_slow, not_none, reaching
 from validation.run import run_to_rest
 
 SETTLING = Dissipation(rolling_viscous=2e-3, pivoting=2e-4)
-THIN = 1e-6
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +57,7 @@ def standing(stiffness: float, half_thickness: float) -> Trajectory:
 def test_inversion_tends_to_that_of_model_1_and_to_that_of_a_thin_disk() -> None:
     ideal = Scenario(friction=SmoothCoulomb(load="contact"))
     model_1 = simulate(ideal, np.linspace(0.0, 1.0, 101), local_tolerance=1e-11)
-    stiffer = [standing(stiffness, THIN) for stiffness in (2e5, 4e5, 8e5)]
+    stiffer = [standing(stiffness, half_thickness=1e-6) for stiffness in (2e5, 4e5, 8e5)]
     thinner = [standing(2e5, half_thickness) for half_thickness in (4e-4, 2e-4, 1e-4)]
     for runs, limit, order, last in ((stiffer, model_1, 1, 1e-5), (thinner, stiffer[0], 2, 2e-5)):
         errors = [angles_apart(run, limit) for run in runs]
