@@ -78,6 +78,7 @@ def test_a_body_without_a_plane_of_symmetry_that_rolls_has_critical_spins_withou
         *((STEEL_DISK, 3, "numeric", gradient) for gradient in (1e-4, 3.0, 5e4)),
         # A round disk spins at any gamma: one eigenvalue is always zero.
         *((CENTRED_DISK, *case) for case in ((1, None, 3.0), (2, None, 1e-3), (4, None, 3.0))),
+        *((replace(STEEL_DISK, eccentricity=1e-9), level, None, 1e-3) for level in (3, 4)),
     ],
 )
 def test_crossing_is_that_of_the_closed_form_with_any_friction(
@@ -91,20 +92,11 @@ def test_crossing_is_that_of_the_closed_form_with_any_friction(
         found = critical_speeds(scenario, (low, high), system)
         (crossing,) = (each for each in found.crossings if each.kind == closed.kind)
         assert crossing.spin == pytest.approx(closed.spin, rel=1e-10)
-        assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9)
+        assert crossing.frequency == pytest.approx(closed.frequency, rel=1e-9, abs=1e-11)
         assert crossing.stable_side == "above"
         assert found.stable == (((crossing.spin, high),) if disk.eccentricity else ())
-
-
-@pytest.mark.parametrize("level", [3, 4])
-def test_a_disk_that_is_all_but_centred_is_stable_above_its_critical_speed_alone(
-    level: Level,
-) -> None:
-    scenario = with_gradient(model(level, disk=replace(STEEL_DISK, eccentricity=1e-9)), 1e-3)
-    found = critical_speeds(scenario)
-    ((low, high),) = found.stable
-    assert len(found.crossings) == 1
-    assert (low, high) == pytest.approx((critical_speed(scenario).spin, 60.0))
+        # Model 1 has a Hopf crossing as well.
+        assert len(found.crossings) == 1 or level == 1
 
 
 def test_without_friction_pairs_are_born_where_no_eigenvalue_leaves_both_axes() -> None:
