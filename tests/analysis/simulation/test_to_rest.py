@@ -27,6 +27,7 @@ from analysis import (
     TimeLimitError,
     ToleranceError,
     Trajectory,
+    outcomes,
     simulate,
     simulate_to_rest,
 )
@@ -153,6 +154,10 @@ def test_phases_follow_each_other_from_the_first_samples_at_which_they_hold(
     order = (phases.inversion, phases.inversion_lost, phases.rolling, phases.flat, phases.rest)
     assert list(order) == sorted(map(not_none, order))
     assert phases.inversion == settled.inversion_time
+    (row,) = outcomes([settled]).rows()
+    told = ("inverted_at", "lost_at", "rolling_from", "flat_from", "rest_from")
+    assert tuple(row[name] for name in told) == order
+    assert row["lost_at_error"] == settled.inversion.lost_error
 
     def mean(speeds: Array, around: float) -> float:
         ends = np.clip([around - 0.25, around + 0.25], times[0], times[-1])
