@@ -90,7 +90,7 @@ def multipliers_of_runs(cycle: PeriodicMotion) -> list[complex]:
 
 def test_both_multipliers_are_those_of_the_variational_equations_over_half_a_period() -> None:
     (cycle,) = cycle_family(WEAKEST, (0.5,)).motions
-    strong = -np.exp(cycle.log_strong / 2.0)
+    strong = -(10.0 ** (cycle.as_row()["log10_strong"] / 2.0))
     found = multipliers_of_runs(cycle)
     assert found == pytest.approx([strong, cycle.larger], rel=1e-7)
     assert cycle.stable == (max(map(abs, found)) < 1.0)
@@ -254,6 +254,9 @@ def test_motions_come_back_after_a_period_and_deviations_grow_by_the_multiplier(
     turn = np.array((0.0, 2.0 * np.pi * (kind == "rotating"), 0.0))
     for motion in request.getfixturevalue(kind).motions[1:]:
         begin, (times, states) = motion.states[0], motion.whole
+        second = {"lowest": np.min(states[:, 1]), "largest_tilt": np.max(states[:, 0])}
+        for name in second.keys() & motion.as_row():
+            assert motion.as_row()[name] == pytest.approx(second[name] - np.pi / 2)
         end = partial(after_a_period, motion)
         np.testing.assert_allclose(end(begin) - turn, begin, rtol=0.0, atol=1e-7)
         np.testing.assert_allclose(states[-1] - turn, begin, rtol=0.0, atol=1e-9)
