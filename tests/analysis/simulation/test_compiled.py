@@ -52,7 +52,7 @@ from tests.helpers import (
     reaching,
     refusals,
 )
-from tests.scenes import JAMMING
+from tests.scenes import JAMMING, LOADED
 from tests.wayward_law import Answering
 from validation.comparison.differences import ending_error
 
@@ -203,7 +203,6 @@ def fast(state: State) -> float:
 
 
 REDUCED: dict[str, Any] = {"formulation": "reduced"}
-LOADED = SmoothCoulomb(load="contact")
 PENALTY = Scenario(contact=PenaltyContact(stiffness=1e5))
 
 
