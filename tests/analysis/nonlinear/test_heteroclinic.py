@@ -20,6 +20,7 @@ from analysis.nonlinear.heteroclinic import (
     period_growth,
 )
 from analysis.nonlinear.slow_manifold import needed_friction, slow_connection, slow_cycle
+from analysis.stability.spectra import eigenvalues
 from tests.bodies import of_six
 from tests.helpers import model, mostly_slow
 
@@ -73,7 +74,7 @@ def test_cycles_end_in_the_connection() -> None:
     assert found.below <= found.spin <= found.above <= found.below + 1e-10
     growth = period_growth(family.motions, found)
     assert growth["by_amplitude"] == pytest.approx(growth["predicted_by_amplitude"], rel=1e-4)
-    assert found.saddle_index > 1.0
+    assert found.saddle_index == -found.slow / found.growing > 1.0
     assert family.motions[-1].multiplier < 1e-3
 
 
@@ -123,6 +124,9 @@ def test_cycles_may_swing_beyond_the_saddle_and_end_in_the_connection(name: str)
     assert family.reason is None
     assert family.motions[-1].spin == pytest.approx(found.spin, abs=close)
     assert family.motions[-1].stable == (name != "large eccentricity")
+    (told,) = eigenvalues(scenario, np.array([found.spin]), "reduced", "noninverted")
+    others = found.slow + 1j * found.winding, found.strong - 1j * found.winding
+    assert told == pytest.approx([found.growing, *others])
 
 
 @pytest.mark.slow
