@@ -40,7 +40,6 @@ from analysis.simulation.compiled import library
 from analysis.simulation.compiled.ensemble import integrate, simulate_compiled
 from analysis.simulation.compiled.library import CannotCompileError
 from analysis.simulation.request import Request
-from analysis.solve.watch import Watch
 from tests.bodies import COMPOSED, EGG, ELLIPSE, TIPPE_TOP, Egg
 from tests.helpers import (
     angles_apart,
@@ -236,13 +235,14 @@ def test_without_heyoka_one_line_says_what_to_install(monkeypatch: pytest.Monkey
         simulate(model(4), TIMES, method="taylor")
 
 
-def test_state_that_is_not_finite_ends_a_compiled_run() -> None:
+def test_state_that_is_not_finite_ends_a_compiled_run_and_no_other_of_its_batch() -> None:
     how = Request(TIMES, formulation="reduced", method="taylor", local_tolerance=1e-12)
-    (part,), _ = simulate_compiled([model(4)], how)
+    (part,), _ = simulate_compiled([model(4), model(4, start=Start(spin=35.0))], how)
     part.group.starts[0, 2] = np.nan
-    only = np.array([0])
-    _, failures = integrate(part.group, TIMES, only, 1e-12, 1.0, watch=Watch())
+    found, failures = integrate(part.group, TIMES, np.array([0, 1]), 1e-12, 1.0)
+    assert list(failures) == [0]
     assert "no longer finite" in str(failures[0])
+    assert_close(found.states[1], part.runs.states[1], 1e-10)
 
 
 def test_a_contact_that_jams_ends_a_member_and_not_the_others() -> None:
