@@ -52,6 +52,12 @@ def test_a_dip_is_looked_for_where_it_is_though_the_condition_is_negative_at_fir
     assert list(suspects(np.arange(6.0), told, None)) == [Suspect(3, 2.0, "")]
 
 
+@pytest.mark.parametrize("row", [0, 2])
+def test_an_ending_that_no_record_shows_is_looked_for_where_the_run_was_stopped(row: int) -> None:
+    found = suspects(np.arange(6.0), {"near": np.ones(6)}, (row + 0.5, "near"))
+    assert list(found) == [Suspect(row, 0.5, "near")]
+
+
 def test_a_contact_that_pulls_at_a_record_ends_the_run_there() -> None:
     fast = Scenario(start=Start(spin=200.0))
     run = analysis.simulate(fast, np.linspace(0.0, 0.11, 2), allow_pulling=True)
