@@ -200,7 +200,7 @@ def test_a_tolerance_is_met_and_estimated_through_every_attitude_and_impact(
     # It does not stall where the contact opens and closes.
     assert run.counts["steps"] < 10_000
     assert run.deviation(best) <= not_none(run.error_estimate) <= (tolerance or 1e-3)
-    for name in ("contact_points", "contour_speeds", "dissipated"):
+    for name in ("velocities", "contact_points", "contour_speeds", "dissipated"):
         found, right = getattr(run, name), getattr(best, name)
         np.testing.assert_allclose(found, right, rtol=0.0, atol=tolerance or 1e-3)
     # Friction takes power at every instant; sampled work only rises.
