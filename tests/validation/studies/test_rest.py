@@ -67,7 +67,7 @@ test_what_departs_fails_its_check = faults(
         (RUNS, RUN, "unexplained", f"{RUN}: unexplained part", 1e-3),
         (RUNS, "stiffness doubled", "rest", SHIFTED, lambda time: time + 0.1),
         (
-            *(RUNS, "spin 1e-06 rad/s faster", "tilt", "rest, spin: effect out of proportion"),
+            *(RUNS, "spin 1e-05 rad/s faster", "tilt", "rest, spin: effect out of proportion"),
             lambda tilts: [each + 1e-3 for each in tilts],
         ),
         (creep.STUDY.name, "ε = 0.3 m/s", "error", "deviation from the law", 0.01),
