@@ -54,7 +54,7 @@ WINDOW = (70.0, 80.0)
 """Times in s over which the loss of the sliding disk is averaged."""
 
 FASTER = {f"spin {more:g} rad/s faster": more for more in (1e-3, 1e-5)}
-"""By how much faster in rad/s the start spins in two variants. Errors of runs would hide less."""
+"""By how much faster in rad/s the start spins in two variants: errors of runs would hide less."""
 
 PHASES = tuple(field.name for field in fields(Phases))
 TAKEN = tuple(f"taken_by_{cause}" for cause in CAUSES)
