@@ -1,6 +1,6 @@
 """A body on a table that yields, for numbers of any kind, and its equations as code."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import pi
@@ -90,8 +90,13 @@ class YieldingTable:
 
     def touch(self, moving: Moving) -> Touch:
         """Contact in this state."""
-        point, gap, (slip_x, slip_y, gap_rate) = _nearest(self.scenario, moving)
-        up = moving.frame.up
+        up, disk = moving.frame.up, self.scenario.disk
+        x, y, z = disk.lowest_point(up, self.scenario.half_thickness)
+        point = (x - disk.eccentricity, y, z)
+        gap = moving.position[2] + dot(point, up)
+        slip_x, slip_y, gap_rate = (
+            way.along(moving.velocity, moving.angular) for way in at_point(point, moving.frame)
+        )
         # In axes of the body the vertical turns backwards.
         contour = self._carried(up, cross(up, moving.angular))
         force = self.normal_force(gap, gap_rate)
@@ -189,8 +194,9 @@ Solver = Callable[..., tuple[Any, ...]]
 def free_solver(scenario: Scenario, chart: Chart, functions: Functions) -> Solver:
     """Function from a state to its derivative and, behind that, what its chart is asked for.
 
-    That is the normal force in N from Euler angles, 12 numbers, and the power in W taken by each
-    of `CAUSES` from a quaternion, 13 numbers.
+    From Euler angles, 12 numbers, that is the normal force in N, slip along and across in m/s, and
+    the gap in m and its rate; from a quaternion, 13 numbers, the power in W taken by each of
+    `CAUSES`.
 
     Parameters
     ----------
@@ -210,8 +216,8 @@ def free_solver(scenario: Scenario, chart: Chart, functions: Functions) -> Solve
     spring, normal_force = (partial(call, name) for name in ("spring", "normal_force"))
     table = YieldingTable(scenario, spring, normal_force)
     derivative, touch, powers = table.derivative(chart, recorder.variables, friction)
-    code = recorder.code([*derivative, *([touch.force] if in_angles else powers)])
-    return code(**functions, **contact_functions(scenario))
+    asked = [touch.force, *touch.slip, touch.gap, touch.gap_rate] if in_angles else powers
+    return recorder.code([*derivative, *asked])(**functions, **contact_functions(scenario))
 
 
 def friction_of(*, is_simple: bool) -> Friction:
@@ -224,30 +230,30 @@ def friction_of(*, is_simple: bool) -> Friction:
     return simple if is_simple else partial(pair, "force")
 
 
-def opening(scenario: Scenario) -> Callable[[Array], float]:
-    """Function of a state, shape (12,), that changes its sign where a contact opens or closes.
+def kinks(scenario: Scenario, solved: Solver) -> Callable[[Array], list[float]]:
+    """Function of a state, shape (12,), of which a number changes its sign where forces jump.
 
-    It closes where the disk touches the table, with the damper's force at once, and opens where
-    the force comes to nothing, before the spring does.
+    Those are both slips in m/s, where they rub, and what presses over the weight, if the contact
+    may open. It closes where the disk touches the table, with the damper's force at once, and
+    opens where the force comes to nothing, before the spring does.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a penalty contact.
+    solved : callable
+        Its `free_solver` from Euler angles.
     """
     contact, weight = scenario.penalty_contact, scenario.weight
+    rubs, may_open = scenario.rubs, not scenario.may_pull
 
-    def force(state: Array) -> float:
-        _, gap, (*_, gap_rate) = _nearest(scenario, EulerAngles.moving(state.tolist()))
+    def numbers(state: Array) -> list[float]:
+        along, across, gap, gap_rate = solved(*state.tolist())[13:]
         spring = -contact.stiffness * gap
-        return float(min(spring, spring - contact.damping * gap_rate)) / weight
+        pressing = min(spring, spring - contact.damping * gap_rate) / weight
+        return [along, across] * rubs + [pressing] * may_open
 
-    return force
-
-
-def _nearest(scenario: Any, moving: Moving) -> tuple[Vector, Any, Iterator[Any]]:
-    """Lowest point seen from S in m, its height, and slip along, slip across and rate of that."""
-    up, disk = moving.frame.up, scenario.disk
-    x, y, z = disk.lowest_point(up, scenario.half_thickness)
-    point = (x - disk.eccentricity, y, z)
-    ways = at_point(point, moving.frame)
-    along = (way.along(moving.velocity, moving.angular) for way in ways)
-    return point, moving.position[2] + dot(point, up), along
+    return numbers
 
 
 def contact_functions(scenario: Scenario) -> Functions:

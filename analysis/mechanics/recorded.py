@@ -24,6 +24,7 @@ from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
+from analysis.problem.constraints import multiplier_names
 from analysis.problem.elementary import Numbers
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import CONTACT_JAMS, JAMMING
@@ -196,7 +197,8 @@ def solver(
     Parameters
     ----------
     scenario : Scenario
-        With the ideal contact, or a penalty contact, whose force stands for the multipliers.
+        With the ideal contact, or a penalty contact, whose force stands for the multipliers, and
+        behind which stands what `free_solver` gives.
     functions : callable
         `of_floats` or `of_duals`, for states of that kind.
 
@@ -283,4 +285,5 @@ def accelerations(scenario: Scenario, coordinates: Numbers, rates: Numbers) -> t
     state = state_of(disk, [*map(float, coordinates)], [*map(float, rates)])
     found = solver(scenario)(*state)
     change = rate(lambda moving: paper_of(disk, moving)[1], state, found[:12])
-    return np.array(change), np.array(found[12:])
+    count = len(multiplier_names(scenario.constraints))
+    return np.array(change), np.array(found[12 : 12 + count])

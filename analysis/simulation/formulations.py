@@ -12,10 +12,11 @@ import numpy as np
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.attitude import paper_of, state_of
 from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
-from analysis.mechanics.penalty import Solver, opening
+from analysis.mechanics.penalty import Solver, kinks
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, choice, instance
 from analysis.problem.choices import FORMULATIONS, Formulation
+from analysis.problem.constraints import multiplier_names
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario, require_plain
@@ -119,20 +120,17 @@ def _full(
 ) -> tuple[InitialValueProblem, Expand]:
     start, solved = scenario.initial_state, recorded.solver(scenario)
     slips = tuple(way for way in SLIPS if way not in scenario.constraints)
-    if not scenario.rubs or (scenario.contact is None and len(slips) > 1):
-        # A touch-down reverses slip while it is small. Else, to look for two gains nothing.
-        slips = ()
-    presses = [] if scenario.may_pull else [opening(scenario)]
+    # To look for two gains nothing here, other than where a touch-down reverses small ones.
+    is_watched = scenario.rubs and len(slips) == 1
 
-    def kinks(state: Array) -> list[float]:
-        reversing = velocity_residuals(slips, scenario.disk, state.tolist()) if slips else ()
-        return [*reversing, *(press(state) for press in presses)]
+    def reversing(state: Array) -> list[float]:
+        return velocity_residuals(slips, scenario.disk, state.tolist()) if is_watched else []
 
     def expand(_: Array, states: Array) -> Array:
         found = _in_rows(paper_of(scenario.disk, states.T))
         # The first sample is the start itself, without the rounding on the way to it and back.
         found[0] = start.vector
-        return np.hstack((found, _multipliers(solved, states)))
+        return np.hstack((found, _multipliers(scenario, solved, states)))
 
     problem = InitialValueProblem(
         lambda _, state: solved(*state.tolist())[:12],
@@ -144,7 +142,7 @@ def _full(
             **of_states(conditions, lambda state: paper_of(scenario.disk, state.tolist())),
         },
         slice(4, 6),
-        kinks,
+        reversing if scenario.contact is None else kinks(scenario, solved),
         jacobian=partial(recorded.jacobian, scenario),
         kinked_load=scenario.kinked_load,
     )
@@ -162,7 +160,7 @@ def _reduced(
         turned = alpha + spin * (times - times[0])
         found = _in_rows(reduced.expanded(disk, spin, turned, states[:, :3].T))
         states = np.array(state_of(disk, found.T[:6], found.T[6:])).T
-        return np.hstack((found, _multipliers(full, states)))
+        return np.hstack((found, _multipliers(scenario, full, states)))
 
     derivative = reduced.right_hand_side(scenario, spin)
     begin = np.array((*start.coordinates[4:6], start.rates[4]))
@@ -199,6 +197,7 @@ def _in_rows(both: Iterable[Iterable[Any]]) -> Array:
     return np.stack(np.broadcast_arrays(*chain(*both)), axis=-1)
 
 
-def _multipliers(solved: Solver, states: Array) -> Array:
+def _multipliers(scenario: Scenario, solved: Solver, states: Array) -> Array:
     """Constraint forces at states of the index-1 system, shape (n, 12); shape (n, k)."""
-    return np.array([solved(*values)[12:] for values in states.tolist()])
+    end = 12 + len(multiplier_names(scenario.constraints))
+    return np.array([solved(*values)[12:end] for values in states.tolist()])
