@@ -147,6 +147,11 @@ def test_one_state_without_a_number_on_one_side_is_no_agreement(
     assert accelerations(3).agrees is False
 
 
+def test_accelerations_that_all_but_vanish_agree() -> None:
+    held = ("contact", "fixed-cog", "no-slip-along", "no-slip-across")
+    assert accelerations(1000, constraints=held).agrees
+
+
 def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
     falling = Scene(model(4, start=Start(spin=5.0, beta=0.5)))
     found = comparisons.compare_motions(falling, 2.0)
