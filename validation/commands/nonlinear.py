@@ -20,7 +20,7 @@ from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import declared
 from analysis.problem.variations import changed
-from validation.commands.options import checked_end, parse_spins
+from validation.commands.options import parse_spins
 from validation.display.figures import MARKED, legend_above, new_figure
 from validation.display.progress import counted, progress_bar
 from validation.display.tables import Table
@@ -313,9 +313,8 @@ def passage(
     rest
         Start from the defaults of `tippedisk rest`.
     """
-    from validation.nonlinear.passage import SPACING, follow, passage_table
+    from validation.nonlinear.passage import follow, passage_table
 
-    checked_end(end, SPACING)
     scenario = problem.scenario(rest=rest)
     with progress_bar() as progress:
         found = follow(scenario, end, source, progress=progress)

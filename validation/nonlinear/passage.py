@@ -26,8 +26,9 @@ from analysis import (
     Trajectory,
 )
 from analysis.motion.interpolation import running_mean
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, positive, within
 from analysis.problem.choices import Source
+from analysis.problem.limits import LONGEST_MOTION
 from analysis.problem.scenario import steady
 from analysis.solve.effort import usual_method
 from analysis.stability.critical import critical_speeds
@@ -242,14 +243,15 @@ def follow(
     Raises
     ------
     ValueError
-        If the scenario has no slow pair, or the samples are too many, which is told before the
-        run; and see `measure`.
+        If the scenario has no slow pair, or the samples are too many or less than two, which is
+        told before the run; and see `measure`.
     ArithmeticError
         If the run fails.
     """
     pair = SlowPair.of(scenario)
     engine, longer = source == "engine", spin_scale(Scenario()) / spin_scale(scenario)
     spacing = longer * SPACING
+    within("end", positive("end", end), spacing, LONGEST_MOTION)
     how: dict[str, Any] = {"source": source, "progress": progress}
     if scenario.contact is None:
         times = even_times(scenario, end, round(end / spacing) + 1, "end")

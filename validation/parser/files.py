@@ -195,9 +195,16 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     """Names of files without suffix, or their paths where some have one name.
 
     With a mark in place of what cannot be shown.
+
+    Raises
+    ------
+    ValueError
+        If one is given twice.
     """
     stems = [path.stem for path in paths]
     told = stems if len({*stems}) == len(stems) else list(map(str, paths))
+    if len({*told}) < len(told):
+        raise ValueError(f"files must be different ones, got {', '.join(told)}")
     mark = "\N{REPLACEMENT CHARACTER}"
     return ["".join(each if each.isprintable() else mark for each in name) for name in told]
 

@@ -82,9 +82,11 @@ class Axis:
         if self.count is not None:
             whole(f"count of axis {field}", self.count)
         if (ends[0] == ends[1]) != (self.count == 1):
+            got = f"{ends[0]:g} to {ends[1]:g}"
+            got = got if self.count is None else f"{self.count} from {got}"
             raise ValueError(
                 f"axis {field} is an empty range: one value needs equal ends and several need "
-                f"different ones, got {self.count} from {ends[0]:g} to {ends[1]:g}"
+                f"different ones, got {got}"
             )
         if self.log and min(ends) <= 0.0:
             raise ValueError(
