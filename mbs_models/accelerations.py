@@ -335,7 +335,9 @@ def state_matrix(scene: Scene | Scenario) -> Array:
     state, disk, bending = scenario.initial_state, scenario.disk, scenario.finest_slip
     turning = abs(state.rates[3]) + sqrt(scenario.fall)
     speed = change * disk.radius * turning
-    part, rim_speed = min(1.0, AT_NO_SLIP * bending / speed), speed
+    loss = scenario.dissipation
+    finest = min(bending, loss.rolling_smoothing) if loss.rolling_dry else bending
+    part, rim_speed = min(1.0, AT_NO_SLIP * finest / speed), speed
     # A disk that slides is linearised there, where friction has another slope than at no slip.
     slip = hypot(*slip_velocity(disk.radius, state.coordinates, state.rates))
     if disk.is_round_disk and slip > SLIPPING * bending:

@@ -19,7 +19,7 @@ from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.contact import FULL_GRIP, PenaltyContact
 from analysis.problem.scenario import Scenario
-from mbs_models.friction import law_force
+from mbs_models.friction import free_slip_force
 
 _STEP = 1e-20
 """Imaginary part of a vertical, by which the surface of a body of one's own is differentiated."""
@@ -65,6 +65,8 @@ class Loads:
     ----------
     scenario : Scenario
         With a penalty contact. At a thickness of zero, the disk must not lie flat.
+    slip_part : float
+        See `free_slip_force`; so for rolling resistance.
 
     Attributes
     ----------
@@ -74,16 +76,18 @@ class Loads:
 
     last: Loading
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, slip_part: float) -> None:
         disk = self._disk = scenario.disk
         self._loss = scenario.dissipation
         self._contact = scenario.penalty_contact
         self._by_weight = scenario.friction.load == "weight"
-        self._weight, self._law = scenario.weight, law_force(scenario.friction)
+        self._weight, self._law = scenario.weight, free_slip_force(scenario, slip_part)
         self._grip = grip_of(scenario)
         self._has_direction = not scenario.friction.IS_ISOTROPIC
         self._squares, self._cofactors = _ellipsoid(disk, self._contact.half_thickness)
         self._rolls = self._loss.rolling_dry > 0.0 or self._loss.rolling_viscous > 0.0
+        self._dry = self._loss.rolling_dry / slip_part
+        self._smoothing = self._loss.rolling_smoothing / slip_part
         half_air = 0.5 * self._loss.air_drag
         self._push = half_air * pi * disk.radius**2
         self._brake = half_air * 8.0 / 15.0 * disk.radius**5
@@ -196,7 +200,7 @@ class Loads:
         xx, xy, yy = spread
         x, y = _contour(spread, w)
         speed = hypot(x, y)
-        dry = self._loss.rolling_dry * load.normal / (speed + self._loss.rolling_smoothing)
+        dry = self._dry * load.normal / (speed + self._smoothing)
         viscous = self._loss.rolling_viscous * load.normal
         load.taken[2:4] = dry * speed * speed, viscous * speed * speed
         load.torque[0] += (dry + viscous) * (xy * x + yy * y)
@@ -290,11 +294,11 @@ class _OwnLoads(Loads):
         return x, y, z
 
 
-def loads_of(scenario: Scenario) -> Loads:
+def loads_of(scenario: Scenario, slip_part: float) -> Loads:
     """What acts on a body on its penalty contact."""
     body = scenario.disk
     is_known = body.is_round_disk or isinstance(body, Sphere | EllipticDisk)
-    return (Loads if is_known else _OwnLoads)(scenario)
+    return (Loads if is_known else _OwnLoads)(scenario, slip_part)
 
 
 def _dot(a: Any, b: Any) -> Any:

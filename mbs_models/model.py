@@ -110,7 +110,7 @@ class Model(ABC):
     @cached_property
     def loads(self) -> Loads:
         """What acts on the disk at its centre on a penalty contact."""
-        return loads_of(self.scenario)
+        return loads_of(self.scenario, self.slip_part)
 
     @abstractmethod
     def act(self, force: Force, name: str) -> None:

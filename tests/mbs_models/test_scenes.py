@@ -163,6 +163,7 @@ class Slanted(SmoothCoulomb):
 KINDS: list[type[FrictionLaw]] = [*LAWS.values(), Own]
 ON_CONTACT = [kind(load="contact") for kind in KINDS[1:]]
 STEEP = Table(inclination=0.2, downhill=0.5)
+SOFT = PenaltyContact.damped(1e5, STEEL_DISK)
 LOSSES = {"rolling_dry": 1e-3, "rolling_viscous": 1e-3, "pivoting": 1e-4}
 
 
@@ -187,6 +188,9 @@ COMPARED: list[Scenario] = [
     *(Scenario(contact=PenaltyContact.damped(stiffness, STEEL_DISK, half_thickness=rim),
                dissipation=Dissipation(rolling_dry=1e-3, rolling_viscous=0.1))
       for stiffness in (1e5, 1e8) for rim in (0.0, 2e-4, STEEL_DISK.radius)),
+    # What bends within less than differences are apart counts by its slope at no slip.
+    Scenario(contact=SOFT, friction=SmoothCoulomb(smoothing=1e-5)),
+    Scenario(contact=SOFT, dissipation=Dissipation(rolling_dry=1e-3, rolling_smoothing=1e-4)),
     *(Scenario(disk=TIPPE_TOP, friction=SmoothCoulomb(smoothing=0.01, load=load))
       for load in LOADS),
     # Where nothing rubs, it does not matter how finely friction would bend.
