@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from analysis.problem.bodies import EllipticDisk, Sphere
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
-from analysis.problem.contact import FULL_GRIP, PenaltyContact
+from analysis.problem.contact import FULL_GRIP
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
 
@@ -25,6 +25,11 @@ _STEP = 1e-20
 """Imaginary part of a vertical, by which the surface of a body of one's own is differentiated."""
 
 Triple = tuple[float, float, float]
+
+Press = Callable[[float, float], tuple[float, float, float, float]]
+"""From the depth of a penetration in m, and the speed in m/s by which it shrinks, to the forces of
+spring, and of spring and damper, in N; the part of friction that acts (see `FULL_GRIP`); and its
+load in N."""
 
 Matrix = tuple[float, float, float, float, float, float, float, float, float]
 """A rotation matrix row by row; its columns are the axes of the body."""
@@ -80,9 +85,7 @@ class Loads:
         disk = self._disk = scenario.disk
         self._loss = scenario.dissipation
         self._contact = scenario.penalty_contact
-        self._by_weight = scenario.friction.load == "weight"
-        self._weight, self._law = scenario.weight, free_slip_force(scenario, slip_part)
-        self._grip = grip_of(scenario)
+        self._press, self._law = pressing(scenario), free_slip_force(scenario, slip_part)
         self._has_direction = not scenario.friction.IS_ISOTROPIC
         self._squares, self._cofactors = _ellipsoid(disk, self._contact.half_thickness)
         self._rolls = self._loss.rolling_dry > 0.0 or self._loss.rolling_viscous > 0.0
@@ -162,11 +165,10 @@ class Loads:
         sy = v[1] + w[2] * px - w[0] * pz
         rise = v[2] + w[0] * py - w[1] * px
         depth = -pz - centre_height
-        spring, normal = normal_force(self._contact, depth, rise)
+        spring, normal, part, pressed = self._press(depth, rise)
         fx = fy = 0.0
-        if part := self._grip(normal):
-            pressing = self._weight if self._by_weight else max(0.0, normal)
-            fx, fy = self._friction(matrix, sx, sy, pressing)
+        if part:
+            fx, fy = self._friction(matrix, sx, sy, pressed)
             fx, fy = part * fx, part * fy
         force = [fx, fy, normal]
         torque = [py * normal - pz * fy, pz * fx - px * normal, px * fy - py * fx]
@@ -219,33 +221,25 @@ class Loads:
         load.taken[5] = -push * along - brake * rate * rate
 
 
-def normal_force(contact: PenaltyContact, depth: float, rise: float) -> tuple[float, float]:
-    """Force in N of a contact's spring, and of spring and damper.
+def pressing(scenario: Scenario) -> Press:
+    """How a penalty contact presses and lets friction act."""
+    contact, law, weight = scenario.penalty_contact, scenario.friction, scenario.weight
+    stiffness, damping, bilateral = contact.stiffness, contact.damping, contact.bilateral
+    by_weight, follows, whole = law.load == "weight", law.follows_contact, FULL_GRIP * weight
 
-    Parameters
-    ----------
-    contact : PenaltyContact
-    depth : float
-        Of the penetration in m.
-    rise : float
-        Speed in m/s by which it shrinks.
-    """
-    spring = contact.stiffness * depth
-    force = spring - contact.damping * rise
-    if contact.bilateral:
-        return spring, force
-    # What is no number stays none.
-    return (0.0, 0.0) if depth <= 0.0 else (spring, max(force, 0.0))
+    def press(depth: float, rise: float) -> tuple[float, float, float, float]:
+        spring, part = stiffness * depth, 1.0
+        normal = spring - damping * rise
+        if not bilateral:
+            # What is no number stays none.
+            if depth <= 0.0:
+                return 0.0, 0.0, 0.0, 0.0
+            normal = max(normal, 0.0)
+            part = float(normal > 0.0) if follows else min(1.0, normal / whole)
+        # A contact that pulls is no load.
+        return spring, normal, part, weight if by_weight else max(0.0, normal)
 
-
-def grip_of(scenario: Scenario) -> Callable[[float], float]:
-    """From a normal force in N to the part of friction that acts under it; see `FULL_GRIP`."""
-    law, whole = scenario.friction, FULL_GRIP * scenario.weight
-    if scenario.penalty_contact.bilateral:
-        return lambda _: 1.0
-    if law.follows_contact:
-        return lambda normal: float(normal > 0.0)
-    return lambda normal: min(1.0, normal / whole)
+    return press
 
 
 def _contour(spread: Triple, w: Triple) -> tuple[float, float]:

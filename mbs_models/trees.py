@@ -13,7 +13,7 @@ from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
-from mbs_models.loads import grip_of, normal_force
+from mbs_models.loads import pressing
 from mbs_models.model import Floats, Force, Load, Model, Reading
 
 
@@ -143,25 +143,20 @@ class EulerTree(_Tree):
 
     def _contact_force(self) -> Force:
         """Generalised force on the same joints."""
-        contact, grip = self.scenario.penalty_contact, grip_of(self.scenario)
-        by_weight, weight = self.scenario.friction.load == "weight", self.scenario.weight
-        load = 0.0
-        friction, lowest = self.friction(lambda: load), self._lowest
+        press, gap, load = pressing(self.scenario), self._gap, 0.0
+        friction = self.friction(lambda: load)
 
         def force(system: Any, time: Any, item: Any, q: Any, u: Any) -> list[float]:
             nonlocal load
-            x, y, z = lowest(q[4], q[5])
-            turn = sin(q[4]) * x
-            rise = u[3] + y * u[4] + turn * u[5]
-            _, normal = normal_force(contact, -q[3] - z, rise)
-            if not (part := grip(normal)):
+            height, (*_, per_tilt, per_turn) = gap(q)
+            rise = u[3] + per_tilt * u[4] + per_turn * u[5]
+            _, normal, part, load = press(-height, rise)
+            if not part:
                 return [0.0] * 6
-            # A contact that pulls is no load.
-            load = weight if by_weight else max(0.0, normal)
             forces = [part * each for each in friction(system, time, item, q, u)]
             forces[3] = normal
-            forces[4] += y * normal
-            forces[5] += turn * normal
+            forces[4] += per_tilt * normal
+            forces[5] += per_turn * normal
             return forces
 
         return force
