@@ -185,7 +185,7 @@ def _lowest(scenario: Scenario) -> float:
     momentum = across * turn * sin(beta) ** 2 - axial * (turn * cos(beta) + roll) * (1 - cos(beta))
     turning = across * (tilt**2 + (turn * sin(beta)) ** 2) / 2.0
     energy = scenario.weight * disk.radius * sin(beta) + turning
-    return float(abs(momentum) / sqrt(2.0 * across * energy))
+    return abs(momentum) / sqrt(2.0 * across * energy)
 
 
 def rest_effort(scenario: Scenario, end: float) -> Effort:
