@@ -5,6 +5,7 @@ import pickle
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import fields
+from functools import partial
 from math import pi
 from typing import Any, cast
 
@@ -32,6 +33,8 @@ from analysis import (
 from analysis.motion.outcomes import DONE, OUTCOMES, Row
 from analysis.problem.variations import changed
 from analysis.simulation import ensemble as many
+from analysis.simulation.compiled.systems import Structure
+from analysis.simulation.request import Request
 from analysis.solve.effort import simulation_effort
 from tests.helpers import EITHER_METHOD, TILTED, assert_close, model, needs_heyoka, not_none
 from tests.sweeps import sweep
@@ -149,6 +152,16 @@ def test_members_whose_numbers_differ_alone_go_together() -> None:
         values = usual * np.linspace(1.0, 1.01, SOME)
         ensemble = Ensemble(scenario=scenario, fields={name: values})
         ((rows, _),) = ensemble.map_groups(lambda each: simulation_effort(each, TIMES))
+        assert rows.tolist() == list(range(SOME)), name
+
+
+@needs_heyoka
+def test_members_whose_numbers_differ_alone_are_made_ready_to_be_compiled_together() -> None:
+    usual = {"radius": 0.045, "gravity": 9.81, "mass": 0.4, "mu": 0.3, "spin": 40.0, "beta": 1.5}
+    whole = partial(Structure.of, formulation="index-1", request=Request(TIMES))
+    for name, number in usual.items():
+        values = number * np.linspace(1.0, 1.01, SOME)
+        ((rows, _),) = Ensemble(scenario=Scenario(), fields={name: values}).map_groups(whole)
         assert rows.tolist() == list(range(SOME)), name
 
 
