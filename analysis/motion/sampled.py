@@ -154,7 +154,8 @@ class SampledMotion(Quantities):
         derivatives the rates are; constraint forces in the paper's coordinates by cubic ones
         through the samples alone; everything else is linear between samples. The error of beta
         and gamma, or of the attitude, is estimated, and added to the run's error estimate. The
-        motion keeps its ending if the last of the times is its own.
+        motion keeps its ending if the last of the times is its own, and of the times of pulling
+        those within.
 
         Parameters
         ----------

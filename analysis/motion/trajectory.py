@@ -128,7 +128,13 @@ class Trajectory(InCoordinates, SampledMotion):
         order: Any = min(2, self.times.size - 1)
         slopes = np.gradient(self.multipliers, self.times, axis=0, edge_order=order)
         multipliers, *_ = interpolate(self.times, self.multipliers, slopes, wanted, nodes=2)
-        return {"multipliers": multipliers}
+        first, last = wanted[[0, -1]].tolist()
+        pulling = (
+            (max(since, first), min(until, last))
+            for since, until in self.pulling
+            if since < last and until > first
+        )
+        return {"multipliers": multipliers, "pulling": tuple(pulling)}
 
     @staticmethod
     def _state_of(arrays: Mapping[str, Array]) -> tuple[Array, Array]:

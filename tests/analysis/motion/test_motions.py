@@ -258,6 +258,12 @@ def test_ending_is_that_of_the_last_sample_alone(motion: StoredRun) -> None:
         assert ended.resampled([0.0, end], tolerance=1.0).ending == kept
 
 
+def test_times_of_pulling_are_those_of_the_part_that_is_sampled(fine: Trajectory) -> None:
+    whole = replace(fine, pulling=((0.0, 0.1), (0.15, 0.2), (0.3, 0.4)))
+    part = whole.resampled([0.1, 0.15, 0.35], tolerance=1.0)
+    assert part.pulling == ((0.15, 0.2), (0.3, 0.35))
+
+
 def test_extremes_between_samples_are_those_of_a_parabola_and_half_as_much_again() -> None:
     # Up by a quarter of a unit between samples of the same height, and down by as much.
     rates = np.array([[1.0, -1.0], [-1.0, 1.0]])
