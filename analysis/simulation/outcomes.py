@@ -1,6 +1,5 @@
 """What each of many motions came to: whether the disk was inverted, forces, energies, endings."""
 
-from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -19,8 +18,8 @@ from analysis.problem.checks import Array, instance, several
 from analysis.problem.constraints import multiplier_names, prescribed
 from analysis.problem.contact import CAUSES
 from analysis.problem.start import COORDINATES
+from analysis.simulation.compiled.ensemble import Samples
 from analysis.simulation.energies import energies_of
-from analysis.simulation.samples import Samples
 from analysis.simulation.trajectories import Trajectories
 
 _APART = 1e-3
@@ -64,7 +63,7 @@ def outcomes(
     if isinstance(motions, Trajectories):
         table = OutcomeTable.empty(motions.ensemble.fields, len(motions))
         for rows, samples in motions.blocks():
-            table.put(rows, _ideal(samples))
+            table.put(rows, _in_coordinates(samples))
         columns = {"status": DONE, "ending": motions.endings, "end": motions.ends}
         columns |= {"error_estimate": motions.error_estimates, "seconds": motions.seconds}
         table.put(slice(None), columns)
@@ -75,27 +74,20 @@ def outcomes(
     else:
         alone = dict(enumerate(several("motions", motions, "motions and errors")))
         table = OutcomeTable.empty({}, len(alone))
-    alike: defaultdict[Any, dict[int, Trajectory]] = defaultdict(dict)
     for member, motion in alone.items():
         if isinstance(motion, BaseException):
             row: Mapping[str, Any] = failure(motion)
         else:
             row = _row(instance(f"motions[{member}]", motion, SampledMotion))
         table.put(slice(member, member + 1), row)
-        if isinstance(motion, Trajectory):
-            is_ideal = motion.scenario.contact is None
-            alike[motion.scenario.constraints, is_ideal][member] = motion
-    for members in alike.values():
-        table.put([*members], _ideal(Samples.of([*members.values()])))
     return table
 
 
-def _row(motion: SampledMotion) -> Mapping[str, Any]:
-    """What a motion tells beside what it does together with others like it."""
+def _row(motion: StoredRun) -> Mapping[str, Any]:
     is_slow = motion.ending is not None and motion.ending.reason == TIME_LIMIT
     return {
         **(failed("too slow", str(motion.ending)) if is_slow else {"status": DONE}),
-        **(_to_rest(motion) if isinstance(motion, SpatialMotion) else {}),
+        **(_to_rest(motion) if isinstance(motion, SpatialMotion) else _in_coordinates(motion)),
         "ending": None if motion.ending is None else motion.ending.reason,
         "end": motion.times[-1],
         "error_estimate": motion.error_estimate,
@@ -115,10 +107,10 @@ def _to_rest(motion: SpatialMotion) -> Mapping[str, Any]:
     }
 
 
-def _ideal(samples: Samples) -> Mapping[str, Array]:
-    """What samples in the paper's coordinates tell, each shape (k,)."""
-    ends = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
-    energies = np.array(energies_of(samples.scenario, *ends))
+def _in_coordinates(samples: Samples | Trajectory) -> Mapping[str, Array]:
+    """What samples of k motions in the paper's coordinates tell, each shape (k,)."""
+    ends = samples.coordinates[..., [0, -1], :], samples.rates[..., [0, -1], :]
+    energies = np.reshape(energies_of(samples.scenario, *ends), (2, -1, 2))
     brought = _brought(samples, np.abs(energies[..., 0]).sum(axis=0))
     found = _sampled(samples) | brought
     if samples.scenario.contact is not None:
@@ -129,7 +121,7 @@ def _ideal(samples: Samples) -> Mapping[str, Array]:
     return found | {"energy_start": first, "energy_end": last, "taken_sliding": taken}
 
 
-def _sampled(motion: SpatialMotion | Samples) -> dict[str, Array]:
+def _sampled(motion: Samples | StoredRun) -> dict[str, Array]:
     """What samples of k motions tell by themselves, each shape (k,)."""
     names = ("times", "cog_direction", "cog_direction_rate", "face", "spin", "normal_force")
     each = (np.atleast_2d(getattr(motion, name)) for name in names)
@@ -162,7 +154,7 @@ def _at(wanted: float, times: Array, values: Array) -> float:
     return float(CubicSpline(*some)(min(wanted, some[0][-1])))
 
 
-def _brought(samples: Samples, energy: Array) -> dict[str, Array]:
+def _brought(samples: Samples | Trajectory, energy: Array) -> dict[str, Array]:
     """Work of those forces that keep a rate as it is, by Simpson's rule, each shape (k,).
 
     It is no number where half of the samples give another one, by a part of the energy at the
@@ -171,16 +163,17 @@ def _brought(samples: Samples, energy: Array) -> dict[str, Array]:
     constraints, found = samples.scenario.constraints, {}
     names = multiplier_names(constraints)
     # Behind the end of a motion its last sample is repeated.
-    counts = 1 + np.count_nonzero(np.diff(samples.times), axis=1)
+    times = np.atleast_2d(samples.times)
+    counts = 1 + np.count_nonzero(np.diff(times), axis=1)
     for name, coordinate in prescribed(constraints).items():
         rate = samples.rates[..., COORDINATES.index(coordinate)]
-        power = samples.multipliers[..., names.index(name)] * rate
+        power = np.atleast_2d(samples.multipliers[..., names.index(name)] * rate)
         work = found[f"brought_by_{name}"] = np.empty(len(counts))
         for count in np.unique(counts).tolist():
             rows, last = counts == count, count - 1
             inner = np.arange(1, last)
             sums = [
-                simpson(power[rows][:, some], x=samples.times[rows][:, some])
+                simpson(power[rows][:, some], x=times[rows][:, some])
                 for some in (np.r_[0, each, last] for each in (inner, inner[::2], inner[1::2]))
             ]
             tells = (np.ptp(sums, axis=0) <= _APART * energy[rows]) & (count >= _FEWEST)

@@ -14,8 +14,7 @@ from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.problem.variations import Ensemble
-from analysis.simulation.compiled.ensemble import CompiledRuns
-from analysis.simulation.samples import Samples
+from analysis.simulation.compiled.ensemble import CompiledRuns, Samples
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -147,13 +146,14 @@ class Trajectories(InCoordinates):
         eccentricities = np.full((len(self), 1), np.nan)
         for rows, samples in self.blocks():
             every = samples.coordinates, samples.rates, samples.multipliers[..., :1]
-            found[rows] = np.concatenate(every, axis=-1)[:, :-1]
+            values = np.concatenate(every, axis=-1)[..., : self.times.size, :]
+            found[rows, : values.shape[-2]] = values
             eccentricities[rows] = samples.scenario.disk.eccentricity
         found[self.times > self.ends[:, None]] = np.nan
         found.setflags(write=False)
         return found[..., :6], found[..., 6:12], found[..., 12], eccentricities
 
-    def blocks(self) -> Iterator[tuple[Rows, Samples]]:
+    def blocks(self) -> Iterator[tuple[Rows, Samples | Trajectory]]:
         """Numbers of some members at a time that have not failed, and their samples.
 
         The last one of each is that at its end.
@@ -162,7 +162,7 @@ class Trajectories(InCoordinates):
             for some, samples in each.blocks():
                 yield each.group.rows[some], samples
         for row, motion in self.alone.items():
-            yield np.array([row]), Samples.of([motion], self.times.size + 1)
+            yield np.array([row]), motion
 
     def _of_each(self, name: str, none: Any, alone: Callable[[Trajectory], Any]) -> AnyArray:
         """What `Runs` have by this name, and others by a function; or none, shape (m,)."""

@@ -9,12 +9,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from math import asin, inf, sin
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from analysis.mechanics import recorded
 from analysis.motion.endings import TIME_LIMIT
 from analysis.motion.files import AnyArray
+from analysis.motion.quantities import InCoordinates
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
@@ -27,7 +30,6 @@ from analysis.simulation.compiled.library import heyoka
 from analysis.simulation.compiled.systems import ALIVE, BESIDE, PACE, REASON, SIGN, WHEN
 from analysis.simulation.formulations import check_formulation, default_formulation, pose
 from analysis.simulation.request import Request, trajectory
-from analysis.simulation.samples import Samples, stand_in
 from analysis.solve.effort import longest_step
 from analysis.solve.stepping import pulls_at_start
 from analysis.solve.to_tolerance import Runs, agree, estimated_errors
@@ -82,6 +84,27 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Samples(InCoordinates):
+    """Samples of k motions as arrays; behind the end of one its last sample is repeated.
+
+    Parameters
+    ----------
+    scenario : SimpleNamespace
+        What has the constraints and the contact of all of them, and their disks and tables, each
+        number of shape (k, 1).
+    times : ndarray, shape (k, n)
+    coordinates, rates : ndarray, shape (k, n, 6)
+    multipliers : ndarray, shape (k, n, c)
+    """
+
+    scenario: Any
+    times: Array
+    coordinates: Array
+    rates: Array
+    multipliers: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class CompiledRuns:
     """Members that are alike in structure and were run together.
 
@@ -104,8 +127,13 @@ class CompiledRuns:
         runs, code, numbers = self.runs, self.group.code, self.group.numbers[some]
         times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
         coordinates, rates, forces, _ = code.readings(runs.states[some], times, numbers)
-        constraints = code.structure.equations.constraints
-        scenario = stand_in(constraints, None, numbers[:, systems.CONSTANTS])
+        constants = numbers[:, systems.CONSTANTS].T[:, :, None]
+        scenario = SimpleNamespace(
+            constraints=code.structure.equations.constraints,
+            contact=None,
+            disk=recorded.disk_of(constants),
+            table=SimpleNamespace(vector=constants[9:]),
+        )
         return Samples(scenario, times, coordinates, rates, forces)
 
     def blocks(self) -> Iterator[tuple[slice, Samples]]:
