@@ -122,17 +122,19 @@ class Runs:
 
     def run(self, row: int) -> Run:
         """Run of one member."""
-        count = int(self.counts[row])
+        count, end = int(self.counts[row]), float(self.ends[row])
         times, states = self.times[:count], self.states[row, :count]
-        if self.ends[row] > times[-1]:
-            times = np.append(times, self.ends[row])
+        if end > times[-1]:
+            times = np.append(times, end)
             states = self.states[row, [*range(count), -1]]
+        pulling = self.pulling[row] or ()
         return Run(
             times,
             states,
             int(self.steps[row]),
             self.reasons[row],
-            self.pulling[row] or (),
+            # A time limit may have cut it off.
+            tuple((since, min(until, end)) for since, until in pulling if since < end),
             seconds=float(self.seconds[row]),
             local_tolerance=float(self.local_tolerances[row]),
             estimate=float(self.estimates[row]),

@@ -256,3 +256,11 @@ def test_two_runs_that_agree_up_to_a_time_limit_are_a_result_up_to_the_samples_o
     np.testing.assert_array_equal(part.times, SHORT[:last])
     assert np.max(np.abs(part.coordinates - whole.coordinates[:last])[:, 4:]) < 1e-6
     assert not_none(part.error_estimate) <= 1e-3
+
+
+@pytest.mark.parametrize("method", EITHER_METHOD)
+def test_a_contact_has_pulled_no_longer_than_up_to_a_time_limit(method: Method) -> None:
+    pulled = Scenario(start=Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0))
+    how: dict[str, Any] = {"method": method, "local_tolerance": 1e-9, "time_limit": 1e-9}
+    found = simulate(pulled, TIMES, allow_pulling=True, **how)
+    assert found.pulling == ((0.0, found.times[-1]),)

@@ -63,3 +63,10 @@ def test_a_run_out_of_time_is_judged_by_what_both_have_beyond_the_start() -> Non
     fine.reasons[:], fine.ends[:], coarse.ends[2] = TIME_LIMIT, TIMES[:3], TIMES[1]
     found = estimated_errors(fine, coarse, slice(None), lambda each: each.last)
     assert found.tolist() == [np.inf, pytest.approx(2e-7), np.inf]
+
+
+def test_a_run_cut_to_its_samples_has_pulled_no_longer_than_that() -> None:
+    runs = Runs.empty(1, TIMES, 1)
+    runs.ends[0], runs.pulling[0] = 0.38, ((0.1, 0.2), (0.25, 0.34), (0.36, 0.38))
+    runs.cut_to_samples(np.array([True]))
+    assert runs.run(0).pulling == ((0.1, 0.2), (0.25, TIMES[3]))
