@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from analysis.motion.endings import REACHED
 from analysis.motion.interpolation import CAUTION, Numbers, Sampled
+from analysis.motion.quantities import Quantities
 from analysis.problem.checks import Array
 
 STAYING = 1.0
@@ -88,24 +89,18 @@ class Inversions:
         return Inversion(outcome=self.outcomes[member], **known)
 
 
-def inversions(
-    times: Array, cog_directions: Array, rates: Array, eccentricities: Array
-) -> Inversions:
+def inversions(sampled: Quantities) -> Inversions:
     """Judge motions by where the centre of gravity lies, seen from the geometric centre.
 
     Parameters
     ----------
-    times : ndarray, shape (m, n)
-        Strictly increasing times in s, dense against the oscillations of the disk; behind the end
-        of a motion its last sample is repeated.
-    cog_directions : ndarray, shape (m, n)
-        Vertical part of the unit vector from the geometric centre to the centre of gravity.
-    rates : ndarray, shape (m, n)
-        Its rate in 1/s.
-    eccentricities : ndarray, shape (m,)
-        Of the disks in m; one without is never inverted.
+    sampled : Quantities
+        Of a motion, or of m of them, dense against the oscillations of the disk; behind the end of
+        one its last sample is repeated. A disk without eccentricity is never inverted.
     """
-    motions = _Motions(times, cog_directions, rates)
+    courses = sampled.times, sampled.cog_direction, sampled.cog_direction_rate
+    motions = _Motions(*map(np.atleast_2d, courses))
+    eccentricities = np.ravel(sampled.scenario.disk.eccentricity)
     found = motions.judged(eccentricities)
     # What comes up or down between two samples counts as well.
     rows, *both = motions.with_extremes(0.0, REACHED)
@@ -113,7 +108,8 @@ def inversions(
         again, other = (each.judged(eccentricities[rows]) for each in both)
         for error, one, two in zip(again[3:], again[1:3], other[1:3], strict=True):
             # Where the other polynomials tell of none, it may have been at any time between two.
-            apart = np.nan_to_num(CAUTION * np.abs(one - two), nan=float(np.diff(times).max()))
+            spacing = float(np.diff(motions.times).max())
+            apart = np.nan_to_num(CAUTION * np.abs(one - two), nan=spacing)
             error[:] = np.maximum(error, np.where(np.isnan(one), np.nan, apart))
         for each, new in zip(found, again, strict=True):
             each[rows] = new

@@ -67,6 +67,7 @@ class Quantities(ABC):
 
     __slots__ = ()
 
+    times: Array
     scenario: Scenario
 
     @property

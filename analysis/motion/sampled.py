@@ -113,9 +113,7 @@ class SampledMotion(Quantities):
     @property
     def inversion(self) -> Inversion:
         """What became of the inversion; a disk without eccentricity is never inverted."""
-        times, directions, rates = self.times, self.cog_direction, self.cog_direction_rate
-        eccentricity = np.array([self._eccentricity])
-        return inversions(times[None], directions[None], rates[None], eccentricity)[0]
+        return inversions(self)[0]
 
     @property
     def inversion_time(self) -> float | None:

@@ -123,10 +123,9 @@ def _in_coordinates(samples: Samples | Trajectory) -> Mapping[str, Array]:
 
 def _sampled(motion: Samples | StoredRun) -> dict[str, Array]:
     """What samples of k motions tell by themselves, each shape (k,)."""
-    names = ("times", "cog_direction", "cog_direction_rate", "face", "spin", "normal_force")
-    each = (np.atleast_2d(getattr(motion, name)) for name in names)
-    times, directions, rates, face, spin, force = each
-    found = inversions(times, directions, rates, np.ravel(motion.scenario.disk.eccentricity))
+    names = ("times", "cog_direction", "face", "spin", "normal_force")
+    times, directions, face, spin, force = (np.atleast_2d(getattr(motion, each)) for each in names)
+    found = inversions(motion)
     after = np.full(len(times), np.nan)
     for row in np.flatnonzero(np.isfinite(found.times)).tolist():
         after[row] = _at(found.times[row] + STAYING, times[row], spin[row])

@@ -132,10 +132,7 @@ class Trajectories(InCoordinates):
         outcomes = np.full(len(self), "not inverted", dtype=object)
         numbers = np.full((4, len(self)), np.nan)
         for rows, samples in self.blocks():
-            eccentricities = np.ravel(samples.scenario.disk.eccentricity)
-            found = inversions(
-                samples.times, samples.cog_direction, samples.cog_direction_rate, eccentricities
-            )
+            found = inversions(samples)
             outcomes[rows], numbers[:, rows] = found.outcomes, found.numbers
         return Inversions(outcomes, *numbers)
 

@@ -1,5 +1,6 @@
 """When the disk counts as inverted: up there, and staying."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,9 @@ def risen(*stretches: tuple[float, float], low: float = -1.0, high: float = 1.0)
 
 
 def judged(times: Array, directions: Array, rates: Array) -> Inversion:
-    return inversions(times[None], directions[None], rates[None], np.ones(1))[0]
+    told = {"times": times, "cog_direction": directions, "cog_direction_rate": rates}
+    sampled: Any = SimpleNamespace(scenario=Scenario(), **told)
+    return inversions(sampled)[0]
 
 
 @pytest.mark.parametrize(
