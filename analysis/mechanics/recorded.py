@@ -130,7 +130,7 @@ def disk_of(values: Numbers, body: type[Body] | Body | None = None) -> Any:
     lowest_point = body and body.lowest_point
     if isinstance(body, type):
         surface = dict(zip(body.SURFACE or (), values[len(NUMBERS) :], strict=True))
-        one_like: Any = SimpleNamespace(radius=radius, **surface)
+        one_like: Any = SimpleNamespace(**{"radius": radius} | surface)
         lowest_point = partial(body.lowest_point, one_like)
     return SimpleNamespace(
         is_round_disk=body is None,
@@ -170,7 +170,8 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     """
     kind = structure.body
     surface = kind.SURFACE or () if isinstance(kind, type) else ()
-    recorder = Recorder((*NUMBERS, *surface), STATE)
+    # Its fields may have the names of others, such as beta, or of what code calls its own.
+    recorder = Recorder((*NUMBERS, *(f"surface_{name}" for name in surface)), STATE)
     along, across, down = recorder.constants[9 : len(NUMBERS)]
     disk = disk_of(recorder.constants, kind)
     if not structure.products:

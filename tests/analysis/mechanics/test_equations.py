@@ -4,8 +4,9 @@ Lagrange's equations, derived by SymPy, and derivatives of positions tell what i
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from analysis import (
     MOTIONS,
     MULTIPLIERS,
     STEEL_DISK,
+    Body,
     ConstraintSet,
     Disk,
     FrictionLaw,
@@ -37,6 +39,9 @@ from analysis.mechanics.recorded import accelerations, solver
 from analysis.mechanics.recorded import jacobian as exact_jacobian
 from analysis.problem.checks import Array
 from analysis.problem.constraints import PRESCRIBED
+from analysis.problem.elementary import sqrt
+from analysis.problem.quantities import SIX
+from tests.bodies import ELLIPSE
 from tests.helpers import (
     all_sets,
     assert_close,
@@ -200,6 +205,38 @@ def test_jacobian_is_the_slope_of_the_time_derivative(
         state = np.array(state_of(scenario.disk, z, u))
         slopes = jacobian(partial(changes, scenario), state)
         assert_close(exact_jacobian(scenario)(state), slopes, relative=1e-9)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ellipsoid(Body):
+    """A body whose semi-axes have names that the recorded equations use, too."""
+
+    beta: float = 0.9
+    t5: float = 0.7
+    force: float = 0.8
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        axes = [self.radius * part for part in (self.beta, self.t5, self.force)]
+        x, y, z = (axis * along for axis, along in zip(axes, up, strict=True))
+        depth = sqrt(x * x + y * y + z * z)
+        a, b, c = axes
+        return -(a * x) / depth, -(b * y) / depth, -(c * z) / depth
+
+
+class Shared(Ellipsoid):
+    """The same, with code for all of the class."""
+
+    SURFACE = ("beta", "t5", "force", "radius")
+
+
+def test_fields_of_a_surface_may_have_any_names() -> None:
+    found = []
+    for kind in (Ellipsoid, Shared):
+        body: Body = kind(**{name: getattr(ELLIPSE, name) for name in SIX})
+        start = Scenario(disk=body, start=Start(beta=1.1, gamma=0.4, spin=5.0)).initial_state
+        found.append(accelerations(Scenario(disk=body), start.coordinates, start.rates))
+    assert_close(found[1][0], found[0][0])
+    assert_close(found[1][1], found[0][1])
 
 
 def test_a_flat_disk_is_called_singular() -> None:
