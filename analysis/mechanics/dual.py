@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.problem import elementary
 from analysis.problem.checks import Array
-from analysis.problem.elementary import asinh, cos, exp, hypot, log, sin, sqrt, tanh
+from analysis.problem.elementary import asinh, atan2, cos, exp, hypot, log, sin, sqrt, tanh
 from analysis.problem.friction import LAWS, SPEEDS, FrictionLaw
 from analysis.problem.names import ArgumentError
 
@@ -132,6 +132,14 @@ def _hypot(x: Any, y: Any) -> Dual:
     return Dual(size, (x.value * x.change + y.value * y.change) / (size + (size == 0.0)))
 
 
+def _atan2(y: Any, x: Any) -> Dual:
+    """Its derivative at the origin, where there is none, is taken to be zero."""
+    y, x = dual(y), dual(x)
+    square = x.value * x.value + y.value * y.value
+    turn = x.value * y.change - y.value * x.change
+    return Dual(atan2(y.value, x.value), turn / (square + (square == 0.0)))
+
+
 def _lifted(function: Callable[[Any], Any], slope: Callable[[Any], Any]) -> Callable[[Dual], Dual]:
     """A function of dual numbers from that of their values and its derivative."""
     return lambda x: Dual(function(x.value), slope(x.value) * x.change)
@@ -148,6 +156,7 @@ elementary.register(
         log=_lifted(log, lambda x: 1.0 / x),
         asinh=_lifted(asinh, lambda x: 1.0 / hypot(1.0, x)),
         hypot=_hypot,
+        atan2=_atan2,
     ),
 )
 
