@@ -168,7 +168,7 @@ Functions = Mapping[str, Callable[..., Any]]
 """Functions of one kind of numbers by their names in recorded code; see `Recorder.code`."""
 
 
-_USUAL: Functions = {"sin": sin, "cos": cos, "sqrt": sqrt, "hypot": hypot}
+_OF_FLOATS: Functions = {name: getattr(math, name) for name in elementary.NAMES}
 
 
 def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
@@ -207,7 +207,7 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
 
 def of_floats(law: FrictionLaw) -> Functions:
     """Functions of floats for a body that a friction law acts on."""
-    return {"speed": math.hypot, "per_speed": law.per_speed}
+    return {**_OF_FLOATS, "speed": math.hypot, "per_speed": law.per_speed}
 
 
 def of_duals(law: FrictionLaw) -> Functions:
@@ -236,7 +236,7 @@ def of_duals(law: FrictionLaw) -> Functions:
         # One that is held is the float 0.0, and the other one's size takes less time.
         return abs(across) if isinstance(along, float) and along == 0.0 else hypot(along, across)
 
-    return {**_USUAL, "speed": speed, "per_speed": per_speed}
+    return {"speed": speed, "per_speed": per_speed}
 
 
 def of_slope(gradient: Any) -> Functions:
@@ -244,4 +244,4 @@ def of_slope(gradient: Any) -> Functions:
 
     That is any law at no slip.
     """
-    return {**_USUAL, "speed": lambda *_: 0.0, "per_speed": lambda _: gradient}
+    return {"speed": lambda *_: 0.0, "per_speed": lambda _: gradient}

@@ -150,9 +150,8 @@ def formula(structure: Structure) -> Callable[..., Callable[..., tuple[Any, ...]
     Returns
     -------
     callable
-        From `numbers` and, by keyword, `speed`, `per_speed`, `force`, `contact_load` and `sin`
-        and `cos` of these kinds of numbers, to a function of the 12 numbers of a state; that one
-        returns the results.
+        From `numbers` and, by keyword, `speed`, `per_speed`, `force` and `contact_load` of these
+        kinds of numbers, to a function of the 12 numbers of a state; that one returns the results.
     """
     recorder, results = recording(structure)
     return recorder.code(results)

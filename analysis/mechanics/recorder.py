@@ -7,13 +7,12 @@ what the results need. Zeros take no time, and what comes of constants alone is 
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import cos, hypot, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
 from analysis.problem import elementary
 
-_USUAL = {"sin": sin, "cos": cos, "sqrt": sqrt, "hypot": hypot}
+_USUAL = {name: getattr(elementary, name) for name in elementary.NAMES}
 
 
 class Recorder:
@@ -99,8 +98,8 @@ class Recorder:
     def code(self, results: Sequence[Any]) -> Callable[..., Callable[..., Any]]:
         """From constants to a function, which goes from variables to the results.
 
-        Both are of any kind, as are the functions of `call`, which go by keyword; sine, cosine,
-        square root and hypotenuse are those of floats unless others are given.
+        Both are of any kind, as are the functions of `call`, which go by keyword; those of
+        `elementary` do for every kind, unless others are given, which may be faster.
 
         Parameters
         ----------

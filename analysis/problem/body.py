@@ -142,7 +142,7 @@ class Body(Described):
         """Lowest point of the surface seen from G in m, in axes of the body.
 
         It is asked with numbers of several kinds, floats, arrays, complex and dual numbers and the
-        recorder's symbols: the four operations, and `sqrt`, `sin` and `cos` of
+        recorder's symbols: the four operations, and the functions of one number of
         `analysis.problem.elementary`.
 
         Parameters

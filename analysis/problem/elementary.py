@@ -113,6 +113,9 @@ def _of_two(name: str) -> Callable[[T, T], T]:
 hypot = _of_two("hypot")
 atan2 = _of_two("atan2")
 
+NAMES = ("sin", "cos", "exp", "log", "sqrt", "tanh", "asinh", "hypot", "atan2")
+"""Of all of these, as in `math`."""
+
 
 def _library(x: Any) -> Any:
     return _LIBRARIES.get(type(x), math)

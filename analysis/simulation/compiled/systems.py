@@ -286,7 +286,6 @@ def _solution(
     jamming : list
         What turns negative where the contact jams, if it may.
     """
-    library = heyoka()
     slips, jamming = list[Any](), list[Any]()
 
     def noted(*both: Any) -> Any:
@@ -297,15 +296,7 @@ def _solution(
         jamming[:] = [JAMMING - added]
         return alone / (1.0 - added)
 
-    function = code(
-        *constants,
-        sin=library.sin,
-        cos=library.cos,
-        sqrt=library.sqrt,
-        speed=noted,
-        per_speed=per_speed,
-        contact_load=contact_load,
-    )
+    function = code(*constants, speed=noted, per_speed=per_speed, contact_load=contact_load)
     found, size = _symbols(function(*variables)), len(variables)
     return found[:size], found[size:], slips, jamming
 
