@@ -2,6 +2,7 @@
 
 from functools import cache
 from importlib.util import find_spec
+from types import SimpleNamespace
 from typing import Any
 
 from analysis.problem import elementary
@@ -38,5 +39,7 @@ def heyoka() -> Any:
 
     # Where its cache on disk cannot be written it compiles anew, and would say so on every call.
     library.set_logger_level_error()
-    elementary.register(library.expression, library)
+    functions = {name: getattr(library, name, None) for name in elementary.NAMES}
+    functions["hypot"] = lambda x, y: library.sqrt(x * x + y * y)
+    elementary.register(library.expression, SimpleNamespace(**functions))
     return library

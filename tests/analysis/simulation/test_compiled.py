@@ -33,6 +33,7 @@ from analysis import (
     simulate,
     simulate_many,
 )
+from analysis.problem.elementary import hypot
 from analysis.problem.quantities import LOADS
 from analysis.problem.variations import changed
 from analysis.simulation import request
@@ -80,6 +81,7 @@ REDUCED_OF = [replace(drawn(MODELS[4], law()), table=Table()) for law in LAWS.va
 SYSTEMS = [
     *(each for each in REDUCED_OF if each.friction.is_simple),
     replace(REDUCED_OF[0], friction=SmoothCoulomb(coefficient=0.0)),
+    replace(REDUCED_OF[0], friction=Answering(says=lambda speed: 0.3 / hypot(0.1, speed))),
     drawn(MODELS[1], SmoothCoulomb(), products=0.1),
     *(Scenario(disk=each, start=MOVING) for each in (TIPPE_TOP, ELLIPSE, SHARED)),
     *(drawn(held, law) for held in POSSIBLE_SETS for law in ROUGH),
