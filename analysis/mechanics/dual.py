@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -182,7 +183,7 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
     ----------
     law : FrictionLaw
         One that is isotropic and in proportion to the load.
-    speed : float or ndarray, shape (n,)
+    speed : float or ndarray
         Slip speed in m/s, not negative.
     """
     if isinstance(speed, np.ndarray):
@@ -195,8 +196,7 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
         if not isinstance(found, np.ndarray):
             return value_of(found), dual(found).change
     if isinstance(speed, np.ndarray):
-        pairs = [per_speed_and_slope(law, each) for each in speed.tolist()]
-        return tuple(np.transpose(pairs))
+        return np.vectorize(partial(per_speed_and_slope, law), otypes=[float, float])(speed)
     step = 1e-3 * max(law.finest_speed, speed)
     nodes, weights = range(-3, 4), (-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60)
     if speed < 3.0 * step:

@@ -64,11 +64,12 @@ def test_slope_is_the_derivative_of_the_force_for_each_unit_of_slip(law: Frictio
 
 
 def test_slope_is_exact_where_a_law_takes_dual_numbers_and_near_where_it_does_not() -> None:
-    speeds = np.geomspace(1e-3, 10.0, 9)
+    speeds = np.geomspace(1e-3, 10.0, 9).reshape(3, 3)
     expected = -0.3 * speeds / (0.04 + speeds**2) ** 1.5
     for law, accuracy in ((DUALS, 1e-14), (FLOATS, 1e-9), (ARRAYS, 1e-9)):
         values, slopes = per_speed_and_slope(law, speeds)
-        np.testing.assert_allclose(values, [law.per_speed(each) for each in speeds], rtol=1e-15)
+        wanted = [law.per_speed(each) for each in speeds.flat]
+        np.testing.assert_allclose(np.ravel(values), wanted, rtol=1e-15)
         np.testing.assert_allclose(slopes, expected, rtol=accuracy, atol=accuracy)
 
 
