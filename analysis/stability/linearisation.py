@@ -387,7 +387,8 @@ def unstable_start(scenario: Scenario) -> str | None:
     -------
     str or None
         One line; None if the start is none of inverted or noninverted spinning, or a stable one,
-        or that of another body than the paper's disk, of which nothing is known.
+        or that of another body than the paper's disk or under a friction law whose force takes
+        floats alone, of which nothing is known.
     """
     instance("scenario", scenario, Scenario)
     if not (scenario.table.is_horizontal and scenario.disk.is_plain and _is_stationary(scenario)):
@@ -402,7 +403,11 @@ def unstable_start(scenario: Scenario) -> str | None:
     if not np.max(np.abs(imbalance(lasting, turning_state(lasting, place, spin)))) <= ZERO:
         # A centred disk that turns about none of its axes of inertia.
         return None
-    system = Linearisation(lasting, place)
+    try:
+        system = Linearisation(lasting, place)
+    except ArgumentError:
+        # A force that takes floats alone has no slopes.
+        return None
     values = np.linalg.eigvals(system.matrices(np.array([spin]))[0])
     growth = float(np.max(values.real))
     if growth <= _SLOWEST * system.frequency + ROUND_OFF * np.max(np.abs(values)):

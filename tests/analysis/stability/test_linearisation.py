@@ -1,6 +1,7 @@
 """Linearisation by dual numbers against printed matrices and the engine; unstable starts."""
 
 import itertools
+import math
 from dataclasses import replace
 from math import pi
 
@@ -37,6 +38,7 @@ from analysis.stability.linearisation import (
 from analysis.stability.spectra import System, eigenvalues, full_matrices
 from tests.bodies import BODIES, COMPOSED, TIPPE_TOP
 from tests.helpers import model, not_none, random_disk
+from tests.wayward_law import Pushing
 
 SPINS = np.array([0.0, 5.0, 30.0, 60.0])
 
@@ -176,10 +178,11 @@ def test_rolling_resistance_and_a_round_rim_move_the_limit_of_stability() -> Non
 
 BESIDE = {"beta_rate": 1e-9, "gamma_rate": 1e-9, "x": 1e-6, "x_rate": 1e-6}
 BESIDE |= dict.fromkeys(("beta", "gamma"), pi / 2 + 1e-9)
+FLOATS_ALONE = Pushing(says=lambda x, y, n: (-math.fabs(n) * x, -math.fabs(n) * y))
 
 
 def test_all_others_are_none() -> None:
-    """Beside the motion, on a leaning table, of another body, stable or neutral, or of none."""
+    """Beside the motion, on a leaning table, of another body, stable, neutral, unknown or none."""
     starts = [*(replace(SPINNING, **{name: value}) for name, value in BESIDE.items()), Start()]
     others = [Scenario(start=start) for start in starts]
     others += [Scenario(disk=body, start=SPINNING) for body in (COMPOSED, TIPPE_TOP)]
@@ -187,6 +190,7 @@ def test_all_others_are_none() -> None:
     others.append(Scenario(constraints=MODELS[4], start=SPINNING))
     others += [Scenario(table=Table(inclination=each), start=SPINNING) for each in (1e-9, 0.1)]
     others.append(Scenario(start=Start(gamma=0.3, gamma_rate=0.0, spin=10.0)))
+    others.append(Scenario(friction=FLOATS_ALONE, start=SPINNING))
     # Of an oblique axis of inertia.
     others.append(Scenario(disk=replace(STEEL_DISK, eccentricity=0.0)))
     # All eigenvalues are zero or imaginary without friction, some of them defective zeros.
