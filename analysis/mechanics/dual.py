@@ -84,6 +84,10 @@ class Dual:
         slope = exponent * self.value ** (exponent - 1)
         return Dual(self.value**exponent, slope * self.change)
 
+    def __rpow__(self, base: float) -> "Dual":
+        power = base**self.value
+        return Dual(power, log(base) * power * self.change)
+
 
 def dual(number: Any) -> Dual:
     """The number itself, or a constant."""

@@ -160,6 +160,9 @@ class Symbol:
     def __pow__(self, exponent: float) -> "Symbol":
         return self.recorder.keep("{} ** {}", self, exponent)
 
+    def __rpow__(self, base: float) -> "Symbol":
+        return self.recorder.keep("{} ** {}", base, self)
+
 
 _KNOWN = (Symbol, float, int)
 

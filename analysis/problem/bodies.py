@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import Array, bound, numbers, one, within
+from analysis.problem.checks import Array, bound, number, numbers, one, within
 from analysis.problem.disk import Disk
 from analysis.problem.elementary import Members, cos, sin, sqrt
 from analysis.problem.names import ArgumentError
@@ -114,6 +114,9 @@ def check_surface(body: Body) -> None:
     deepest = body.radius * (1.0 + 1e-9)
     with BODIES.answering(body):
         _check_kind(body)
+        hash(body)
+        for each in body.SURFACE or ():
+            number(each, getattr(body, each))
         if body.SURFACE is not None:
             # Whatever else it depends on, code for all of them would not know.
             told = {each: np.atleast_1d(getattr(body, each)) for each in ("radius", *body.SURFACE)}

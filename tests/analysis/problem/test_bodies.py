@@ -208,6 +208,8 @@ REFUSED: dict[str, Callable[[], Any]] = {
     ),
     # Its surface depends on more than it says.
     "AttributeError: .* no attribute 'waist'": scenario(disk=odd(SURFACE=())),
+    "products must be a finite number, got [(]0": scenario(disk=odd(SURFACE=("products",))),
+    "Egg': TypeError: unhashable type: 'list'": scenario(disk=Egg(**NUMBERS, waist=[0.9])),  # type: ignore[arg-type]
     "lowest_point must be that of a Sphere, which": scenario(
         disk=odd(Sphere, lowest_point=Egg.lowest_point)
     ),
