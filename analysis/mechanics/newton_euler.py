@@ -19,6 +19,7 @@ from analysis.problem.friction import FrictionLaw, SmoothCoulomb
 from analysis.problem.quantities import Load
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
+from analysis.problem.user_modules import reads
 
 Friction = Callable[[Any, Any, Any], tuple[Any, Any]]
 """From two parts of a slip and a load to the force against it: `FrictionLaw.force`. A slip that is
@@ -43,6 +44,8 @@ class Structure(NamedTuple):
         Other than a round disk: its class, of which all have one code, or one without a `SURFACE`.
     chart : EulerAngles or EulerTurning
         What a state holds.
+    read : tuple
+        What the surface of a body depends on besides the body.
     """
 
     constraints: ConstraintSet
@@ -52,6 +55,7 @@ class Structure(NamedTuple):
     products: bool = False
     body: type[Body] | Body | None = None
     chart: type[EulerAngles] = EulerAngles
+    read: tuple[Any, ...] = ()
 
     @classmethod
     def of(cls, scenario: Scenario, chart: type[EulerAngles] = EulerAngles) -> "Structure":
@@ -66,6 +70,7 @@ class Structure(NamedTuple):
             disk.has_products,
             None if disk.is_round_disk else body,
             chart,
+            () if disk.is_round_disk else reads(type(disk).lowest_point, type(disk)),
         )
 
 

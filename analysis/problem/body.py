@@ -12,6 +12,7 @@ from analysis.problem.checks import Array, Described, bound
 from analysis.problem.elementary import Members, cos, sin
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import default
+from analysis.problem.user_modules import reads
 
 Triple = tuple[Any, Any, Any]
 
@@ -178,7 +179,7 @@ class Body(Described):
         That is the lowest there is, at the least potential energy. The lean is the angle between
         the plane of x and y and the table: 0 for a disk that lies flat, 1 for one on its edge.
         """
-        return _lowest_place(self, half_thickness)
+        return _lowest_place(self, half_thickness, reads(type(self).lowest_point, type(self)))
 
 
 PRODUCTS = ("inertia_xy", "inertia_xz", "inertia_yz")
@@ -190,8 +191,8 @@ def _is_zero(product: Any) -> bool:
 
 
 @lru_cache(maxsize=64)
-def _lowest_place(body: Body, half_thickness: float) -> tuple[float, float]:
-    """See `Body.resting_place`."""
+def _lowest_place(body: Body, half_thickness: float, _read: Any) -> tuple[float, float]:
+    """See `Body.resting_place`; kept for as long as what the surface depends on is the same."""
 
     def height(up: Array) -> Any:
         x, y, z = up / np.sqrt((up**2).sum(axis=0))

@@ -44,7 +44,8 @@ def user_object(what: str, name: str, argument: str = "") -> Any:
     """
     module, _, attribute = name.partition(":")
     if _FOREIGN.get() and module not in sys.modules:
-        fault = f"must be imported first; on the command line, --{argument or what} does that"
+        way = f"`import {module}`; on the command line, --{argument or what} does that"
+        fault = f"must be imported first: {way}"
         raise ArgumentError(argument or what, fault, f"{what} {name!r}")
     try:
         return attrgetter(attribute)(import_module(module))
@@ -153,6 +154,35 @@ class Kinds(Named[str, type[T]]):
                 raise
             subject = f"{self._what} {self.name_of(type(one))!r}:"
             raise ArgumentError(self._key, error_text(error, ValueError), subject) from error
+
+
+def reads(function: Any, kind: type | None = None) -> tuple[Any, ...]:
+    """What a function of one's own works with that is no argument, and may change.
+
+    Those are globals and outer variables, and attributes of its class. Code that is made of the
+    function holds as long as these are the same.
+
+    Parameters
+    ----------
+    function : callable
+        One that is not written in Python reads nothing.
+    kind : type, optional
+        Its class, of a method.
+    """
+    code = getattr(function, "__code__", None)
+    if code is None:
+        return ()
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    found = [getattr(kind, each, function.__globals__.get(each)) for each in code.co_names]
+    return tuple(each if _is_hashable(each) else repr(each) for each in cells + found)
+
+
+def _is_hashable(value: Any) -> bool:
+    try:
+        hash(value)
+    except TypeError:
+        return False
+    return True
 
 
 def _frozen(value: Any) -> Any:

@@ -22,6 +22,7 @@ from analysis.problem.elementary import Members, sqrt
 from analysis.problem.friction import FrictionLaw
 from analysis.problem.limits import CONTACT_JAMS, JAMMING, LEAST_TILT
 from analysis.problem.scenario import Scenario
+from analysis.problem.user_modules import reads
 from analysis.simulation.compiled.library import CannotCompileError, heyoka
 from analysis.simulation.request import Request
 
@@ -64,6 +65,8 @@ class Structure(NamedTuple):
         Whether a run goes on where the contact pulls.
     conditions : tuple of pairs
         Reasons and functions of a state that end a run, too.
+    read : tuple
+        What law, options and conditions depend on besides.
     """
 
     formulation: Formulation
@@ -72,6 +75,7 @@ class Structure(NamedTuple):
     kinked: bool
     allow_pulling: bool
     conditions: tuple[tuple[str, Condition], ...]
+    read: tuple[Any, ...] = ()
 
     @classmethod
     def of(cls, scenario: Scenario, formulation: Formulation, request: Request) -> "Structure":
@@ -101,7 +105,10 @@ class Structure(NamedTuple):
         )
         equations = newton_euler.Structure.of(scenario, EulerTurning)
         ends = tuple(request.conditions.items())
-        return cls(formulation, equations, options, kinked, request.allow_pulling, ends)
+        conditions = (each.condition for each in request.conditions.values())
+        functions = (*conditions, *(value for _, value in options))
+        read = reads(type(law).per_speed, type(law)), *map(reads, functions)
+        return cls(formulation, equations, options, kinked, request.allow_pulling, ends, read)
 
 
 def _obstacle(scenario: Scenario, formulation: Formulation, request: Request) -> str:

@@ -6,6 +6,7 @@ import sys
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from math import pi
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -99,6 +100,57 @@ def test_compiled_equations_are_the_pure_ones(scenario: Scenario) -> None:
         assert_close(getattr(run, name), getattr(pure, name), relative=1e-10)
     assert "heyoka" in run.versions
     assert run.method["method"] == "taylor"
+
+
+OUTSIDE = 0.8
+"""A number of a module, of which what is one's own may make use."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slim(Egg):
+    SURFACE: ClassVar[tuple[str, ...] | None] = ()
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        one_like: Any = SimpleNamespace(radius=self.radius, waist=OUTSIDE)
+        return Egg.lowest_point(one_like, up)
+
+
+class Alone(Slim):
+    SURFACE = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rubbing(FrictionLaw):
+    finest_speed: float = 0.1
+
+    def per_speed(self, speed: float) -> float:
+        return OUTSIDE / (0.1 + speed)
+
+
+def turned(state: State) -> float:
+    return state.coordinates[4] - 0.4 * OUTSIDE
+
+
+def test_code_is_made_anew_where_a_number_that_is_no_field_has_changed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = {each.name: getattr(EGG, each.name) for each in fields(EGG)}
+    run = partial(simulate, times=[0.0, 0.1, 0.2], local_tolerance=1e-12)
+    for number in (0.8, 0.6):
+        monkeypatch.setattr(sys.modules[__name__], "OUTSIDE", number)
+        bodies = [kind(**told | {"waist": number}) for kind in (Egg, Slim, Alone)]
+        egg, slim, alone = (Scenario(disk=each, start=MOVING) for each in bodies)
+        rubbing = [SmoothCoulomb(coefficient=number), Rubbing()]
+        rubbing += [Answering(says=lambda speed: OUTSIDE / (0.1 + speed))]
+        usual, *others = (replace(REDUCED_OF[0], friction=each) for each in rubbing)
+        pairs = [(egg, slim), (egg, alone), *((usual, other) for other in others)]
+        for expected, scenario in pairs:
+            is_alone = scenario is alone
+            found = run(scenario) if is_alone else run(scenario, method="taylor")
+            assert_close(found.coordinates, run(expected).coordinates, relative=1e-9)
+        run_to = partial(run, usual, stop_when=turned)
+        end = not_none(run_to(method="taylor").ending)
+        assert end.time == pytest.approx(not_none(run_to().ending).time)
 
 
 def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
