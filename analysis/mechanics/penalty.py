@@ -20,6 +20,7 @@ from analysis.mechanics.newton_euler import (
     together,
 )
 from analysis.mechanics.recorder import Recorder, Symbol, call, pair
+from analysis.problem.bodies import noting
 from analysis.problem.checks import Array
 from analysis.problem.contact import FULL_GRIP
 from analysis.problem.elementary import Numbers, hypot, sqrt
@@ -215,7 +216,8 @@ def free_solver(scenario: Scenario, chart: Chart, functions: Functions) -> Solve
     recorder = Recorder((), [f"s{number}" for number in range(12 if in_angles else 13)])
     spring, normal_force = (partial(call, name) for name in ("spring", "normal_force"))
     table = YieldingTable(scenario, spring, normal_force)
-    derivative, touch, powers = table.derivative(chart, recorder.variables, friction)
+    with noting(scenario.disk):
+        derivative, touch, powers = table.derivative(chart, recorder.variables, friction)
     asked = [touch.force, *touch.slip, touch.gap, touch.gap_rate] if in_angles else powers
     return recorder.code([*derivative, *asked])(**functions, **contact_functions(scenario))
 

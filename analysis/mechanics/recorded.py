@@ -22,6 +22,7 @@ from analysis.mechanics.dual import (
 from analysis.mechanics.newton_euler import Structure, derivative
 from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
+from analysis.problem.bodies import noting
 from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.constraints import multiplier_names
@@ -176,14 +177,15 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     if not structure.products:
         # Zeros take no time in what is recorded.
         disk.products = (0.0, 0.0, 0.0)
-    found, multipliers = derivative(
-        structure,
-        disk,
-        recorder.variables,
-        gravity=(0.0, 0.0, down) if structure.horizontal else (along, across, down),
-        friction=friction_of(is_simple=structure.law.force is FrictionLaw.force),
-        contact_load=partial(call, "contact_load"),
-    )
+    with noting(kind):
+        found, multipliers = derivative(
+            structure,
+            disk,
+            recorder.variables,
+            gravity=(0.0, 0.0, down) if structure.horizontal else (along, across, down),
+            friction=friction_of(is_simple=structure.law.force is FrictionLaw.force),
+            contact_load=partial(call, "contact_load"),
+        )
     return recorder, [*found, *multipliers]
 
 

@@ -1,5 +1,7 @@
 """Bodies other than the round disk, and bodies by name."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -128,6 +130,23 @@ def check_surface(body: Body) -> None:
             depth = -sum(each * along for each, along in zip(point, up, strict=True))
             within(f"depth of {what}", depth, 0.0, deepest)
             _check_level(body, np.array(up), what)
+
+
+@contextmanager
+def noting(body: Body | type[Body] | None) -> Iterator[None]:
+    """Tell that a surface of one's own cannot be asked with symbols as a fault of its class."""
+    try:
+        yield
+    except TypeError as error:
+        kind: Any = body if isinstance(body, type) else type(body)
+        if body is None or kind in BODIES.values():
+            raise
+        raise ArgumentError(
+            "body",
+            "must tell its lowest point by the four operations and the functions of "
+            f"`analysis.problem.elementary`, not those of NumPy or `math`: {error}",
+            f"body {BODIES.name_of(kind)!r}",
+        ) from error
 
 
 def _check_kind(body: Body) -> None:

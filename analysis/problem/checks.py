@@ -36,6 +36,10 @@ def optional(check: Callable[..., T], name: str, value: Any, *allowed: Any) -> T
     return None if value is None else check(name, value, *allowed)
 
 
+_NO_NUMBERS = bool, np.timedelta64
+"""What is a number by its class alone."""
+
+
 def number(name: str, value: Any) -> float:
     """Return `value` as a finite float; numbers of `Members`, one for each, as they are.
 
@@ -49,7 +53,7 @@ def number(name: str, value: Any) -> float:
         return value
     result = value
     if not isinstance(value, Members):
-        if not isinstance(value, Real) or isinstance(value, bool):
+        if not isinstance(value, Real) or isinstance(value, _NO_NUMBERS):
             fault = f"must be a finite number, got {value!r}{_in_numbers(value)}"
             raise ArgumentError(name, fault)
         try:
@@ -175,7 +179,7 @@ def bound(
 
 def whole(name: str, value: Any, least: int = 1, most: float = inf) -> int:
     """Return `value` as an int from `least` to `most`; `ValueError` otherwise."""
-    if not isinstance(value, Integral) or isinstance(value, bool):
+    if not isinstance(value, Integral) or isinstance(value, _NO_NUMBERS):
         raise ArgumentError(name, f"must be a whole number, got {value!r}")
     if value < least:
         raise ArgumentError(name, f"must be at least {least}, got {value}")
@@ -397,6 +401,11 @@ class _Checking(ABCMeta):
 @cache
 def _known(kind: Any) -> dict[str, tuple[Quantity | None, bool]]:
     """Fields of a class: their quantities, and whether they follow from the rest for None."""
+    if "__init__" in vars(kind) and "__dataclass_fields__" not in vars(kind):
+        raise TypeError(
+            f"{kind.__name__} must be a frozen dataclass, whose fields are its numbers, and have "
+            "no __init__ of its own"
+        )
     return {
         field.name: (QUANTITIES.get(f"{kind.TABLE}.{field.name}"), field.default is None)
         for field in fields(kind)

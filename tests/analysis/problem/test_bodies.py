@@ -177,6 +177,12 @@ def folded(body: Body, up: Any, _: Any = 0.0) -> Any:
     return -up[0] / height, -0.5 * up[1] / height, -0.5 * up[2] / height
 
 
+def of_numpy(body: Body, up: Any, _: Any = 0.0) -> Any:
+    """A sphere, in functions that know no symbols."""
+    size = np.sqrt(up[0] * up[0] + up[1] * up[1] + up[2] * up[2])
+    return tuple(-body.radius * each / size for each in up)
+
+
 composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
 scenario = partial(partial, Scenario)
 DRAG = {"contact": PenaltyContact.rounded(ELLIPSE), "dissipation": Dissipation(air_drag=1.2)}
@@ -208,6 +214,9 @@ REFUSED: dict[str, Callable[[], Any]] = {
     ),
     # Its surface depends on more than it says.
     "AttributeError: .* no attribute 'waist'": scenario(disk=odd(SURFACE=())),
+    "must tell its lowest point by the four .* of NumPy or": lambda: simulate(
+        Scenario(disk=odd(lowest_point=of_numpy)), [0.0, 0.1]
+    ),
     "products must be a finite number, got [(]0": scenario(disk=odd(SURFACE=("products",))),
     "Egg': TypeError: unhashable type: 'list'": scenario(disk=Egg(**NUMBERS, waist=[0.9])),  # type: ignore[arg-type]
     "lowest_point must be that of a Sphere, which": scenario(

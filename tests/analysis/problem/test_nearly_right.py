@@ -14,7 +14,16 @@ import numpy as np
 import pytest
 
 import mbs_models
-from analysis import LAWS, MODELS, Scenario, Start, load_scenario, scenario_text, simulate
+from analysis import (
+    LAWS,
+    MODELS,
+    FrictionLaw,
+    Scenario,
+    Start,
+    load_scenario,
+    scenario_text,
+    simulate,
+)
 from analysis.problem.values import UnitWarning
 from mbs_models import Scene
 from tests.calls import answer, python
@@ -40,6 +49,16 @@ def test_engine_takes_a_scenario_for_its_default_scene(call: Callable[[Any], Any
     np.testing.assert_array_equal(call(UPRIGHT), call(Scene(UPRIGHT)))
 
 
+class Made(FrictionLaw):
+    finest_speed = 0.1
+
+    def __init__(self, strength: float) -> None:
+        self.strength = strength
+
+    def per_speed(self, speed: float) -> float:
+        return self.strength / (0.1 + speed)
+
+
 NEARLY: dict[str, Callable[[], object]] = {
     r"^scenario .* got the class: write Scenario\(\)$": lambda: simulate(Scenario, TIMES),
     r"^.MODELS holds 1, 2, 3, 4, and no 5.$": lambda: MODELS[5],
@@ -48,6 +67,7 @@ NEARLY: dict[str, Callable[[], object]] = {
     r"and no mu; coefficient belongs to the friction$": lambda: Scenario(mu=0.2),
     r"did you mean DOP853\?$": lambda: simulate(Scenario(), TIMES, method="DOP835"),
     r"write np.radians\(-22.5\)$": lambda: Start(gamma=" -22.5 deg"),
+    "^Made must be a frozen dataclass, .* no __init__ of its own$": lambda: Made(0.3),
     r"did you mean smooth-coulomb\?$": lambda: LAWS.find("smooth-columb"),
     r"^spn .* mean spin\?$": lambda: Scenario.from_values({"start": {"spn": 3.0}}),
     r"did you mean viscosity or rolling_viscous\?$": lambda: axis_from_text("viscous=1:2:3"),
