@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from math import isnan
+from math import isfinite
 
 from analysis.problem.checks import choice, number, several
 from analysis.problem.elementary import sin
@@ -113,14 +113,21 @@ class Turning:
     condition: Condition
 
     def __call__(self, state: State) -> float:
-        """What it says of a state; `ArgumentError` if that is nan, which no run would notice."""
+        """What it says of a state; `ArgumentError` if that is no finite number.
+
+        A state of symbols may be answered with one.
+        """
         is_named = self.condition in CONDITIONS.values()
-        said = self.condition(state) - (LEAST if is_named else ROUNDING)
-        # It may be a symbol.
-        if isinstance(said, float) and isnan(said):
-            fault = f"must say a number of every State, got nan for {state}"
-            raise ArgumentError("stop_when", fault, f"stop_when {_name_of(self.condition)}")
-        return said
+        said = self.condition(state)
+        is_number = isinstance(state.coordinates[0], float)
+        if is_number and not (type(said) is float and isfinite(said)):
+            try:
+                said = number("it", said)
+            except ValueError as error:
+                fault = f"must say a number of every State: {error} for {state}"
+                name = f"stop_when {_name_of(self.condition)}"
+                raise ArgumentError("stop_when", fault, name) from error
+        return said - (LEAST if is_named else ROUNDING)
 
 
 def each_condition(stop_when: StopWhen) -> list[str | Condition]:

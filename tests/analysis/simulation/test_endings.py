@@ -73,12 +73,15 @@ def test_no_condition_of_ones_own_takes_the_name_of_an_ending_there_is(
         run(FALLS["high"], TIMES, stop_when=condition, **side)
 
 
+@pytest.mark.parametrize("said", [nan, None])
 @pytest.mark.parametrize("side", [*SIDES[:2], {"integrator": "RK44", "step": 1e-3}], ids=str)
-def test_a_condition_that_becomes_nan_on_the_way_is_told(side: dict[str, Any]) -> None:
-    def fading(state: State) -> float:
-        return nan if state.rates[3] < 39.5 else 1.0
+def test_a_condition_that_says_no_number_on_the_way_is_told(
+    side: dict[str, Any], said: Any
+) -> None:
+    def fading(state: State) -> Any:
+        return said if state.rates[3] < 39.5 else 1.0
 
-    with pytest.raises(ValueError, match=r"^stop_when fading must say a number .*, got nan"):
+    with pytest.raises(ValueError, match=rf"^stop_when fading must say a number .*, got {said}"):
         run(Scenario(), TIMES, stop_when=fading, **side)
 
 
