@@ -42,6 +42,9 @@ _BESIDE = 1e-3
 _HALVINGS = 12
 """Of a step, until what changes in it is one pair, however near others are."""
 
+_SPLIT = 0.01
+"""Part of the scale up to which rounding may split a double value."""
+
 _MIRRORED = 1e-9
 """Sum of eigenvalues, or of their cubes, over the largest that rounding may leave."""
 
@@ -107,6 +110,8 @@ class CriticalSpeeds:
         stable.
     reason : str or None
         Why there is no crossing, if there is none.
+    is_hidden : bool
+        Whether friction is so steep that rounding hides which slow motions decay.
     """
 
     scenario: Scenario
@@ -117,6 +122,7 @@ class CriticalSpeeds:
     pair_changes: tuple[PairChange, ...]
     stable: tuple[tuple[float, float], ...]
     reason: str | None = None
+    is_hidden: bool = False
 
     @property
     def hopf(self) -> tuple[Crossing, ...]:
@@ -126,7 +132,8 @@ class CriticalSpeeds:
     @property
     def where(self) -> str:
         """Spins in rad/s at which the motion is stable, in words."""
-        return ", ".join(f"{low:.6g} to {high:.6g}" for low, high in self.stable) or "nowhere"
+        told = ", ".join(f"{low:.6g} to {high:.6g}" for low, high in self.stable)
+        return told or ("hidden by rounding" if self.is_hidden else "nowhere")
 
 
 def spin_interval(interval: tuple[float, float], name: str = "interval") -> tuple[float, float]:
@@ -189,6 +196,7 @@ def critical_speeds(
         # Between neighbouring crossings nothing changes.
         stable=tuple(each for each in pairwise(ends) if spectra.decay(sum(each) / 2.0)),
         reason=reason,
+        is_hidden=spectra.is_hidden,
     )
 
 
@@ -341,11 +349,14 @@ class Spectra:
         return Crossing(spin=spin, frequency=0.0, kind="static", stable_side=side)
 
     def pair_changes(self) -> tuple[PairChange, ...]:
-        """Collisions of two real eigenvalues, by rising spin."""
+        """Collisions of two real eigenvalues, by rising spin; none where rounding makes them."""
+        if self._small > _SPLIT * self._scale > 0.0:
+            return ()
         spins, values = self._whole
         pairs = [self._pairs(each) for each in values]
         steps = zip(pairwise(spins.tolist()), pairwise(pairs), strict=True)
-        return tuple(change for step in steps for change in self._pair_changes(*step))
+        found = (change for step in steps for change in self._pair_changes(*step))
+        return tuple(sorted(found, key=lambda each: each.spin))
 
     def _pairs(self, values: ComplexArray) -> ComplexArray:
         """Upper ones of complex pairs; a double value split by round-off is none."""
