@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.problem.checks import Array, choice, instance, several, whole
+from analysis.problem.checks import Array, choice, instance, several, switch, whole
 from analysis.problem.limits import check_storage
 from analysis.problem.names import ArgumentError, full_name
 from analysis.problem.quantities import declared
@@ -72,6 +72,8 @@ class Axis:
             raise ValueError(f"axis {field} must hold each value once, got {values}")
         object.__setattr__(self, "field", field)
         object.__setattr__(self, "values", values)
+        is_log = switch(f"log of axis {field}", self.log)
+        object.__setattr__(self, "log", is_log)
         if is_range:
             self._check_range(field)
 
@@ -80,7 +82,8 @@ class Axis:
             raise ValueError(f"axis {field} takes a list, such as {field}=a,b, and no range")
         ends = [float(read_value(field, each)) for each in (self.first, self.last)]
         if self.count is not None:
-            whole(f"count of axis {field}", self.count)
+            count = whole(f"count of axis {field}", self.count)
+            object.__setattr__(self, "count", count)
         if (ends[0] == ends[1]) != (self.count == 1):
             got = f"{ends[0]:g} to {ends[1]:g}"
             got = got if self.count is None else f"{self.count} from {got}"
@@ -154,7 +157,8 @@ class Design:
 
     def __post_init__(self) -> None:
         choice("layout", self.layout, LAYOUTS)
-        whole("seed", self.seed, least=0)
+        seed = whole("seed", self.seed, least=0)
+        object.__setattr__(self, "seed", seed)
         axes = [instance("axes", each, Axis) for each in several("axes", self.axes, "Axis")]
         object.__setattr__(self, "axes", tuple(axes))
         names = [axis.field for axis in self.axes]
@@ -167,7 +171,8 @@ class Design:
         if not is_grid:
             if self.number is None:
                 raise ArgumentError("layout", f"needs a number of points, got {self.layout!r}")
-            whole("number", self.number)
+            number = whole("number", self.number)
+            object.__setattr__(self, "number", number)
         elif self.number is not None:
             fault = f"belongs to drawn points, not to a grid, got {self.number}"
             raise ArgumentError("number", fault)

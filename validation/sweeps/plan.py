@@ -69,16 +69,19 @@ class Plan(CaseOptions):
 
     def __post_init__(self) -> None:
         CaseOptions.__post_init__(self)
-        for name in ("allow_pulling", "to_rest"):
-            switch(name, getattr(self, name))
+        # What is told is stored, in numbers of Python's own.
+        clean: dict[str, Any] = {
+            name: switch(name, getattr(self, name)) for name in ("allow_pulling", "to_rest")
+        }
         end = within("end", positive("end", self.end), 0.0, LONGEST_MOTION)
-        if not positive("spacing", self.spacing) < end:
-            fault = f"must have spacing < end, got {self.spacing:g} s and {end:g} s"
+        spacing = positive("spacing", self.spacing)
+        if not spacing < end:
+            fault = f"must have spacing < end, got {spacing:g} s and {end:g} s"
             raise ArgumentError("spacing" if end == END else "end", fault)
-        check_storage("spacing", end / self.spacing, 20)
+        check_storage("spacing", end / spacing, 20)
         numbers = (*ACCURACIES, "witness_tolerance", "witness_step", "time_limit")
-        for name, value in self.given(*numbers).items():
-            positive(name, value)
+        clean |= {name: positive(name, value) for name, value in self.given(*numbers).items()}
+        clean |= {"end": end, "spacing": spacing}
         if self.local_tolerance is not None:
             within("local_tolerance", self.local_tolerance, TIGHTEST_LOCAL_TOLERANCE, 0.1)
         if self.method is not None:
@@ -87,13 +90,14 @@ class Plan(CaseOptions):
             check_condition_name(self.stop_when)
         if self.source == "engine" and self.witness_step is not None:
             raise ArgumentError("witness_step", "must be left out for source 'engine'")
-        whole("witnesses", self.witnesses, least=0)
+        clean["witnesses"] = whole("witnesses", self.witnesses, least=0)
         known = series_known(to_rest=self.to_rest)
         names = [choice("keep", name, known) for name in several("keep", self.keep, "names")]
-        keep = dict.fromkeys(each for name in names for each in known[name])
-        object.__setattr__(self, "keep", tuple(keep))
+        clean["keep"] = tuple(dict.fromkeys(each for name in names for each in known[name]))
         if not self.given(*ACCURACIES):
-            object.__setattr__(self, "tolerance", 1e-3 if self.to_rest else 1e-6)
+            clean["tolerance"] = 1e-3 if self.to_rest else 1e-6
+        for name, value in clean.items():
+            object.__setattr__(self, name, value)
 
     @property
     def runs_in_batches(self) -> bool:

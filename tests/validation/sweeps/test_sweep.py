@@ -25,6 +25,7 @@ from tests.sweeps import direct, sweep, swept
 from tests.wayward_law import CRASHES, HANGS, Wayward
 from validation.measurement.sources import digest, own_files
 from validation.sweeps import runner, store
+from validation.sweeps.axes import Axis, Design
 from validation.sweeps.case import COLUMNS, WITNESS_FAILED, run_chunk
 from validation.sweeps.plan import Plan
 from validation.sweeps.pools import open_pool
@@ -49,6 +50,16 @@ def test_an_interrupt_is_no_failure_of_a_case(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(Plan, "motion", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_chunk(WANTED, [0])
+
+
+def test_numbers_of_numpy_are_stored_as_those_of_python() -> None:
+    numpys: dict[str, Any] = {"witnesses": np.int64(0), "tolerance": np.float32(0.5)}
+    drawn = {"layout": "random", "number": np.int64(1), "seed": np.int64(2)}
+    wanted = sweep("spin=1:2", layout=drawn, allow_pulling=np.True_, **numpys)
+    axis = Axis(field="mu", first=0.1, last=0.2, count=np.int64(2), log=np.False_)  # type: ignore[arg-type]
+    for number, each in enumerate((wanted, replace(wanted, design=Design(axes=(axis,))))):
+        found = swept(each, Path(f"numpy-{number}.db"))
+        assert found.columns["status"].tolist() == [DONE] * each.design.size
 
 
 # --- Witnesses -----------------------------------------------------------------------------------

@@ -108,6 +108,12 @@ test_what_is_no_axis_or_no_design_is_refused = refusals(
         ),
         r"friction\.load must be text, got 1": lambda: axis_from("load", 1),
         r"^values of axis start\.spin must be a list of": lambda: Axis(field="spin", values=5.0),  # type: ignore[arg-type]
+        r"^log of axis start\.spin must be True or False": lambda: Axis(
+            field="spin",
+            first=1.0,
+            last=2.0,
+            log="no",  # type: ignore[arg-type]
+        ),
         "either values, or first and last": lambda: Axis(field="mu", values=(1,), first=0, last=1),
     }
 )
