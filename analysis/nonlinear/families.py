@@ -182,7 +182,7 @@ def cycle_at(scenario: Scenario, spin: float) -> PeriodicMotion:
         raise ArgumentError(
             "spin",
             f"must lie between {min(spins):.9g} and {max(spins):.9g} rad/s, where there are "
-            f"cycles{ends}, got {spin:.9g}",
+            f"cycles{ends}, got {spin!r}",
         )
     before, last = family.motions[-2:]
     _, cycle = between(before, last, lambda each: each.spin - spin)

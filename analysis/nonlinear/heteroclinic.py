@@ -134,9 +134,12 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
 
     Raises
     ------
+    ValueError
+        If the spin is out of range or the scenario has no cycles.
     NoConnectionError
         If it is no saddle with one growing direction.
     """
+    flow.require_cycles(scenario)
     (matrix,) = reduced_matrices(scenario, turn_rate("spin", spin), "noninverted")
     values = np.linalg.eigvals(matrix)
     values = values[np.argsort(-values.real)]
@@ -151,6 +154,9 @@ def saddle(scenario: Scenario, spin: float) -> tuple[ComplexArray, Array]:
 
 def fall(scenario: Scenario, spin: float) -> Fall:
     """Follow the motion that leaves noninverted spinning until it turns back or goes over.
+
+    That takes the longer the faster the spin: a tenth of a second at ten times the paper's
+    critical speed, some seconds at thirty times.
 
     Parameters
     ----------

@@ -4,8 +4,9 @@ While the spin is free nothing makes good what friction takes, so that a station
 slip, hence no friction; its contact point then lies on the axis of turning, and so must its centre
 of gravity, since nothing pushes it sideways: cos(gamma) = 0 and (r + e sin(gamma)) cos(beta) = 0.
 With friction and a free spin an eccentric disk therefore has inverted and noninverted spinning,
-and no tilted stationary motion. With held spin, where the constraint replaces what friction takes,
-there are tilted ones: the disk slides on a circle, its centre of gravity between up and sideways.
+and no tilted stationary motion, unless a constraint against slip pushes it sideways. With held
+spin, where the constraint replaces what friction takes, there are tilted ones: the disk slides on
+a circle, its centre of gravity between up and sideways.
 Without friction, any body may turn about the vertical through its centre of gravity with its
 contact point on a circle. A search from many starts finds them, and a continuation follows them
 through folds.
@@ -296,12 +297,12 @@ def stationary_branch(
     require_spinning(scenario, "the continuation of stationary motions")
     if not instance("start", start, StationaryMotion).is_tilted:
         raise ValueError("start must be tilted: upright spinning exists at every spin")
-    numbers("interval", interval, ("lowest", "highest value"))
+    low, high = numbers("interval", interval, ("lowest", "highest value"))
     optional(instance, "parameter", parameter, Parameter)
     spins = Parameter(change=lambda _: scenario, value=start.spin, unit=spin_scale(scenario))
     followed = parameter or spins
     value, unit = followed.value, followed.unit
-    if not interval[0] <= value <= interval[1] or (parameter is None and interval[0] <= 0.0):
+    if not low <= value <= high or (parameter is None and low <= 0.0):
         allowed = "positive spins" if parameter is None else "values"
         raise ValueError(f"interval must be one of {allowed} about {value:g}, got {interval}")
 
@@ -326,7 +327,7 @@ def stationary_branch(
         return bool(np.max(np.abs(here)) < _BESIDE or np.all(begin * here < 0.0))
 
     bounds = np.outer((-1.0, 1.0), np.full(5, np.inf))
-    bounds[:, 4] = np.divide(interval, unit)
+    bounds[:, 4] = low / unit, high / unit
     points = Curve(equations, (*bounds,), _STEP, where, meets_upright).through(point)
     return tuple(
         StationaryMotion.at(*at(each), each[:4], unit * float(each[4])) for each in points

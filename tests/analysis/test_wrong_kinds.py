@@ -275,6 +275,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (analysis.energies, {"coordinates": np.zeros((3, 5))}, "coordinates must have shape .* got"),
     (analysis.energies, {"rates": np.zeros((3, 6))}, "rates must have shape .* got"),
     (PenaltyContact, {"stiffness": 2e12}, "stiffness must be above 0 and at most 1e"),
+    (Start, {"spin": np.timedelta64(5, "ns")}, "spin must be a finite number, got"),
+    (RUN.state, {"index": np.timedelta64(0, "ns")}, "index must be a whole number, got"),
     # Runs.
     (simulate, {"local_tolerance": 2.0}, "local_tolerance must lie from 3e-14 to less than 1"),
     (simulate, {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
@@ -366,6 +368,7 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (families.cycles_over, {"scenarios": []}, "scenarios must be 1 or more"),
     (families.cycle_at, {"spin": 100.0}, r"spin must lie in the open interval \(15.* got 100"),
     (fall, rubbing(smoothing=1e-6), r".*gradient of at most 100000 s/m .* got 300000"),
+    (saddle, {"scenario": FULL}, "the reduced system is that of Model 4, got Model 1"),
     (fall, {"spin": -30.0}, "spin must be positive"),
     (partial(period_growth, connection=HERE), {"cycles": []}, "cycles must hold 4"),
 ]  # fmt: skip

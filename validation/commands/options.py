@@ -134,6 +134,10 @@ def stored_runs(files: Sequence[Path], **named: str) -> list[StoredRun]:
         If it is none, there is no such class, or no motion was run with it.
     """
     classes = {key.rpartition(".")[2]: known for key, known in _CLASSES.items()}
+    for name, each in named.items():
+        if "," in each:
+            fault = f"must name the class alone, whose numbers are stored, got {each!r}"
+            raise ArgumentError(name, fault)
     kinds = {name: classes[name].find(each) for name, each in named.items()}
     runs = [load_run(file) for file in files]
     used = {type(part) for run in runs for part in (run.scenario.friction, run.scenario.disk)}

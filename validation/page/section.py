@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import matplotlib as mpl
 import pandas as pd
@@ -20,6 +20,8 @@ from matplotlib.figure import Figure
 
 from validation.display.tables import power, show
 from validation.study import Content, Verdict
+
+T = TypeVar("T")
 
 LONG = 12
 """Most rows of a table that a page shows as it is."""
@@ -137,7 +139,7 @@ class Section:
         digits : int
             Significant digits that are shown.
         """
-        shown = self._content.tables[name]
+        shown = self._held(self._content.tables, name)
         if (total := len(shown)) > max(LONG, rows):
             if worst:
                 sizes = pd.to_numeric(shown[worst], errors="coerce").abs()
@@ -160,9 +162,14 @@ class Section:
         text = self._content.tables[name].to_csv(index=False, lineterminator="\n")
         return self._piece(self._linked(name, path, text), f"`{path}`")
 
+    def _held(self, kind: Mapping[str, T], name: str) -> T:
+        if name not in kind:
+            raise KeyError(f"{self._text.name} asks for {name!r}, there are {', '.join(kind)}")
+        return kind[name]
+
     def figure(self, name: str, title: str, caption: str = "", wide: bool = False) -> str:
         """A figure, embedded."""
-        png, svg = drawn(self._content.figures[name])
+        png, svg = drawn(self._held(self._content.figures, name))
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
         image = f'<img alt="{{}}" src="data:image/png;base64,{png}">'
@@ -246,7 +253,8 @@ def sig(value: float, digits: int = 2) -> str:
     >>> sig(0.01234), sig(99.6), sig(-1234.5), sig(123456.0), sig(2.0, 3)
     ('0.012', '100', '-1200', '1.2e+05', '2')
     """
-    short = float(f"{value:.{digits}g}")
+    # What a text names and no one gives says so, where it is reckoned with.
+    short = float(f"{+value:.{digits}g}")
     return f"{short:.0f}" if 10.0**digits <= abs(short) < 1e5 else f"{value:.{digits}g}"
 
 

@@ -78,8 +78,12 @@ class RunOptions:
 
         choice("source", self.source, SOURCES)
         if self.formulation is not None:
-            is_engine = self.source == "engine"
-            known = ENGINE_FORMULATIONS if is_engine else FORMULATIONS
+            both: list[tuple[str, ...]] = [ENGINE_FORMULATIONS, FORMULATIONS]
+            known, others = both if self.source == "engine" else both[::-1]
+            if isinstance(self.formulation, str) and self.formulation in others:
+                wanted = f"must be one of {', '.join(known)} with source {self.source!r}"
+                fault = f"{wanted}, got {self.formulation!r} of the other one"
+                raise ArgumentError("formulation", fault)
             choice("formulation", self.formulation, known)
         foreign = ("method",) if self.source == "engine" else ("step", "integrator")
         for name in foreign:

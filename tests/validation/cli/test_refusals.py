@@ -24,6 +24,7 @@ REFUSED = {
     "scenario --damping 1": "--damping: damping needs a penalty contact, told by its stiffness",
     "scenario --radius 1 --thickness 1 --density 1e100": "--radius: mass must be above 0 and at",
     ENGINE + "--source in-house --formulation floating": "formulation must be one of index-1",
+    ENGINE + "--formulation reduced": "with source 'engine', got 'reduced' of the other one",
     "simulate --spin 1e5": "error: start needs a contact that pulls, with a normal force of -5",
     "rest --scenario run.npz": "give --stiffness and --half-thickness, or the table [co",
     "rest --model 2": "--model: contact must be left out, or constraints be those of Model 1",
@@ -72,6 +73,7 @@ REFUSED = {
     "passage --end 1e7": "--end: end asks for 5e+09 samples",
     # Paths.
     "show cut.npz --plot a.png": "cut.npz",
+    "show run.npz --law a:B,c=1": "--law: law must name the class alone, whose numbers are stored",
     "show run.npz run.npz --plot a.png": "files must be different ones, got run.npz, run.npz",
     "simulate --out run.txt": "--out: must end in .npz, got",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
