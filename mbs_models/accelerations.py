@@ -292,8 +292,8 @@ def eigenvalues(scene: Scene | Scenario) -> ComplexArray:
     Returns
     -------
     ndarray, complex, shape (n,)
-        In the coordinates of `independent_coordinates`: 8 for Model 1, 4 for Model 2, 3 for
-        Models 3 and 4, and 10 on a penalty contact.
+        As many as there are independent coordinates and velocities: 8 for Model 1, 4 for Model 2,
+        3 for Models 3 and 4, and 10 on a penalty contact.
 
     Raises
     ------

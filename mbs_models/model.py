@@ -38,7 +38,8 @@ class Model(ABC):
     scenario : Scenario
         One that meets no `obstacle`.
     slip_part : float
-        See `free_slip_force`.
+        Part of the slip that friction is asked at, and by which its force is divided: 1 but where
+        its slope at no slip is wanted.
 
     Attributes
     ----------

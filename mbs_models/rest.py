@@ -114,7 +114,7 @@ def simulate_to_rest(
     ValueError
         If an argument is out of range, the scene does not last until the disk lies flat, the
         step is too large for the contact's stiffness, or the run would take more than
-        `MOST_STEPS` or samples than can be held.
+        1e8 steps or samples than can be held.
     ToleranceError
         If runs of ever shorter steps do not agree, as after impacts that a small change turns
         into another motion.

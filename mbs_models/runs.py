@@ -266,12 +266,13 @@ def _counts(solver: Any, integrator: Integrator) -> dict[str, int]:
 
 
 def settle(model: Model) -> None:
-    """Give the engine its own accurate accelerations and constraint forces at the start.
+    """Give the engine its own accurate accelerations at the start, and forces for a record there.
 
     Left to itself the engine starts from a contact force of zero, which a friction law may want
     to know, and leaves out terms of velocity-level joints. The one makes every later result
     first-order accurate; by the other, constraint forces of undamped solvers go up and down from
-    step to step, however short.
+    step to step, however short. Constraint forces are set in the current state alone: a solver
+    begins without, which its accelerations make good.
 
     To be called before a solver of the engine, whose settings are to leave
     `timeIntegration.generalizedAlpha.computeInitialAccelerations` off; assembling the system

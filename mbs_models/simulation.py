@@ -114,7 +114,7 @@ def simulate(
     Raises
     ------
     ValueError
-        If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
+        If an argument is out of range, the run would take more than 1e8 steps, or the start
         breaks a constraint, makes constraints depend on each other or needs a contact that
         pulls.
     EngineError

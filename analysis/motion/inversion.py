@@ -35,14 +35,17 @@ OUTCOMES: tuple[Outcome, ...] = get_args(Outcome)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inversion:
-    """What became of the inversion in a motion; see `DEFINITION`.
+    """What became of the inversion in a motion.
+
+    The disk is inverted from the first time at which its centre of gravity has risen to 90 % of
+    its largest height above the geometric centre and from which it stays above that for 1 s.
 
     Parameters
     ----------
     outcome : {"inverted", "lost", "not inverted", "not decided"}
         "lost": inverted, but the centre of gravity came below the geometric centre again before
         the motion ended. "not decided": it rose, and the motion ended before it had stayed up
-        for `STAYING`.
+        for 1 s.
     time : float, optional
         When the disk was inverted in s, between two samples; None if it never was.
     lost : float, optional

@@ -47,7 +47,7 @@ inversion, inverted_at, inverted_at_error, lost_at, lost_at_error
     As `Inversion` says: when, and how far off the samples may leave that.
 spin_after, spin_end
     Rate of alpha, of motions to rest the vertical angular velocity. When the disk has stayed up
-    for `STAYING`, by cubic polynomials between samples, and at the end.
+    for 1 s, by cubic polynomials between samples, and at the end.
 cog_direction_end, face_end
     Vertical parts of the unit vectors from G to S and normal to the disk, at the end.
 force_least, force_largest
@@ -75,7 +75,8 @@ class OutcomeTable:
     axes : tuple of str
         Dotted names of the fields that vary.
     columns : dict
-        Arrays of shape (n,) by name: "number", those of the axes, and `OUTCOMES`. An empty cell
+        Arrays of shape (n,) by name: "number", those of the axes, and those that the guide on
+        sweeps lists, as `analysis.motion.outcomes.OUTCOMES` does. An empty cell
         is nan in numbers and None in words.
     """
 

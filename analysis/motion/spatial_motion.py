@@ -35,7 +35,7 @@ class Phases:
     Parameters
     ----------
     inversion : float, optional
-        The disk is inverted; see `analysis.motion.inversion.DEFINITION`.
+        The disk is inverted, as `Inversion` defines it.
     inversion_lost : float, optional
         Its centre of gravity comes below the geometric centre again.
     rolling : float, optional

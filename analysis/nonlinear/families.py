@@ -269,7 +269,7 @@ def asymmetric_family(
         Of the kind "symmetry-breaking", into larger cycles.
     amplitudes : array_like, shape (n,), optional
         Largest deviations of gamma in rad, rising, beyond that of the bifurcation; by default
-        further by `BEYOND`.
+        up to 4.5 rad further.
     progress : callable, optional
         As in `cycle_family`.
 
@@ -335,8 +335,8 @@ def rotating_family(
     scenario : Scenario
         Of Model 4 with friction that knows the weight, and an eccentricity.
     tilts : array_like, shape (n,), optional
-        Tilts in rad, rising, between that of the `Connection` and pi/2; beyond
-        the former by `TILTS` by default.
+        Tilts in rad, rising, between that of the `Connection` and pi/2; by default up to 1.5 rad
+        beyond the former.
     progress : callable, optional
         As in `cycle_family`.
 

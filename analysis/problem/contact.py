@@ -76,7 +76,7 @@ class PenaltyContact(Described):
     The penetration is that of the disk's lowest point. A unilateral contact never pulls, and
     without penetration neither the contact nor friction acts; a bilateral one holds the disk down.
     On a unilateral one, friction that is not in proportion to the contact's force fades below
-    `FULL_GRIP`.
+    a hundredth of the weight.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ class PenaltyContact(Described):
         stiffness : float
             In N/m.
         half_thickness : float, optional
-            In m; by default `USUAL_RIM` for a body with an edge, and none for one without.
+            In m; by default 0.2 mm for a body with an edge, and none for one without.
         """
         if half_thickness is None:
             half_thickness = USUAL_RIM if instance("disk", disk, Body).has_edge else 0.0

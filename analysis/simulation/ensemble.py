@@ -60,7 +60,7 @@ def simulate_many(
 
     Where heyoka is installed, members alike in structure are compiled together and run in
     batches, with the error estimate, endings and errors of single runs. Others, and more than
-    `COMPILED_CHUNK` compiled ones, run on worker processes, which import the calling script: as
+    4096 compiled ones, run on worker processes, which import the calling script: as
     with every such pool, a script calls this below `if __name__ == "__main__":`.
 
     Parameters

@@ -81,7 +81,7 @@ def simulate(
     Raises
     ------
     ValueError
-        If an argument is out of range, the run would take more than `MOST_STEPS`, or the start
+        If an argument is out of range, the run would take more than 1e8 steps, or the start
         breaks a constraint or needs a contact that pulls.
     ToleranceError
         If `tolerance` cannot be met, or the run takes far more steps than it should; with a time

@@ -84,7 +84,7 @@ def simulate_to_rest(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the run would take more than `MOST_STEPS` or samples
+        If an argument is out of range, or the run would take more than 1e8 steps or samples
         than can be held.
     ToleranceError
         If runs of ever tighter steps do not agree, as after impacts that a small change turns

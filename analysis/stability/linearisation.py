@@ -343,7 +343,8 @@ def stationary_eigenvalues(scenario: Scenario, spin: float, place: Place) -> Com
     spin : float
         In rad/s.
     place : tuple of 4 floats
-        Of a motion in which it does not change, see `Place`.
+        Of a motion in which it does not change: x and y of the geometric centre in m, in the frame
+        that turns with alpha, beta and gamma in rad.
 
     Raises
     ------

@@ -67,8 +67,9 @@ def sensitivities(
     Returns
     -------
     dict
-        For `POWERS`, "friction_gradient" and "size". The radius of another body than a round disk
-        stands for all lengths of its surface, in proportion.
+        For mass, radius, eccentricity, the moments of inertia and what else is listed in `POWERS`
+        of this module, "friction_gradient" and "size". The radius of another body than a round
+        disk stands for all lengths of its surface, in proportion.
 
     Raises
     ------

@@ -162,7 +162,9 @@ def eigenvalues(
     Parameters
     ----------
     scenario, system, motion
-        See `matrices_over_spin`.
+        As `matrices_over_spin` takes them: the system is "full" for Model 1, "reduced" for
+        Model 4, or "numeric" for any constraints or a penalty contact, by default the one that
+        is closed; the motion "inverted" or "noninverted".
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, in any order.
 
@@ -200,7 +202,9 @@ def branches(
     Parameters
     ----------
     scenario, system, motion
-        See `matrices_over_spin`.
+        As `matrices_over_spin` takes them: the system is "full" for Model 1, "reduced" for
+        Model 4, or "numeric" for any constraints or a penalty contact, by default the one that
+        is closed; the motion "inverted" or "noninverted".
     spins : array_like, shape (n,)
         Strictly increasing spinning speeds in rad/s.
 

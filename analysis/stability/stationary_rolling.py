@@ -201,8 +201,8 @@ def fit_power_law(times: Array, values: Array, end: float | None = None) -> Powe
     values : ndarray, shape (n,)
         Positive.
     end : float, optional
-        Time at which the law ends; by default fitted too, from `NEAREST` to `FARTHEST` of the
-        whole time behind the last.
+        Time at which the law ends; by default fitted too, from 1e-4 to 100 times the whole time
+        behind the last.
 
     Raises
     ------

@@ -59,7 +59,8 @@ class Plan(CaseOptions):
     witness_tolerance, witness_step : float, optional
         Of that other side, which otherwise runs to the tolerance; the step is the engine's.
     keep : tuple of str
-        Series that are kept of each motion, at its samples, as `series_known` names them.
+        Series that are kept of each motion, at its samples: names that its `columns()` has, or
+        "coordinates" or "rates".
 
     Raises
     ------

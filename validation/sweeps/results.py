@@ -28,7 +28,9 @@ _BLOCK = 20_000
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Results(OutcomeTable):
-    """Rows of a sweep, in the order of their numbers; columns as in `COLUMNS`.
+    """Rows of a sweep, in the order of their numbers.
+
+    Columns are those that the guide on sweeps lists.
 
     Parameters
     ----------

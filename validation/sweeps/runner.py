@@ -101,7 +101,7 @@ def run_sweep(sweep: Sweep, path: str | os.PathLike[str], *, workers: int | None
     Raises
     ------
     OSError, ValueError
-        If the store cannot be written, or is another's; or as `look_ahead` says.
+        If the store cannot be written, or is another's; or if no case can be run as planned.
     """
     look_ahead(instance("sweep", sweep, Sweep))
     # A worker of a script without a guard ends there, and does not come to the store.
