@@ -80,13 +80,16 @@ class Dual:
     def __ge__(self, other: Any) -> Any:
         return self.value >= value_of(other)
 
-    def __pow__(self, exponent: float) -> "Dual":
+    def __pow__(self, exponent: Any) -> Any:
+        if isinstance(exponent, Dual):
+            return exp(exponent * log(self))
         slope = exponent * self.value ** (exponent - 1)
         return Dual(self.value**exponent, slope * self.change)
 
     def __rpow__(self, base: float) -> "Dual":
         power = base**self.value
-        return Dual(power, log(base) * power * self.change)
+        slope = log(base) * power if base else 0.0
+        return Dual(power, slope * self.change)
 
 
 def dual(number: Any) -> Dual:
@@ -140,9 +143,10 @@ def _hypot(x: Any, y: Any) -> Dual:
 def _atan2(y: Any, x: Any) -> Dual:
     """Its derivative at the origin, where there is none, is taken to be zero."""
     y, x = dual(y), dual(x)
-    square = x.value * x.value + y.value * y.value
-    turn = x.value * y.change - y.value * x.change
-    return Dual(atan2(y.value, x.value), turn / (square + (square == 0.0)))
+    size = hypot(x.value, y.value)
+    size = size + (size == 0.0)
+    turn = (x.value / size) * y.change - (y.value / size) * x.change
+    return Dual(atan2(y.value, x.value), turn / size)
 
 
 def _lifted(function: Callable[[Any], Any], slope: Callable[[Any], Any]) -> Callable[[Dual], Dual]:

@@ -233,7 +233,7 @@ def friction_of(*, is_simple: bool) -> Friction:
 
 
 def kinks(scenario: Scenario, solved: Solver) -> Callable[[Array], list[float]]:
-    """Function of a state, shape (12,), of which a number changes its sign where forces jump.
+    """Function of a state, shape (12,), of which a number changes its sign at jumps and bends.
 
     Those are both slips in m/s, where they rub, and what presses over the weight, if the contact
     may open. It closes where the disk touches the table, with the damper's force at once, and

@@ -161,7 +161,7 @@ class Symbol:
         return self.recorder.keep("{} ** {}", self, exponent)
 
     def __rpow__(self, base: float) -> "Symbol":
-        return self.recorder.keep("{} ** {}", base, self)
+        return self.recorder.keep("({}) ** {}", base, self)
 
 
 _KNOWN = (Symbol, float, int)

@@ -26,6 +26,7 @@ from analysis.nonlinear import flow
 from analysis.nonlinear.motions import PeriodicMotion
 from analysis.problem.checks import Array, instance, turn_rate
 from analysis.problem.scenario import Scenario
+from analysis.problem.user_modules import reads
 from analysis.solve.continuation import WIDEST, roots_around
 from analysis.stability.linearisation import ComplexArray, eigenvectors
 
@@ -251,12 +252,13 @@ def heteroclinic_connection(scenario: Scenario) -> Connection:
     NoConnectionError
         If there is none within half the critical speed, or a run comes to neither side.
     """
-    return _connection(instance("scenario", scenario, Scenario))
+    law = type(instance("scenario", scenario, Scenario).friction)
+    return _connection(scenario, reads(law.per_speed, law))
 
 
 # It takes seconds, and families of cycles and of rotating motions ask for it each.
 @lru_cache(maxsize=64)
-def _connection(scenario: Scenario) -> Connection:
+def _connection(scenario: Scenario, _read: tuple[Any, ...]) -> Connection:
     tried: dict[float, Fall] = {}
 
     def missed(spin: float) -> float:

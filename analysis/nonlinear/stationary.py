@@ -309,7 +309,8 @@ def stationary_branch(
     def at(point: Array) -> tuple[Scenario, float]:
         """Scenario and spin of a point: a place and the value over its unit."""
         found = unit * float(point[4])
-        return followed.change(found), found if parameter is None else start.spin
+        changed = instance("change", followed.change(found), Scenario)
+        return changed, found if parameter is None else start.spin
 
     def equations(points: Array) -> Array:
         return np.array([_residual(*at(each), each[:4]) for each in points])

@@ -37,7 +37,7 @@ def optional(check: Callable[..., T], name: str, value: Any, *allowed: Any) -> T
 
 
 _NO_NUMBERS = bool, np.timedelta64
-"""What is a number by its class alone."""
+"""Subclasses of numbers that are none: truth values and durations."""
 
 
 def number(name: str, value: Any) -> float:
@@ -400,8 +400,15 @@ class _Checking(ABCMeta):
 
 @cache
 def _known(kind: Any) -> dict[str, tuple[Quantity | None, bool]]:
-    """Fields of a class: their quantities, and whether they follow from the rest for None."""
-    if "__init__" in vars(kind) and "__dataclass_fields__" not in vars(kind):
+    """Fields of a class: their quantities, and whether they follow from the rest for None.
+
+    Raises
+    ------
+    TypeError
+        If it is made of others.
+    """
+    made_of = {*[*signature(kind.__init__).parameters][1:]}
+    if made_of != {field.name for field in fields(kind) if field.init}:
         raise TypeError(
             f"{kind.__name__} must be a frozen dataclass, whose fields are its numbers, and have "
             "no __init__ of its own"

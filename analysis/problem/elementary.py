@@ -100,12 +100,15 @@ tanh = _elementary("tanh")
 asinh = _elementary("asinh")
 
 
+_PLAIN = float, int
+
+
 def _of_two(name: str) -> Callable[[T, T], T]:
     """The same of two arguments."""
 
     def function(x: Any, y: Any, /) -> Any:
         """As in `math`, of any numbers."""
-        return getattr(_library(y) if type(x) is float else _library(x), name)(x, y)
+        return getattr(_library(y) if type(x) in _PLAIN else _library(x), name)(x, y)
 
     return function
 

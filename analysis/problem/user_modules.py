@@ -2,13 +2,15 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import fields
+from functools import partial
 from importlib import import_module
 from operator import attrgetter
 from pathlib import Path
 from traceback import extract_tb
+from types import CodeType
 from typing import Any, TypeVar
 
 from analysis.problem.names import ArgumentError, Named, nearest
@@ -159,30 +161,51 @@ class Kinds(Named[str, type[T]]):
 def reads(function: Any, kind: type | None = None) -> tuple[Any, ...]:
     """What a function of one's own works with that is no argument, and may change.
 
-    Those are globals and outer variables, and attributes of its class. Code that is made of the
-    function holds as long as these are the same.
+    Those are globals, outer variables, attributes of its class or of the object that it belongs
+    to, and what it takes from a module or an object by name. Code that is made of the function
+    holds as long as these are the same. What other functions read that it calls is not looked at.
 
     Parameters
     ----------
     function : callable
-        One that is not written in Python reads nothing.
+        A partial one or an object that can be called, too; one that is not written in Python
+        reads nothing.
     kind : type, optional
-        Its class, of a method.
+        Its class, of a method that is not bound.
     """
-    code = getattr(function, "__code__", None)
-    if code is None:
-        return ()
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    found = [getattr(kind, each, function.__globals__.get(each)) for each in code.co_names]
-    return tuple(each if _is_hashable(each) else repr(each) for each in cells + found)
+    if isinstance(function, partial):
+        given = (*function.args, *function.keywords.items())
+        return (*reads(function.func, kind), *map(_key, given))
+    owner = getattr(function, "__self__", None)
+    if not hasattr(function, "__code__"):
+        owner, function = function, type(function).__call__
+        if not hasattr(function, "__code__"):
+            return ()
+    codes, found = [function.__code__], []
+    for code in codes:
+        # A lambda or a generator in it has code of its own.
+        codes += [each for each in code.co_consts if isinstance(each, CodeType)]
+    names = sorted({name for code in codes for name in code.co_names})
+    for cell in function.__closure__ or ():
+        # One that is bound later is empty.
+        with suppress(ValueError):
+            found.append(cell.cell_contents)
+    kind = type(owner) if owner is not None else kind
+    holders = [function.__globals__, *(vars(each) for each in getattr(kind, "__mro__", ()))]
+    found += [holder[name] for name in names for holder in holders if name in holder]
+    parts = (vars(each) for each in (owner, *found) if hasattr(each, "__dict__"))
+    found += [held[name] for held in [*parts] for name in names if name in held]
+    return tuple(map(_key, found))
 
 
-def _is_hashable(value: Any) -> bool:
+def _key(value: Any) -> Any:
+    """What tells a value from another one, and can be hashed."""
     try:
         hash(value)
     except TypeError:
-        return False
-    return True
+        # An array shows neither all of its digits nor all of its entries.
+        return (value.shape, value.tobytes()) if hasattr(value, "tobytes") else repr(value)
+    return value
 
 
 def _frozen(value: Any) -> Any:

@@ -42,7 +42,7 @@ _BESIDE = 1e-3
 _HALVINGS = 12
 """Of a step, until what changes in it is one pair, however near others are."""
 
-_SPLIT = 0.01
+_SPLIT = 0.005
 """Part of the scale up to which rounding may split a double value."""
 
 _MIRRORED = 1e-9
@@ -111,7 +111,7 @@ class CriticalSpeeds:
     reason : str or None
         Why there is no crossing, if there is none.
     is_hidden : bool
-        Whether friction is so steep that rounding hides which slow motions decay.
+        Whether friction is so steep that rounding hides where the motion is stable.
     """
 
     scenario: Scenario
@@ -198,7 +198,7 @@ def critical_speeds(
         # Between neighbouring crossings nothing changes.
         stable=tuple(each for each in pairwise(ends) if spectra.decay(sum(each) / 2.0)),
         reason=reason,
-        is_hidden=spectra.is_hidden,
+        is_hidden=spectra.is_hidden and not crossings and not spectra.grows,
     )
 
 
@@ -303,6 +303,11 @@ class Spectra:
         """Whether rounding of the largest eigenvalue is as large as what the slow ones tell."""
         # Of a large one a, what is slow has a real part of less than scale² / a.
         return 10.0 * ROUND_OFF * self._largest**2 > self._scale**2
+
+    @property
+    def grows(self) -> bool:
+        """Whether something clearly grows at every spin between the first and the last."""
+        return bool(np.all(np.max(self._signs(self._values[1:-1]), axis=1) > 0.0))
 
     def decay(self, spin: float) -> bool:
         """Whether every eigenvalue has a negative real part."""

@@ -253,7 +253,7 @@ def sig(value: float, digits: int = 2) -> str:
     >>> sig(0.01234), sig(99.6), sig(-1234.5), sig(123456.0), sig(2.0, 3)
     ('0.012', '100', '-1200', '1.2e+05', '2')
     """
-    # What a text names and no one gives says so, where it is reckoned with.
+    # Unary plus is the first that reckons with a name that is undefined, and says so.
     short = float(f"{+value:.{digits}g}")
     return f"{short:.0f}" if 10.0**digits <= abs(short) < 1e5 else f"{value:.{digits}g}"
 

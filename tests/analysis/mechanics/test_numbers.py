@@ -20,7 +20,7 @@ FORMULAS: dict[str, Callable[[Sequence[Any]], list[Any]]] = {
     "products": lambda x: [x[0] * x[1] * 2.0, 3.0 * x[1], x[0] * x[0] * x[0]],
     "quotients": lambda x: [x[0] / x[1], 1.0 / x[1], x[0] / 4.0],
     "functions": lambda x: [sin(x[0] * x[1]), cos(x[0]) / sqrt(x[1]), sqrt(x[0] * x[0] + 1.0)],
-    "powers": lambda x: [x[0] ** 2, x[1] ** -0.5, 2.0 ** x[0], 3 ** (x[0] * x[1])],
+    "powers": lambda x: [x[0] ** 2, x[1] ** -0.5, 2.0 ** x[0], 3 ** x[1], x[1] ** x[0]],
     "further functions": lambda x: [exp(x[0]), tanh(x[0]), log(x[1]), asinh(x[1])],
     "functions of two": lambda x: [hypot(*x), hypot(2.0, x[1]), atan2(*x), atan2(-x[0], -2.0)],
     "sizes and choices": lambda x: [abs(x[0]), abs(-x[1]), x[0] if x[0] <= x[1] >= 1.0 else 0.0],

@@ -59,6 +59,10 @@ class Made(FrictionLaw):
         return self.strength / (0.1 + speed)
 
 
+class Derived(Made):
+    """One that has it from another class."""
+
+
 NEARLY: dict[str, Callable[[], object]] = {
     r"^scenario .* got the class: write Scenario\(\)$": lambda: simulate(Scenario, TIMES),
     r"^.MODELS holds 1, 2, 3, 4, and no 5.$": lambda: MODELS[5],
@@ -68,6 +72,7 @@ NEARLY: dict[str, Callable[[], object]] = {
     r"did you mean DOP853\?$": lambda: simulate(Scenario(), TIMES, method="DOP835"),
     r"write np.radians\(-22.5\)$": lambda: Start(gamma=" -22.5 deg"),
     "^Made must be a frozen dataclass, .* no __init__ of its own$": lambda: Made(0.3),
+    "^Derived must be a frozen dataclass": lambda: Derived(0.3),
     r"did you mean smooth-coulomb\?$": lambda: LAWS.find("smooth-columb"),
     r"^spn .* mean spin\?$": lambda: Scenario.from_values({"start": {"spn": 3.0}}),
     r"did you mean viscosity or rolling_viscous\?$": lambda: axis_from_text("viscous=1:2:3"),

@@ -102,6 +102,8 @@ def test_compiled_equations_are_the_pure_ones(scenario: Scenario) -> None:
     assert run.method["method"] == "taylor"
 
 
+HERE = sys.modules[__name__]
+
 OUTSIDE = 0.8
 """A number of a module, of which what is one's own may make use."""
 
@@ -112,6 +114,15 @@ class Slim(Egg):
 
     def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
         one_like: Any = SimpleNamespace(radius=self.radius, waist=OUTSIDE)
+        return Egg.lowest_point(one_like, up)
+
+
+class Inner(Slim):
+    """One that reads it in a generator, and from a module."""
+
+    def lowest_point(self, up: Any, half_thickness: Any = 0.0) -> Any:  # noqa: ARG002
+        (waist,) = (HERE.OUTSIDE for _ in "x")
+        one_like: Any = SimpleNamespace(radius=self.radius, waist=waist)
         return Egg.lowest_point(one_like, up)
 
 
@@ -127,8 +138,13 @@ class Rubbing(FrictionLaw):
         return OUTSIDE / (0.1 + speed)
 
 
-def turned(state: State) -> float:
-    return state.coordinates[4] - 0.4 * OUTSIDE
+class Turned:
+    """A condition with a number that may be set."""
+
+    least = 0.0
+
+    def __call__(self, state: State) -> float:
+        return state.coordinates[4] - self.least
 
 
 def test_code_is_made_anew_where_a_number_that_is_no_field_has_changed(
@@ -136,21 +152,25 @@ def test_code_is_made_anew_where_a_number_that_is_no_field_has_changed(
 ) -> None:
     told = {each.name: getattr(EGG, each.name) for each in fields(EGG)}
     run = partial(simulate, times=[0.0, 0.1, 0.2], local_tolerance=1e-12)
+    turned = Turned()
     for number in (0.8, 0.6):
-        monkeypatch.setattr(sys.modules[__name__], "OUTSIDE", number)
-        bodies = [kind(**told | {"waist": number}) for kind in (Egg, Slim, Alone)]
-        egg, slim, alone = (Scenario(disk=each, start=MOVING) for each in bodies)
+        monkeypatch.setattr(HERE, "OUTSIDE", number)
+        turned.least = 0.4 * number
+        bodies = [kind(**told | {"waist": number}) for kind in (Egg, Slim, Inner, Alone)]
+        egg, slim, inner, alone = (Scenario(disk=each, start=MOVING) for each in bodies)
         rubbing = [SmoothCoulomb(coefficient=number), Rubbing()]
         rubbing += [Answering(says=lambda speed: OUTSIDE / (0.1 + speed))]
         usual, *others = (replace(REDUCED_OF[0], friction=each) for each in rubbing)
-        pairs = [(egg, slim), (egg, alone), *((usual, other) for other in others)]
+        pairs = [(egg, other) for other in (slim, inner, alone)]
+        pairs += [(usual, other) for other in others]
         for expected, scenario in pairs:
             is_alone = scenario is alone
             found = run(scenario) if is_alone else run(scenario, method="taylor")
             assert_close(found.coordinates, run(expected).coordinates, relative=1e-9)
-        run_to = partial(run, usual, stop_when=turned)
-        end = not_none(run_to(method="taylor").ending)
-        assert end.time == pytest.approx(not_none(run_to().ending).time)
+        for condition in (turned, turned.__call__, partial(Turned.__call__, turned)):
+            run_to = partial(run, usual, stop_when=condition)
+            end = not_none(run_to(method="taylor").ending)
+            assert end.time == pytest.approx(not_none(run_to().ending).time)
 
 
 def test_slip_that_nearly_stops_on_its_way_costs_no_accuracy() -> None:
