@@ -161,9 +161,7 @@ def critical_speeds(
     Parameters
     ----------
     scenario, system, motion
-        As `matrices_over_spin` takes them: the system is "full" for Model 1, "reduced" for
-        Model 4, or "numeric" for any constraints or a penalty contact, by default the one that
-        is closed; the motion "inverted" or "noninverted".
+        See `spectra.matrices_over_spin`.
     interval : tuple of 2 floats
         Lowest and highest spin in rad/s. With `inertia_yz` in the body, the two senses of turning
         are not each other's mirror images.

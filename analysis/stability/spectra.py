@@ -162,9 +162,7 @@ def eigenvalues(
     Parameters
     ----------
     scenario, system, motion
-        As `matrices_over_spin` takes them: the system is "full" for Model 1, "reduced" for
-        Model 4, or "numeric" for any constraints or a penalty contact, by default the one that
-        is closed; the motion "inverted" or "noninverted".
+        See `matrices_over_spin`.
     spins : array_like, shape (n,)
         Spinning speeds in rad/s, in any order.
 
@@ -202,9 +200,7 @@ def branches(
     Parameters
     ----------
     scenario, system, motion
-        As `matrices_over_spin` takes them: the system is "full" for Model 1, "reduced" for
-        Model 4, or "numeric" for any constraints or a penalty contact, by default the one that
-        is closed; the motion "inverted" or "noninverted".
+        See `matrices_over_spin`.
     spins : array_like, shape (n,)
         Strictly increasing spinning speeds in rad/s.
 

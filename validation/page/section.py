@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import matplotlib as mpl
 import pandas as pd
@@ -18,10 +18,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
+from analysis.problem.names import Named
 from validation.display.tables import power, show
 from validation.study import Content, Verdict
-
-T = TypeVar("T")
 
 LONG = 12
 """Most rows of a table that a page shows as it is."""
@@ -139,7 +138,7 @@ class Section:
         digits : int
             Significant digits that are shown.
         """
-        shown = self._held(self._content.tables, name)
+        shown = Named(f"{self._text.name}: tables", dict(self._content.tables))[name]
         if (total := len(shown)) > max(LONG, rows):
             if worst:
                 sizes = pd.to_numeric(shown[worst], errors="coerce").abs()
@@ -162,14 +161,9 @@ class Section:
         text = self._content.tables[name].to_csv(index=False, lineterminator="\n")
         return self._piece(self._linked(name, path, text), f"`{path}`")
 
-    def _held(self, kind: Mapping[str, T], name: str) -> T:
-        if name not in kind:
-            raise KeyError(f"{self._text.name} asks for {name!r}, there are {', '.join(kind)}")
-        return kind[name]
-
     def figure(self, name: str, title: str, caption: str = "", wide: bool = False) -> str:
         """A figure, embedded."""
-        png, svg = drawn(self._held(self._content.figures, name))
+        png, svg = drawn(Named(f"{self._text.name}: figures", dict(self._content.figures))[name])
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
         image = f'<img alt="{{}}" src="data:image/png;base64,{png}">'
