@@ -32,20 +32,18 @@ from analysis.problem.limits import CONTACT_JAMS, JAMMING
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 
-_PLACES = (0.0, *np.logspace(-4.0, 4.0, 33).tolist())
-"""Loads over the normal force without friction, between which solutions are looked for and, unless
-two lie in one interval, told apart,"""
-
-_LARGEST = 1e30
-"""and up to which one is looked for where all of these are too small: friction may be strong, or
-all forces tiny."""
+_PLACES = (*np.logspace(0.0, 4.0, 129).tolist(), *np.logspace(8.0, 32.0, 7).tolist())
+"""Loads over the normal force under no load, up to the first of which the load is looked for that
+is large enough: the least is, unless two lie between neighbours. Friction may be strong, or all
+forces tiny."""
 
 
 def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     """Load in N that friction acts with, which itself changes the normal force.
 
     The normal force N is that without friction, and what the friction under the load N adds to
-    it. Where the contact pulls under no load, that is the load.
+    it. Of several solutions it is the least: the one that there is without friction, as that sets
+    in. Where the contact pulls under no load, that is the load.
 
     Parameters
     ----------
@@ -58,7 +56,7 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     Raises
     ------
     ArithmeticError
-        If there is no solution, or several.
+        If there is no solution.
     """
     alone, per_along, per_across, along, across = given
     force, by_along, by_across, slip_x, slip_y = map(value_of, given)
@@ -67,26 +65,19 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
         x, y = law.force(slip_x, slip_y, load)
         return float(load - (force + by_along * x + by_across * y))
 
-    if missing(0.0) >= 0.0:
+    pressing, low = -missing(0.0), 0.0
+    if pressing <= 0.0:
         # Whatever other load there is that friction would call for by itself.
         return 0.0
-    size = abs(force) or 1.0
-    loads = [size * place for place in _PLACES]
-    misses = [missing(load) for load in loads]
-    while misses[-1] < 0.0 and loads[-1] < _LARGEST * size:
-        loads.append(1e4 * loads[-1])
-        misses.append(missing(loads[-1]))
-    found = [
-        float(brentq(missing, low, high, xtol=1e-15 * size, rtol=1e-14))
-        for low, high, first, last in zip(loads, loads[1:], misses, misses[1:], strict=False)
-        if (first < 0.0) != (last < 0.0)
-    ]
-    if len(found) != 1:
-        listed = ", ".join(f"{each:.6g} N" for each in found) or "none"
+    for high in (pressing * place for place in _PLACES):
+        if missing(high) >= 0.0:
+            break
+        low = high
+    else:
         raise ArithmeticError(
-            f"friction under the contact force has no single solution for it, found: {listed}"
+            f"no contact force up to {low:.3g} N is what friction under it calls for"
         )
-    (load,) = found
+    load = float(brentq(missing, low, high, xtol=1e-15 * pressing, rtol=1e-14))
     if not any(isinstance(each, Dual) for each in given):
         return load
     # One step of Newton's from the value is exact for its derivative.

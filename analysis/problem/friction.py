@@ -330,7 +330,7 @@ class PowerLawCoulomb(_Regularised):
         From 0.1 to 2.
     load : {"weight", "contact"}
         See `FrictionLaw`. Where friction feeds back on the contact force, that comes from a
-        scalar equation, which may have no solution or several.
+        scalar equation, which may have no solution, or several, of which it is the least.
 
     Raises
     ------

@@ -107,14 +107,15 @@ def test_what_a_general_law_cannot_have_is_refused_with_the_reason(law: Friction
         analysis.simulate(model(1, friction=law), [0.0, 0.2], method="taylor")
 
 
-def test_contact_force_without_or_with_several_solutions_is_told() -> None:
-    # Each newton of friction across adds three to the normal force.
-    per_newton, slip = (0.0, -3.0), (0.0, 9.0)
+def test_contact_force_is_the_least_that_friction_under_it_calls_for_or_there_is_none() -> None:
+    # Each newton of friction across adds three, or one and a half, to the normal force.
+    slip = (0.0, 9.0)
     steep = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=2.0)
-    with pytest.raises(ArithmeticError, match="for it, found: none"):
-        any_contact_load(steep, 1.0, *per_newton, *slip)
-    with pytest.raises(ArithmeticError, match=r"no single solution for it, found: 0\.10"):
-        any_contact_load(steep, 0.1, 0.0, -1.5, *slip)
+    with pytest.raises(ArithmeticError, match="is what friction under it calls for"):
+        any_contact_load(steep, 1.0, 0.0, -3.0, *slip)
+    per_square = -1.5 * steep.force(*slip, 1.0)[1]
+    least, _ = np.sort(np.roots((per_square, -1.0, 0.1)))
+    assert any_contact_load(steep, 0.1, 0.0, -1.5, *slip) == pytest.approx(least, rel=1e-13)
     # One that pulls rubs with no load, though friction would call for its own.
     alone = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=0.5)
     assert any_contact_load(alone, -0.1, 0.0, -1.5, *slip) == 0.0
