@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+from scipy.sparse.csgraph import connected_components
 
 import mbs_models
 from analysis import (
@@ -64,6 +65,10 @@ LIMIT = 3.0 * PATIENCE
 MAY_FAIL_BELOW = 0.3
 """Sine of the least inclination of an in-house motion up to which an engine's run may fail since
 the disk lies nearly flat."""
+
+CLOSE = 0.1
+"""Distance of eigenvalues, relative to the larger of |lambda| and 1, up to which they count as
+close: those of a centred disk coincide at zero."""
 
 SPINS = (15.0, 40.0)
 """Spins in rad/s at which eigenvalues are compared, below and above the critical ones."""
@@ -374,14 +379,21 @@ def _eigenvalues(scene: Scene, motion: Motion) -> Found:
                 f"stiffness {contact.stiffness:g} N/m turns the last digit of a height into "
                 f"{lost:.1g} of the weight, where {EIGENVALUE_LIMIT:g} passes"
             )
-    expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
     how: dict[str, Any] = {"formulation": scene.built_as, "motion": motion}
-    scenes = (spinning(scenario, spin, **how) for spin in SPINS)
+    engine: list[ComplexArray] | ValueError
     try:
-        worst = largest(map(distance, map(mbs_models.eigenvalues, scenes), expected))
+        engine = [mbs_models.eigenvalues(spinning(scenario, spin, **how)) for spin in SPINS]
     except ValueError as error:
-        # In-house there are some.
-        raise ArithmeticError(f"the engine has none: {error}") from error
+        engine = error
+    try:
+        expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
+    except ArithmeticError as error:
+        if isinstance(engine, ValueError):
+            raise ValueError(f"neither side has any: {error}; {engine}") from error
+        raise
+    if isinstance(engine, ValueError):
+        raise ArithmeticError(f"the engine has none: {engine}") from engine
+    worst = largest(map(distance, engine, expected))
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
     return worst, f"relative to max(|λ|, 1), at {spins} rad/s", None
 
@@ -411,12 +423,26 @@ def distance(found: ComplexArray, expected: ComplexArray) -> float:
     """Largest difference of two sets of eigenvalues, matched for the smallest sum.
 
     Relative to the larger of |lambda| and 1; infinite if there are none, not as many in both, or
-    one is no number.
+    one is no number. Rounding spreads k of them that coincide by its k-th root, but hardly moves
+    the coefficients of the polynomial of which they are the roots: those that are close are
+    compared by these. That of a single one is the eigenvalue.
     """
-    if found.shape != expected.shape or not np.all(np.isfinite([found, expected])):
+    if not found.size or found.shape != expected.shape:
+        return np.inf
+    if not np.all(np.isfinite([found, expected])):
         return np.inf
     apart = gaps(found, expected)
-    return largest(apart[linear_sum_assignment(apart)].tolist())
+    pairs = linear_sum_assignment(apart)
+    found, expected = found[pairs[0]], expected[pairs[1]]
+    _, group_of = connected_components(gaps(expected, expected) <= CLOSE)
+    differences = []
+    for number in set(group_of.tolist()):
+        group = group_of == number
+        middle = np.mean(expected[group])
+        size = max(abs(middle), 1.0)
+        ours, others = (np.poly((each[group] - middle) / size) for each in (found, expected))
+        differences.append(float(np.max(np.abs(ours - others))))
+    return largest(differences)
 
 
 def gaps(found: ComplexArray, expected: ComplexArray) -> Array:

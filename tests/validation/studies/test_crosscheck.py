@@ -15,8 +15,10 @@ import pytest
 import analysis
 import mbs_models
 from analysis import (
+    CENTRED_DISK,
     MOTIONS,
     POSSIBLE_SETS,
+    ConstraintSet,
     Dissipation,
     FlatError,
     PenaltyContact,
@@ -210,6 +212,26 @@ def test_eigenvalues_that_one_side_lacks_are_no_agreement(
     assert distance(found, VALUES) == distance(found[:0], VALUES[:0]) == inf
     monkeypatch.setattr(mbs_models, "eigenvalues", lambda _: found)
     assert comparisons.compare_eigenvalues(Scene(), MOTIONS[0]).difference == inf
+
+
+def test_eigenvalues_that_coincide_are_compared_by_the_polynomial_whose_roots_they_are() -> None:
+    spread = 1e-3 * np.exp(2j * np.pi * np.arange(3) / 3.0)
+    coinciding = np.array([0.0j, 0.0, 0.0, -3.0])
+    assert distance(np.append(spread, -3.0), coinciding) == pytest.approx(1e-9, rel=1e-6)
+    assert distance(np.append(spread + 1e-5, -3.0), coinciding) == pytest.approx(3e-5, rel=1e-3)
+    slow = np.array([0.01j, -0.01j])
+    assert distance(np.array([0.02j, -0.02j]), slow) == pytest.approx(3e-4)
+    centred = Scenario(disk=CENTRED_DISK, constraints=("contact", "no-slip-along"))
+    assert comparisons.compare_eigenvalues(Scene(centred, "floating"), MOTIONS[0]).agrees
+
+
+def test_a_motion_that_neither_side_can_linearise_is_not_compared() -> None:
+    held: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
+    start = Start(beta=1.2, gamma=0.3)
+    scene = Scene(Scenario(constraints=held, start=start), "euler-tree")
+    found = comparisons.compare_eigenvalues(scene, MOTIONS[0])
+    assert found.agrees is None
+    assert found.detail.startswith("neither side has any: singular index-1 system")
 
 
 def test_eigenvalues_are_not_compared_on_a_contact_too_stiff_for_the_digits_of_heights() -> None:
