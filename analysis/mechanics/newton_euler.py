@@ -82,8 +82,8 @@ def derivative(
     gravity: Vector,
     friction: Friction,
     contact_load: Callable[..., Any],
-) -> tuple[list[Any], list[Any]]:
-    """Time derivative of a state of a body on the ideal contact, and the multipliers.
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """Time derivative of a state of a body on the ideal contact, multipliers, and slips that rub.
 
     They solve the systems of index 1 (64), with all constraints on acceleration level: of Model 1
     Eq. (80), or Eq. (79) if friction takes the contact force as its load, of Model 4 Eq. (92).
@@ -138,7 +138,9 @@ def derivative(
         forces = [force + size * each for force, each in zip(forces, more, strict=True)]
     acceleration = together(acceleration, [*sizes, *forces], [*rubbings, *responses])
     multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
-    return structure.chart.derivative(moving, acceleration), multipliers
+    both = zip(SLIPS, (along, across), strict=True)
+    rubs = [slip for name, slip in both if structure.load and name not in structure.constraints]
+    return structure.chart.derivative(moving, acceleration), multipliers, rubs
 
 
 def _changes(constraints: ConstraintSet, disk: Any, moving: Moving) -> list[Any]:

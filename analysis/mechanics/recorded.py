@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import lru_cache, partial
+from itertools import chain
 from types import SimpleNamespace
 from typing import Any
 
@@ -157,7 +158,8 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
     recorder : Recorder
         With `NUMBERS` as constants and `STATE` as variables.
     results : list
-        The derivative and the multipliers, 12 + n.
+        The derivative and the multipliers, 12 + n, and the slips along and across the edge that
+        friction acts on.
     """
     kind = structure.body
     surface = kind.SURFACE or () if isinstance(kind, type) else ()
@@ -169,7 +171,7 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
         # Zeros take no time in what is recorded.
         disk.products = (0.0, 0.0, 0.0)
     with noting(kind):
-        found, multipliers = derivative(
+        results = derivative(
             structure,
             disk,
             recorder.variables,
@@ -177,13 +179,13 @@ def recording(structure: Structure) -> tuple[Recorder, list[Any]]:
             friction=friction_of(is_simple=structure.law.force is FrictionLaw.force),
             contact_load=partial(call, "contact_load"),
         )
-    return recorder, [*found, *multipliers]
+    return recorder, [*chain(*results)]
 
 
 def solver(
     scenario: Scenario, functions: Callable[[FrictionLaw], Functions] = of_floats
 ) -> Solver:
-    """Function that gives the time derivative and the multipliers at one state after the other.
+    """Function that gives what `recording` tells at one state after the other.
 
     An ideal contact that pulls (negative normal force) is no load: friction never gives energy.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.mechanics import recorded, reduced
 from analysis.mechanics.attitude import paper_of, state_of
-from analysis.mechanics.constraints import SLIPS, check_admissible, velocity_residuals
+from analysis.mechanics.constraints import SLIPS, check_admissible
 from analysis.mechanics.penalty import Solver, kinks
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, choice, instance
@@ -119,12 +119,12 @@ def _full(
     scenario: Scenario, conditions: Mapping[str, Condition]
 ) -> tuple[InitialValueProblem, Expand]:
     start, solved = scenario.initial_state, recorded.solver(scenario)
-    slips = tuple(way for way in SLIPS if way not in scenario.constraints)
+    slips = slice(12 + len(multiplier_names(scenario.constraints)), None)
     # To look for two gains nothing here, other than where a touch-down reverses small ones.
-    is_watched = scenario.rubs and len(slips) == 1
+    is_watched = scenario.rubs and any(way in scenario.constraints for way in SLIPS)
 
-    def reversing(state: Array) -> list[float]:
-        return velocity_residuals(slips, scenario.disk, state.tolist()) if is_watched else []
+    def reversing(state: Array) -> tuple[float, ...]:
+        return solved(*state.tolist())[slips] if is_watched else ()
 
     def expand(_: Array, states: Array) -> Array:
         found = _in_rows(paper_of(scenario.disk, states.T))

@@ -240,21 +240,20 @@ def build(structure: Structure) -> System:
     single = any(slip in structure.equations.constraints for slip in SLIPS)
     speed = _signed if structure.kinked and single else _size(FAINT * scenario.pace)
     code = full = recorded.formula(structure.equations)
-    constants = scenario.numbers
+    constants, forces = scenario.numbers, len(multiplier_names(structure.equations.constraints))
     if structure.formulation == "reduced":
         variables = library.make_vars("beta", "gamma", "beta_rate")
         coordinates, rates = reduced.expanded(
             scenario.disk, scenario.spin, scenario.alpha, variables
         )
         state = state_of(scenario.disk, coordinates, rates, EulerTurning)
-        code, constants = reduced.formula(is_simple=True), [*constants, scenario.spin]
+        code, constants, forces = reduced.formula(is_simple=True), [*constants, scenario.spin], 1
     else:
         variables = state = library.make_vars(*recorded.STATE)
         coordinates, rates = paper_of(scenario.disk, variables, EulerTurning)
-    derivatives, forces, slips, jamming = _solution(
-        code, constants, scenario.per_speed, variables, speed
-    )
-    endings = {CONTACT_WOULD_PULL: forces[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
+    derivatives, told, jamming = _solution(code, constants, scenario.per_speed, variables, speed)
+    slips = told[forces:] if structure.kinked else []
+    endings = {CONTACT_WOULD_PULL: told[0], FLAT: library.sin(coordinates[4]) - LEAST_TILT}
     endings.update((CONTACT_JAMS, each) for each in jamming)
     paper_state = SimpleNamespace(coordinates=coordinates, rates=rates)
     for reason, condition in structure.conditions:
@@ -263,15 +262,13 @@ def build(structure: Structure) -> System:
         if _changes(symbol):
             endings[reason] = symbol
     # The kink does no harm here, but 0 / 0 would.
-    _, forces, smooth, _ = _solution(
-        full, scenario.numbers, scenario.per_speed, state, _size(1e-150)
-    )
+    _, smooth, _ = _solution(full, scenario.numbers, scenario.per_speed, state, _size(1e-150))
     return System(
         variables=variables,
         derivatives=derivatives,
-        kinks=[slip + BESIDE * scenario.pace for slip in slips] if structure.kinked else [],
+        kinks=[slip + BESIDE * scenario.pace for slip in slips],
         endings=endings,
-        readings=_symbols([*coordinates, *rates, *forces, *smooth]),
+        readings=_symbols([*coordinates, *rates, *smooth]),
     )
 
 
@@ -281,31 +278,25 @@ def _solution(
     per_speed: Callable[[Any], Any],
     variables: Sequence[Any],
     speed: _Speed,
-) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
+) -> tuple[list[Any], list[Any], list[Any]]:
     """What code of the equations tells of a state, as symbols.
 
     Returns
     -------
-    derivatives, forces : list
-        The normal force is the first one.
-    slips : list
-        Of the friction there is.
+    derivatives, told : list
+        What is told beside begins with the normal force, and ends with the slips that rub.
     jamming : list
         What turns negative where the contact jams, if it may.
     """
-    slips, jamming = list[Any](), list[Any]()
-
-    def noted(*both: Any) -> Any:
-        slips[:] = [slip for slip in both if not isinstance(slip, float)]
-        return speed(*both)
+    jamming = list[Any]()
 
     def contact_load(alone: Any, added: Any) -> Any:
         jamming[:] = [JAMMING - added]
         return alone / (1.0 - added)
 
-    function = code(*constants, speed=noted, per_speed=per_speed, contact_load=contact_load)
+    function = code(*constants, speed=speed, per_speed=per_speed, contact_load=contact_load)
     found, size = _symbols(function(*variables)), len(variables)
-    return found[:size], found[size:], slips, jamming
+    return found[:size], found[size:], jamming
 
 
 def _symbols(entries: Sequence[Any]) -> list[Any]:
