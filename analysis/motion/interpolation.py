@@ -280,16 +280,19 @@ def _solve(polynomial: Polynomials, level: float, low: Array, high: Array) -> tu
     starts, ends = polynomial(np.array((low, high)))[0][..., 0] - level
     with np.errstate(divide="ignore", invalid="ignore"):
         place = low + (high - low) * np.clip(np.nan_to_num(starts / (starts - ends)), 0.0, 1.0)
+    slope, is_sought = np.zeros(place.shape), np.ones(place.shape, dtype=bool)
     for _ in range(_STEPS):
-        value, slope = (each[:, 0] for each in polynomial(place))
+        value, slopes = (each[:, 0] for each in polynomial(place))
         beyond = (value - level > 0.0) != (starts > 0.0)
         low, high = np.where(beyond, low, place), np.where(beyond, place, high)
         with np.errstate(divide="ignore", invalid="ignore"):
-            newton = place - (value - level) / slope
+            newton = place - (value - level) / slopes
         wanted = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
         moved = np.abs(wanted - place)
-        place = wanted
-        if np.all(moved <= 4.0 * np.spacing(np.abs(place))):
+        # What has been found stays as it is while others are sought.
+        place, slope = np.where(is_sought, (wanted, slopes), (place, slope))
+        is_sought &= moved > 4.0 * np.spacing(np.abs(place))
+        if not is_sought.any():
             break
     return place, slope
 

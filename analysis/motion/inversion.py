@@ -104,26 +104,24 @@ def inversions(sampled: Quantities) -> Inversions:
     courses = sampled.times, sampled.cog_direction, sampled.cog_direction_rate
     motions = _Motions(*map(np.atleast_2d, courses))
     eccentricities = np.ravel(sampled.scenario.disk.eccentricity)
-    found = motions.judged(eccentricities)
+    outcomes, numbers = motions.judged(eccentricities)
     # What comes up or down between two samples counts as well.
     rows, *both = motions.with_extremes(0.0, REACHED)
     if rows.size:
-        again, other = (each.judged(eccentricities[rows]) for each in both)
-        for error, one, two in zip(again[3:], again[1:3], other[1:3], strict=True):
-            # Where the other polynomials tell of none, it may have been at any time between two.
-            spacing = float(np.diff(motions.times).max())
-            apart = np.nan_to_num(CAUTION * np.abs(one - two), nan=spacing)
-            error[:] = np.maximum(error, np.where(np.isnan(one), np.nan, apart))
-        for each, new in zip(found, again, strict=True):
-            each[rows] = new
-    return Inversions(*found)
+        (words, again), (_, other) = (each.judged(eccentricities[rows]) for each in both)
+        # Where the other polynomials tell of none, it may have been at any time between two.
+        spacing = np.diff(motions.times[rows]).max(axis=1)
+        apart = np.where(np.isnan(other[:2]), spacing, CAUTION * np.abs(again[:2] - other[:2]))
+        again[2:] = np.maximum(again[2:], apart)
+        outcomes[rows], numbers[:, rows] = words, again
+    return Inversions(outcomes, *numbers)
 
 
 class _Motions(Sampled):
     """Samples of where the centre of gravity lies in k motions."""
 
-    def judged(self, eccentricities: Array) -> tuple[npt.NDArray[Any], Array, Array, Array, Array]:
-        """What becomes of `Inversions`, by samples alone."""
+    def judged(self, eccentricities: Array) -> tuple[npt.NDArray[Any], Array]:
+        """What becomes of `Inversions`, by samples alone: outcomes, and its numbers, (4, k)."""
         outcomes = np.full(len(self.values), "not inverted", dtype=object)
         numbers = np.full((4, len(self.values)), np.nan)
         is_high = (self.values >= REACHED - _LAST_DIGITS).any(axis=1)
@@ -135,7 +133,7 @@ class _Motions(Sampled):
             rows, found = motions.first_lasting(rises)
             outcomes[rose[rows]] = np.where(np.isnan(found[1]), "inverted", "lost")
             numbers[:, rose[rows]] = found
-        return outcomes, *numbers
+        return outcomes, numbers
 
     def rises(self) -> Numbers:
         """The first rise of each motion and the first one after each fall, in order.
