@@ -1,6 +1,6 @@
 """Outcomes of many motions as a table: what each came to, in numbers and words."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from importlib import import_module
@@ -100,9 +100,10 @@ class OutcomeTable:
 
     def rows(self) -> Iterator[Row]:
         """Cells by name, None where there is none."""
-        lists = (_cells(column) for column in self.columns.values())
-        for cells in zip(*lists, strict=True):
-            yield dict(zip(self.columns, cells, strict=True))
+        for cells in zip(*(column.tolist() for column in self.columns.values()), strict=True):
+            named = zip(self.columns, cells, strict=True)
+            # Nan alone is not itself.
+            yield {name: None if cell != cell else cell for name, cell in named}  # noqa: PLR0124
 
     @property
     def units(self) -> dict[str, str]:
@@ -151,11 +152,3 @@ def failure(error: BaseException) -> Row:
 def failed(status: str, reason: str) -> Row:
     """The same from one of `FAILURES` and why."""
     return {"status": status, "reason": " ".join(reason.split())}
-
-
-def _cells(column: Column) -> Iterable[Cell]:
-    """Plain values of a column, None in place of nan."""
-    cells: list[Any] = column.tolist()
-    if column.dtype.kind != "f":
-        return cells
-    return [None if cell != cell else cell for cell in cells]  # noqa: PLR0124 - nan alone

@@ -139,7 +139,9 @@ def simulate_many(
             seconds=seconds,
         )
     for each in compiled:
-        alone |= zip(each.group.rows.tolist(), each.outcomes(members), strict=True)
+        for member in each.group.rows.tolist():
+            motion = partial(each.trajectory, member)
+            ((_, alone[member]),) = one_by_one(motion, members, [member])
     return [alone[member] for member in range(len(members))]
 
 

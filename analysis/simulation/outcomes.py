@@ -13,14 +13,13 @@ from analysis.motion.outcomes import DONE, OutcomeTable, failed, failure
 from analysis.motion.sampled import SampledMotion
 from analysis.motion.spatial_motion import SpatialMotion
 from analysis.motion.stored_runs import StoredRun
-from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array, instance, several
 from analysis.problem.constraints import multiplier_names, prescribed
 from analysis.problem.contact import CAUSES
 from analysis.problem.start import COORDINATES
 from analysis.simulation.compiled.ensemble import Samples
 from analysis.simulation.energies import energies_of
-from analysis.simulation.trajectories import Trajectories
+from analysis.simulation.trajectories import Trajectories, stacked
 
 _APART = 1e-3
 """Part of the energy at the start by which the work of a torque may differ between all samples and
@@ -80,6 +79,8 @@ def outcomes(
         else:
             row = _row(instance(f"motions[{member}]", motion, SampledMotion))
         table.put(slice(member, member + 1), row)
+    for rows, samples in stacked(alone):
+        table.put(rows, _in_coordinates(samples))
     return table
 
 
@@ -87,7 +88,7 @@ def _row(motion: StoredRun) -> Mapping[str, Any]:
     is_slow = motion.ending is not None and motion.ending.reason == TIME_LIMIT
     return {
         **(failed("too slow", str(motion.ending)) if is_slow else {"status": DONE}),
-        **(_to_rest(motion) if isinstance(motion, SpatialMotion) else _in_coordinates(motion)),
+        **(_to_rest(motion) if isinstance(motion, SpatialMotion) else {}),
         "ending": None if motion.ending is None else motion.ending.reason,
         "end": motion.times[-1],
         "error_estimate": motion.error_estimate,
@@ -107,10 +108,10 @@ def _to_rest(motion: SpatialMotion) -> Mapping[str, Any]:
     }
 
 
-def _in_coordinates(samples: Samples | Trajectory) -> Mapping[str, Array]:
+def _in_coordinates(samples: Samples) -> Mapping[str, Array]:
     """What samples of k motions in the paper's coordinates tell, each shape (k,)."""
-    ends = samples.coordinates[..., [0, -1], :], samples.rates[..., [0, -1], :]
-    energies = np.reshape(energies_of(samples.scenario, *ends), (2, -1, 2))
+    ends = samples.coordinates[:, [0, -1]], samples.rates[:, [0, -1]]
+    energies = np.array(energies_of(samples.scenario, *ends))
     brought = _brought(samples, np.abs(energies[..., 0]).sum(axis=0))
     found = _sampled(samples) | brought
     if samples.scenario.contact is not None:
@@ -153,28 +154,25 @@ def _at(wanted: float, times: Array, values: Array) -> float:
     return float(CubicSpline(*some)(min(wanted, some[0][-1])))
 
 
-def _brought(samples: Samples | Trajectory, energy: Array) -> dict[str, Array]:
+def _brought(samples: Samples, energy: Array) -> dict[str, Array]:
     """Work of those forces that keep a rate as it is, by Simpson's rule, each shape (k,).
 
     It is no number where half of the samples give another one, by a part of the energy at the
     start, shape (k,), or where there are few.
     """
-    constraints, found = samples.scenario.constraints, {}
+    constraints, times, found = samples.scenario.constraints, samples.times, {}
     names = multiplier_names(constraints)
     # Behind the end of a motion its last sample is repeated.
-    times = np.atleast_2d(samples.times)
     counts = 1 + np.count_nonzero(np.diff(times), axis=1)
     for name, coordinate in prescribed(constraints).items():
         rate = samples.rates[..., COORDINATES.index(coordinate)]
-        power = np.atleast_2d(samples.multipliers[..., names.index(name)] * rate)
+        power = samples.multipliers[..., names.index(name)] * rate
         work = found[f"brought_by_{name}"] = np.empty(len(counts))
         for count in np.unique(counts).tolist():
-            rows, last = counts == count, count - 1
-            inner = np.arange(1, last)
-            sums = [
-                simpson(power[rows][:, some], x=times[rows][:, some])
-                for some in (np.r_[0, each, last] for each in (inner, inner[::2], inner[1::2]))
-            ]
+            rows, inner, sums = counts == count, np.arange(1, count - 1), []
+            for each in (inner, inner[::2], inner[1::2]):
+                some = np.ix_(rows, np.r_[0, each, count - 1])
+                sums.append(simpson(power[some], x=times[some]))
             tells = (np.ptp(sums, axis=0) <= _APART * energy[rows]) & (count >= _FEWEST)
             work[rows] = np.where(tells, sums[0], np.nan)
     return found

@@ -1,5 +1,6 @@
 """The motions of an ensemble as arrays, and each of them as a `Trajectory` if it is asked for."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from analysis.mechanics import recorded
 from analysis.motion.files import AnyArray
 from analysis.motion.inversion import Inversions, inversions
-from analysis.motion.quantities import InCoordinates, lowest
+from analysis.motion.quantities import InCoordinates, filled, lowest
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.problem.variations import Ensemble
-from analysis.simulation.compiled.ensemble import CompiledRuns, Samples
+from analysis.simulation.compiled.ensemble import LOOKED_AT, CompiledRuns, Samples
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -150,7 +152,7 @@ class Trajectories(InCoordinates):
         found.setflags(write=False)
         return found[..., :6], found[..., 6:12], found[..., 12], eccentricities
 
-    def blocks(self) -> Iterator[tuple[Rows, Samples | Trajectory]]:
+    def blocks(self) -> Iterator[tuple[Rows, Samples]]:
         """Numbers of some members at a time that have not failed, and their samples.
 
         The last one of each is that at its end.
@@ -158,8 +160,7 @@ class Trajectories(InCoordinates):
         for each in self.compiled:
             for some, samples in each.blocks():
                 yield each.group.rows[some], samples
-        for row, motion in self.alone.items():
-            yield np.array([row]), motion
+        yield from stacked(self.alone)
 
     def _of_each(self, name: str, none: Any, alone: Callable[[Trajectory], Any]) -> AnyArray:
         """What `Runs` have by this name, and others by a function; or none, shape (m,)."""
@@ -170,3 +171,19 @@ class Trajectories(InCoordinates):
             found[row] = alone(motion)
         found.setflags(write=False)
         return found
+
+
+def stacked(motions: Mapping[int, Any]) -> Iterator[tuple[Rows, Samples]]:
+    """Numbers and samples of what is a `Trajectory` of these, of some alike at a time."""
+    alike: defaultdict[Any, list[int]] = defaultdict(list)
+    for row, motion in motions.items():
+        if isinstance(motion, Trajectory):
+            scenario, size = motion.scenario, motion.times.size
+            # No more of them together than may be looked at at once.
+            block = row * size // LOOKED_AT
+            alike[scenario.constraints, scenario.contact, size, block].append(row)
+    for (constraints, contact, *_), rows in alike.items():
+        some = [motions[row] for row in rows]
+        numbers = [recorded.numbers(each.scenario)[: len(recorded.NUMBERS)] for each in some]
+        arrays = ([getattr(each, name) for each in some] for name in filled(Trajectory))
+        yield np.array(rows), Samples.of(constraints, contact, numbers, *arrays)

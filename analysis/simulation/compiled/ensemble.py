@@ -20,6 +20,7 @@ from analysis.motion.files import AnyArray
 from analysis.motion.quantities import InCoordinates
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
+from analysis.problem.constraints import ConstraintSet
 from analysis.problem.elementary import Rows
 from analysis.problem.limits import CONTACT_JAMS
 from analysis.problem.scenario import Scenario
@@ -37,7 +38,7 @@ from analysis.solve.watch import Watch, intervals
 
 Scenarios = Ensemble | Sequence[Scenario]
 
-_BLOCK = 2**14
+LOOKED_AT = 2**14
 """Samples of motions that are looked at at once: they take some 5 MB."""
 
 
@@ -103,6 +104,14 @@ class Samples(InCoordinates):
     rates: Array
     multipliers: Array
 
+    @classmethod
+    def of(cls, constraints: ConstraintSet, contact: Any, numbers: Any, *arrays: Any) -> "Samples":
+        """Samples of scenarios of which `recorded.NUMBERS` are told, shape (k, 12)."""
+        constants = np.transpose(numbers)[:, :, None]
+        disk, table = recorded.disk_of(constants), SimpleNamespace(vector=constants[9:])
+        shared = SimpleNamespace(constraints=constraints, contact=contact, disk=disk, table=table)
+        return cls(shared, *map(np.asarray, arrays))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledRuns:
@@ -127,18 +136,12 @@ class CompiledRuns:
         runs, code, numbers = self.runs, self.group.code, self.group.numbers[some]
         times = np.minimum(np.append(runs.times, np.inf), runs.ends[some, None])
         coordinates, rates, forces, _ = code.readings(runs.states[some], times, numbers)
-        constants = numbers[:, systems.CONSTANTS].T[:, :, None]
-        scenario = SimpleNamespace(
-            constraints=code.structure.equations.constraints,
-            contact=None,
-            disk=recorded.disk_of(constants),
-            table=SimpleNamespace(vector=constants[9:]),
-        )
-        return Samples(scenario, times, coordinates, rates, forces)
+        shared, constants = code.structure.equations, numbers[:, systems.CONSTANTS]
+        return Samples.of(shared.constraints, None, constants, times, coordinates, rates, forces)
 
     def blocks(self) -> Iterator[tuple[slice, Samples]]:
         """Samples of all, some at a time."""
-        size = max(1, _BLOCK // self.runs.times.size)
+        size = max(1, LOOKED_AT // self.runs.times.size)
         for first in range(0, len(self.group), size):
             some = slice(first, first + size)
             yield some, self.samples(some)
@@ -154,14 +157,6 @@ class CompiledRuns:
             values[0, :12] = scenario.initial_state.vector
         run = replace(run, states=values)
         return trajectory(scenario, self.request, run, "taylor", self.watch)
-
-    def outcomes(self, scenarios: Sequence[Scenario]) -> Iterator[Trajectory | Exception]:
-        """Motion of each of them, or why it has none, of the scenarios of all members."""
-        for member in self.group.rows.tolist():
-            try:
-                yield self.trajectory(member, scenarios[member])
-            except (ArithmeticError, ValueError) as error:
-                yield error
 
 
 def simulate_compiled(

@@ -242,6 +242,14 @@ def test_outcomes_of_arrays_are_those_of_single_motions(method: str) -> None:
         assert_alike({name: found[name] for name in OUTCOMES}, expected, 1e-11)
 
 
+def test_row_of_a_motion_in_a_list_is_to_the_last_digit_what_it_is_alone() -> None:
+    starts = [model(4, start=Start(spin=spin)) for spin in np.linspace(20.0, 60.0, 15)]
+    motions = simulate_many(starts, np.linspace(0.0, 2.0, 201), local_tolerance=1e-6, workers=1)
+    for number, row in enumerate(outcomes(motions).rows()):
+        (alone,) = outcomes([motions[number]]).rows()
+        assert row == alone | {"number": number}
+
+
 @needs_heyoka
 def test_rows_of_a_batch_are_those_of_its_cases() -> None:
     axes = ("spin=25,45", "mu=0.3,-0.1,0.6", "beta_rate=0,30")
