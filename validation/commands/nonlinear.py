@@ -20,7 +20,7 @@ from analysis.problem.limits import MOST_SCENARIOS
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import declared
 from analysis.problem.variations import changed
-from validation.commands.options import parse_spins
+from validation.commands.options import Problem, parse_spins
 from validation.display.figures import MARKED, legend_above, new_figure
 from validation.display.progress import counted, progress_bar
 from validation.display.tables import Table
@@ -83,9 +83,9 @@ def cycles(
         raise ArgumentError("spin", f"does not go together with {chosen[0]}: a family has many")
     if over is None and amplitude is not None:
         raise ArgumentError("amplitude", "belongs to --over; a family goes through all amplitudes")
-    scenario = problem.scenario()
     if over is not None:
-        return _cycles_over(over, scenario, spins, amplitude)
+        return _cycles_over(over, problem, spins, amplitude)
+    scenario = problem.scenario()
     if spins is not None:
         return _at(scenario, spins)
     what = "rotating motion" if rotating else "cycle"
@@ -159,11 +159,11 @@ def _at(scenario: Scenario, spins: Sequence[float]) -> Result:
 
 
 def _cycles_over(
-    over: str, scenario: Scenario, spins: list[float] | None, amplitude: float | None
+    over: str, problem: Problem, spins: list[float] | None, amplitude: float | None
 ) -> Result:
     if (spins is None) == (amplitude is None) or (spins is not None and len(spins) > 1):
         raise ArgumentError("over", "needs what is held: one --spin, or --amplitude")
-    axis, scenarios = _varied(over, scenario)
+    axis, scenarios = _varied(over, problem)
     held = {"amplitude": amplitude} if spins is None else {"spin": spins[0]}
     found = families.cycles_over(scenarios, **held)
     rows: list[Motion] = [
@@ -196,9 +196,9 @@ def heteroclinic(*, problem: ReducedProblem, over: Axis = None) -> Result:
         Go through a parameter, as in sweep: mu=0.1:1:10:log, eps=0.01,0.1,
         hole-radius=0.01:0.02:4.
     """
-    scenario = problem.scenario()
     if over is not None:
-        return _connections_over(over, scenario)
+        return _connections_over(over, problem)
+    scenario = problem.scenario()
     found = heteroclinic_connection(scenario)
     slow = tables.prediction(scenario)
 
@@ -221,8 +221,8 @@ def heteroclinic(*, problem: ReducedProblem, over: Axis = None) -> Result:
     )
 
 
-def _connections_over(over: str, scenario: Scenario) -> Result:
-    axis, scenarios = _varied(over, scenario)
+def _connections_over(over: str, problem: Problem) -> Result:
+    axis, scenarios = _varied(over, problem)
     ends = [tables.ends(each) for each in counted(scenarios, axis.field)]
     rows = [{axis.field: value, **end} for value, end in zip(axis.grid, ends, strict=True)]
     shown = [
@@ -265,8 +265,8 @@ def _drawn_ends(table: Table, *, log: bool) -> Any:
 # --- Over a parameter ---------------------------------------------------------------------------
 
 
-def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
-    """What --over goes through, and the scenario with each of its values.
+def _varied(over: str, problem: Problem) -> tuple[Any, list[Scenario]]:
+    """What --over goes through, and the problem's scenario with each of its values.
 
     That is a number of the scenario but for its start, with a count.
     """
@@ -282,6 +282,8 @@ def _varied(over: str, scenario: Scenario) -> tuple[Any, list[Scenario]]:
         raise ArgumentError("over", f"{fault}, got {field}")
     if size > MOST_SCENARIOS:
         raise ArgumentError("over", f"must have at most {MOST_SCENARIOS} values, got {size}")
+    problem.check_fixed([field])
+    scenario = problem.scenario()
     try:
         return axis, [changed(scenario, {field: value}) for value in axis.grid]
     except ValueError as error:

@@ -78,7 +78,8 @@ class Problem(NamedTuple):
         varied : collection of str
             Keys of quantities.
         """
-        for key, value in self.named.items():
+        # A class's parameters stand behind its name.
+        for key, value in {**_given(self.named), **self.named}.items():
             same = _CONSTRAINTS if key in _CONSTRAINTS else (key,)
             if not set(same).isdisjoint(varied):
                 name = key.rpartition(".")[2]
