@@ -90,7 +90,7 @@ def sweep(
         open_pool(**pool) as opened,
         Store(out, wanted, accept_other_code=accept_other_code) as store,
     ):
-        if left := wanted.design.size - store.count():
+        if left := wanted.design.size - store.count(retry=retry):
             if seconds * left / opened.workers > PATIENCE:
                 most_bytes = f", at most {expected_size(wanted) / 1e6:.1f} MB"
                 announce_cases("sweep", in_cases(left), left * seconds, opened.workers, most_bytes)

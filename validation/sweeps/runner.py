@@ -67,7 +67,8 @@ def run_cases(
     """
     size, failures = store.sweep.design.size, 0
     todo = store.missing(range(size) if numbers is None else numbers, retry=retry)
-    counted: Any = {"total": size if numbers is None else None, "initial": store.count()}
+    total = size if numbers is None else None
+    counted: Any = {"total": total, "initial": store.count(retry=retry)}
     try:
         with (
             _interrupts_deferred() as check,

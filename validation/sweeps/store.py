@@ -139,9 +139,10 @@ class Store:
         with plain_errors(self.path):
             return self._file.execute(query, values).fetchall()
 
-    def count(self) -> int:
-        """Number of rows."""
-        return int(self._found("SELECT count(*) FROM cases")[0][0])
+    def count(self, *, retry: bool = False) -> int:
+        """Number of rows, or of those that do not run again where failed ones do."""
+        asked = f"SELECT count(*) FROM cases WHERE NOT (? AND {_FAILED})"
+        return int(self._found(asked, retry)[0][0])
 
     def failed(self) -> list[int]:
         """Numbers of the cases that have failed, on either side."""

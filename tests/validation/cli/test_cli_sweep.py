@@ -26,6 +26,9 @@ def test_sweep_fills_its_store_and_tells_what_failed() -> None:
     assert (said.code, said.out) == (0, "a.db: 4 cases, 2 of them refused\n")
     assert Path("a.csv").read_text().count("\n") == 5
     assert "2 of 4 cases looked at are refused, such as: coefficient must not be" in said.err
+    again = f"sweep spin=30:40:2 {SHORT} mu=0.2,-0.3"
+    assert "looked at are refused" not in answer(again).err
+    assert "looked at are refused" in answer(again, "--retry").err
     assert Results.load(Path("a.db")).sweep.scenario == Scenario(constraints=MODELS[4])
 
 

@@ -73,6 +73,7 @@ def test_cases_of_a_sweep_that_are_done_and_failed_are_counted(
     monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     monkeypatch.setattr(runner, "LARGEST_CHUNK", 1)
-    swept(sweep("spin=30:40:50", "mu=-0.1,-0.2"))
-    *_, last = capsys.readouterr().err.splitlines()
-    assert re.match(r"a.db: (\d+) of 100 cases, \1 failed, after ", last)
+    for retry in (False, True):
+        swept(sweep("spin=30:40:50", "mu=-0.1,-0.2"), retry=retry)
+        *_, last = capsys.readouterr().err.splitlines()
+        assert re.match(r"a.db: (\d+) of 100 cases, \1 failed, after ", last)
