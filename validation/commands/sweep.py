@@ -136,7 +136,7 @@ def _check_size(wanted: Sweep, out: Path, most: int) -> None:
     size = wanted.design.size
     if size > most:
         raise ArgumentError("most", f"allows {in_cases(most)}, and {size} are asked for")
-    needed, free = expected_size(wanted), shutil.disk_usage(out.parent).free
+    needed, free = expected_size(wanted), shutil.disk_usage(out.resolve().parent).free
     if needed > free:
         raise ValueError(
             f"{in_cases(size)} may take {needed / 1e6:.0f} MB at {out}, where "

@@ -11,7 +11,7 @@ import pandas as pd
 
 from analysis import SpatialMotion, Trajectory
 from analysis.motion import files
-from analysis.motion.outcomes import Column, OutcomeTable
+from analysis.motion.outcomes import DONE, Column, OutcomeTable
 from analysis.motion.quantities import quantities
 from analysis.problem.checks import Array, choice
 from analysis.problem.limits import check_storage
@@ -121,8 +121,12 @@ class Results(OutcomeTable):
         if len(names) == 1:
             raise ValueError(f"{self.path} holds no series: its sweep was told to keep none")
         with reading(self.path) as (file, _):
-            asked = "SELECT * FROM series WHERE number BETWEEN ? AND ?"
-            for number, *blobs in file.execute(asked, (first, last)):
+            # A case that has run again and failed may have left what it had before.
+            asked = (
+                "SELECT series.* FROM series JOIN cases USING (number) "
+                "WHERE status = ? AND number BETWEEN ? AND ?"
+            )
+            for number, *blobs in file.execute(asked, (DONE, first, last)):
                 held = {name: blob for name, blob in zip(names, blobs, strict=True) if blob}
                 arrays = {name: np.frombuffer(blob, NUMBERS) for name, blob in held.items()}
                 yield number, {name: values.astype(float) for name, values in arrays.items()}

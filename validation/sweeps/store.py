@@ -237,9 +237,9 @@ def reading(path: str | os.PathLike[str]) -> Iterator[tuple[sqlite3.Connection, 
     place = Path(path)
     if not place.is_file():
         raise FileNotFoundError(f"{path}: there is no such file")
-    # A kill between two commits may leave a journal, which whoever opens it first plays back.
-    mode = "rw" if place.with_name(f"{place.name}-journal").exists() else "ro"
-    address = f"{place.absolute().as_uri()}?mode={mode}"
+    # A kill between two commits may leave a journal, which whoever opens it first plays back. A
+    # file that may only be read is opened as one.
+    address = f"{place.absolute().as_uri()}?mode=rw"
     how: Any = {"uri": True, "timeout": _PATIENCE, "detect_types": sqlite3.PARSE_DECLTYPES}
     with plain_errors(place), closing(sqlite3.connect(address, **how)) as file:
         try:

@@ -13,10 +13,10 @@ from analysis.problem import limits
 from tests.sweeps import sweep, swept
 from validation.maps.figures import check_drawable, draw_sweep
 from validation.run import run
-from validation.sweeps.case import COLUMNS, series
+from validation.sweeps.case import COLUMNS, WITNESS_FAILED, run_chunk, series
 from validation.sweeps.plan import TIME, series_known
 from validation.sweeps.results import Results
-from validation.sweeps.store import expected_size
+from validation.sweeps.store import Store, expected_size
 
 
 def drawn(*axes: str, **how: Any) -> tuple[Figure, Results]:
@@ -160,6 +160,17 @@ def test_kept_series_are_those_of_the_runs_themselves_with_gaps_where_there_is_n
     assert beta.shape == (2, 2, 11)
     np.testing.assert_array_equal(beta[1, 0], found["beta"])
     assert np.all(np.isnan(beta[:, 1]))
+
+
+def test_case_that_ran_again_and_failed_has_no_series() -> None:
+    wanted = sweep("spin=30", keep=KEEP, witnesses=1)
+    (row,) = run_chunk(wanted, [0])
+    with Store(Path("a.db"), wanted) as kept:
+        kept.add([row | {"other_inversion": WITNESS_FAILED}])
+    assert Results.load("a.db").series(0)
+    slow = replace(wanted, plan=replace(wanted.plan, time_limit=1e-9))
+    with pytest.raises(ValueError, match="holds no series of case 0"):
+        swept(slow, retry=True).series(0)
 
 
 def test_groups_stand_for_their_series_and_absent_forces_are_left_out() -> None:
