@@ -286,7 +286,7 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
             # Cases drawn on a range lie on no grid: as many each are counted together.
             values = table[up.field]
             is_few = up.values or design.layout == "grid" or len(values) < _BINS
-            bins = values if is_few else pd.qcut(values, _BINS)
+            bins = values if is_few else pd.qcut(values, _BINS, duplicates="drop")
             shares = table.groupby(bins, observed=True)[[up.field, "hit"]].mean().dropna()
             each.plot(shares[up.field], shares["hit"], ".k" if _is_named(up) else ".-k", ms=4)
             each.set(ylim=(-0.05, 1.05))

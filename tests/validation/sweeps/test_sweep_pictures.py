@@ -65,6 +65,12 @@ def test_several_axes_are_drawn_in_pairs(how: dict[str, Any]) -> None:
     np.testing.assert_array_equal(listed.lines[0].get_xdata(), [-1.5, -1.0])
 
 
+def test_values_too_near_to_be_counted_in_tens_are_counted_in_as_many_as_there_are() -> None:
+    layout = {"layout": "random", "number": 30}
+    figure, _ = drawn("spin=40:40.00000000000002", "mu=0.1:0.3", layout=layout, end=0.01)
+    assert 1 < np.size(figure.axes[0].lines[0].get_xdata()) < 10
+
+
 def test_names_are_drawn_at_their_places() -> None:
     figure, results = drawn("model=4,1", scenario=Scenario())
     spins, forces = figure.axes[-2:]
