@@ -288,6 +288,8 @@ def _pairs(sweep: Sweep, table: pd.DataFrame) -> Figure:
             is_few = up.values or design.layout == "grid" or len(values) < _BINS
             bins = values if is_few else pd.qcut(values, _BINS, duplicates="drop")
             shares = table.groupby(bins, observed=True)[[up.field, "hit"]].mean().dropna()
+            # The axis is as long where some values, or all, have no share.
+            each.update_datalim(np.column_stack((values, np.zeros(len(values)))))
             each.plot(shares[up.field], shares["hit"], ".k" if _is_named(up) else ".-k", ms=4)
             each.set(ylim=(-0.05, 1.05))
         else:

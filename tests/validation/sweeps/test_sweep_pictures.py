@@ -99,11 +99,14 @@ def test_pictures_of_pairs_have_no_text_over_or_outside_of_another() -> None:
 
 
 def test_what_is_not_decided_counts_in_no_share() -> None:
-    axes = ("spin=25,40", "mu=0.29,0.3", "alpha=0,0.1")
+    axes = ("mu=0.29,0.3", "alpha=0,0.1", "spin=25,40")
     figure, results = drawn(*axes, end=1.3, tolerance=1e-3)
     ends = dict(zip(results.columns["start.spin"], results.columns["inversion"], strict=True))
     assert ends == {25.0: "not inverted", 40.0: "not decided"}
-    np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), [25.0])
+    shares = figure.axes[8]
+    np.testing.assert_array_equal(shares.lines[0].get_xdata(), [25.0])
+    # The axis goes over all values all the same.
+    assert shares.get_xlim()[1] > 40.0
 
 
 def test_face_that_is_up_is_drawn_where_a_table_is_level_in_all_cases() -> None:
