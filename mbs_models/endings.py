@@ -7,7 +7,7 @@ between any two steps, in which one search finds whatever comes first.
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -23,10 +23,8 @@ from analysis.solve.stepping import (
     integrate,
     pulls_at_start,
 )
-from analysis.solve.watch import Watch, intervals
+from analysis.solve.watch import StateFunction, Watch, intervals
 from mbs_models.solving import EngineError, stepping
-
-T = TypeVar("T")
 
 LOCAL = 1e-11
 """Error in a step with which endings are located."""
@@ -54,15 +52,15 @@ class Suspect(NamedTuple):
 
 
 def turning_negative(
-    conditions: Mapping[str, Callable[[T], float]], start: T
-) -> Callable[[T], str | None]:
+    conditions: Mapping[str, StateFunction], start: Array
+) -> Callable[[Array], str | None]:
     """What tells of one state after the other which condition has turned negative, if one has.
 
     One that is negative from the start on waits until it has not been.
     """
     armed = {name for name, condition in conditions.items() if condition(start) >= 0.0}
 
-    def turned(state: T) -> str | None:
+    def turned(state: Array) -> str | None:
         for name, condition in conditions.items():
             if condition(state) >= 0.0:
                 armed.add(name)

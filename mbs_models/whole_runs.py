@@ -11,12 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from analysis.motion import frames
-from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, TIME_LIMIT
+from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT
 from analysis.problem.checks import Array
 from analysis.problem.elementary import Rows
 from analysis.problem.limits import LEAST_TILT
-from analysis.problem.start import FlatError, State, check_upright
+from analysis.problem.start import FlatError, check_upright
 from analysis.solve.stepping import Run
+from analysis.solve.watch import PaperState, StateFunction, of_states
 from mbs_models.accelerations import AccelerationProblem
 from mbs_models.endings import Search, Suspect, suspects, turning_negative
 from mbs_models.integrators import Integrator
@@ -71,6 +72,11 @@ class Call(Search):
     def must_not_pull(self) -> bool:
         """Whether a contact that pulls ends a run."""
         return self.motion.scenario.may_pull and not self.allow_pulling
+
+    @property
+    def conditions(self) -> dict[str, StateFunction]:
+        """Conditions of the motion as functions of a sample."""
+        return of_states(self.motion.conditions, _paper_state)
 
 
 def run_over(
@@ -137,8 +143,7 @@ def _upto_ending(
     call.watch.flattest = (float(moments[lowest]), float(leans[lowest]))
     upright = values[: _upright(values)]
     told: dict[str, npt.ArrayLike] = {
-        name: [condition(state_of(row)) for row in upright]
-        for name, condition in call.motion.conditions.items()
+        name: [condition(row) for row in upright] for name, condition in call.conditions.items()
     }
     if call.must_not_pull:
         told[CONTACT_WOULD_PULL] = upright[:, NORMAL_FORCE]
@@ -202,9 +207,9 @@ def _grid(
 
 def _stop(call: Call, model: Model, start: Array) -> Stop | None:
     """What ends a run that pulls, meets a condition or is out of time, if any may."""
-    conditions, watch = call.motion.conditions, call.watch
+    conditions, watch = call.conditions, call.watch
     pulls = call.must_not_pull and model.joints.contact_equation is not None
-    turned = turning_negative(conditions, call.motion.scenario.initial_state)
+    turned = turning_negative(conditions, start)
     data, angles, end = model.system.systemData, start[TURNING], float(call.times[-1])
 
     def stop(moment: float) -> str | None:
@@ -215,9 +220,7 @@ def _stop(call: Call, model: Model, start: Array) -> Stop | None:
             row = np.hstack(model.decode(model.record()[None]))[0]
             row[TURNING] += _whole_turns(angles - row[TURNING])
             angles = row[TURNING]
-            if leaning(row) < LEAST_TILT:
-                return FLAT
-            if (name := turned(state_of(row))) is not None:
+            if (name := turned(row)) is not None:
                 return name
         return TIME_LIMIT if watch.is_over(moment, end) else None
 
@@ -253,10 +256,9 @@ def _upright(rows: Array) -> int:
     return int(np.argmin(np.append(leaning(rows) >= LEAST_TILT, False)))
 
 
-def state_of(row: Array) -> State:
-    """State of a sample."""
+def _paper_state(row: Array) -> PaperState:
     values = row.tolist()
-    return State(coordinates=tuple(values[PLACE]), rates=tuple(values[RATES]))
+    return None if leaning(row) < LEAST_TILT else (values[PLACE], values[RATES])
 
 
 def _whole_turns(angles: Array) -> Array:

@@ -15,6 +15,7 @@ from analysis import STEEL_DISK, PenaltyContact, Scenario, SmoothCoulomb, Start,
 from analysis.motion.endings import StopWhen
 from analysis.problem.checks import Array
 from analysis.problem.choices import SOURCES, Source
+from analysis.problem.start import FlatError
 from analysis.solve.stepping import SolverError
 from analysis.solve.watch import Watch
 from mbs_models import FORMULATIONS, EngineError, Formulation, Scene
@@ -159,6 +160,14 @@ def test_a_pull_of_steps_too_long_ends_their_run_though_the_motion_pulls_later()
     coarse, fine = (not_none(run.ending) for run in runs)
     assert coarse.reason == fine.reason == "contact would pull"
     assert coarse.time < fine.time
+
+
+def test_steps_that_jump_across_a_flat_disk_come_to_nothing_with_a_condition_as_without() -> None:
+    scene = scene_of(1, "contact-tree", start=Start(beta=0.02, spin=0.0))
+    conditions: list[StopWhen] = [(), reaching("alpha", 1.0)]
+    for stop_when in conditions:
+        with pytest.raises(FlatError, match="the disk lies nearly flat"):
+            mbs_models.simulate(scene, TIMES[:11], step=1e-3, stop_when=stop_when)
 
 
 def test_a_constraint_force_that_goes_up_and_down_is_no_pull() -> None:
