@@ -1,6 +1,7 @@
 """Orders, options and counts of integrators, and stability as measured on the engine itself."""
 
 from functools import partial
+from itertools import product
 from typing import Any
 
 import exudyn as exu
@@ -114,37 +115,30 @@ def test_a_slower_world_takes_as_many_steps() -> None:
     assert steps[0] == steps[1]
 
 
-def test_step_control_follows_its_tolerance_and_a_step_limits_it() -> None:
-    times = 2.0 * TIMES**2
-    runs = [mbs_models.simulate(Scene(), times, integrator=dopri5(10.0**-k)) for k in (6, 9, 12)]
-    errors = [deviation(run, truth(Scenario(), times)) for run in runs]
-    assert errors[0] < 1e-4
-    assert errors[1] < 1e-2 * errors[0]
-    assert errors[2] < 1e-11
-    held = mbs_models.simulate(Scene(), times, integrator=dopri5(1e-6), step=1e-3)
-    assert held.counts["steps"] >= 500 > runs[0].counts["steps"]
+CONTROLLED: list[tuple[Any, Formulation]] = [
+    *product(ACCELERATED, ("contact-tree", "euler-tree")),
+    ("DOPRI5", "contact-tree"),
+]
 
 
-@pytest.mark.parametrize("name", ACCELERATED)
-@pytest.mark.parametrize("formulation", ["contact-tree", "euler-tree"])
-def test_a_local_tolerance_makes_a_single_run(name: Any, formulation: Any) -> None:
-    scene = scene_of(1, formulation)
-    ways = (Integrator(name=name, local_tolerance=local) for local in (1e-4, 1e-8))
-    coarse, fine = (mbs_models.simulate(scene, SHORT, integrator=way) for way in ways)
+@pytest.mark.parametrize(("name", "formulation"), CONTROLLED)
+def test_a_local_tolerance_makes_a_single_run_and_a_step_limits_those_of_any(
+    name: Any, formulation: Formulation
+) -> None:
+    run = partial(mbs_models.simulate, scene_of(1, formulation), SHORT)
+    ways = [Integrator(name=name, local_tolerance=local) for local in (1e-4, 1e-10)]
+    coarse, fine = (run(integrator=way) for way in ways)
     assert fine.error_estimate is None
-    assert fine.method["local_tolerance"] == 1e-8
+    assert fine.method["local_tolerance"] == 1e-10
     expected = truth(Scenario(), SHORT)
-    assert deviation(fine, expected) < min(1e-5, deviation(coarse, expected))
-
-
-@pytest.mark.parametrize("name", ACCELERATED)
-def test_a_step_limits_those_of_a_run_to_a_tolerance(name: Any) -> None:
-    free, held = (
-        mbs_models.simulate(Scene(), SHORT, integrator=name, tolerance=1e-4, step=step)
-        for step in (None, 1e-3)
-    )
-    assert held.counts["steps"] >= 2 * 0.2 / 1e-3 > free.counts["steps"]
-    assert held.method["step"] == 1e-3
+    assert deviation(fine, expected) < min(1e-9, 1e-2 * deviation(coarse, expected))
+    held = [(run(integrator=ways[0], step=1e-3), 200)]
+    if name in ACCELERATED:
+        # A tolerance takes two runs.
+        held.append((run(integrator=name, tolerance=1e-4, step=1e-3), 400))
+    for each, least in held:
+        assert each.counts["steps"] >= least > coarse.counts["steps"]
+        assert each.method["step"] == 1e-3
 
 
 @pytest.mark.parametrize("name", ["RK67", "DOPRI5", "TrapezoidalIndex2"])
