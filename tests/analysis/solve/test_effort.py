@@ -60,7 +60,10 @@ def test_evaluations_of_in_house_runs_are_predicted(
     fields: dict[str, Any], given: dict[str, Any]
 ) -> None:
     scenario, times = Scenario(**fields), np.array([0.0, 0.2])
-    predicted = effort.simulation_effort(scenario, times, **given)
+    predicted, later = (
+        effort.simulation_effort(scenario, begin + times, **given) for begin in (0.0, 7.0)
+    )
+    assert later.steps == pytest.approx(predicted.steps)
     taken = analysis.simulate(scenario, times, **given).counts["right_hand_sides"]
     evaluations = effort.METHODS[given.get("method", "DOP853")].evaluations
     assert_near(predicted.steps * evaluations, taken)
@@ -79,7 +82,11 @@ def test_evaluations_of_in_house_runs_are_predicted(
 )
 def test_steps_of_engine_runs_are_predicted(scene: Scene, tolerance: float) -> None:
     times = np.linspace(0.0, 0.5, 51)
-    predicted = engine_effort.simulation_effort(scene, times, tolerance=tolerance)
+    effort_of = partial(engine_effort.simulation_effort, scene, tolerance=tolerance)
+    predicted = effort_of(times)
+    for how in ({}, {"step": 1e-5}, {"step": 1e-5, "integrator": Integrator(name="DOP853")}):
+        # It does not depend on when a run begins.
+        assert effort_of(7.0 + times, **how).steps == pytest.approx(effort_of(times, **how).steps)
     taken = mbs_models.simulate(scene, times, tolerance=tolerance).counts["steps"]
     assert_near(predicted.steps, taken)
 
@@ -129,25 +136,6 @@ def test_endless_run_is_refused(call: Callable[[], object], message: str) -> Non
         call()
 
 
-FREE, FIXED = Integrator(name="DOP853"), Integrator(name="RK67")
-OF_ENGINE = partial(engine_effort.simulation_effort, Scene())
-
-
-@pytest.mark.parametrize(
-    "effort_of",
-    [
-        partial(effort.simulation_effort, Scenario()),
-        partial(OF_ENGINE, integrator=FREE, tolerance=1e-6),
-        partial(OF_ENGINE, integrator=FREE, tolerance=1e-6, step=1e-5),
-        partial(OF_ENGINE, integrator=FIXED, tolerance=1e-6),
-        partial(OF_ENGINE, integrator=FIXED, step=1e-5),
-    ],
-)
-def test_effort_does_not_depend_on_when_a_run_begins(effort_of: Callable[..., Effort]) -> None:
-    times = np.linspace(0.0, 2.0, 21)
-    assert effort_of(7.0 + times).steps == pytest.approx(effort_of(times).steps)
-
-
 def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
     scene = scene_of(2, friction=SmoothCoulomb(smoothing=1e-7))
     halved = Integrator(name="TrapezoidalIndex2")
@@ -159,7 +147,8 @@ def test_smoothing_below_every_step_is_said_to_be_in_vain() -> None:
     ("samples", "cause"), [(21, "tolerance 1e-10 "), (200_001, "times up to t = 2 s")]
 )
 def test_what_asks_for_so_many_steps_is_told(samples: int, cause: str) -> None:
-    found = OF_ENGINE(np.linspace(0.0, 2.0, samples), FIXED, tolerance=1e-10)
+    fixed, times = Integrator(name="RK67"), np.linspace(0.0, 2.0, samples)
+    found = engine_effort.simulation_effort(Scene(), times, fixed, tolerance=1e-10)
     assert f", for {cause}" in str(found)
 
 
