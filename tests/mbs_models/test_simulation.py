@@ -22,7 +22,6 @@ from analysis import (
     LOADS,
     POSSIBLE_SETS,
     STEEL_DISK,
-    ConstraintSet,
     Disk,
     Level,
     LubricatedCoulomb,
@@ -117,10 +116,14 @@ FOLLOWED: list[tuple[Scene, Array, float, dict[str, Any]]] = [
                     start=Start(beta=1.2014047425307979, gamma=-0.41796035905012596,
                                 spin=38.52367678259769)), "floating"),
      np.linspace(0.0, 0.05, 31), 1e-5, STEPPED),
+    # Times of pulling are extrapolated as the motion is.
+    (Scene(Scenario(constraints=("contact", "no-slip-along", "constant-spin"),
+                    friction=ViscousFriction(), start=Start(spin=60.0, beta=0.9, gamma=-1.0))),
+     np.array([0.0, 0.3]), 1e-8, STEPPED | {"allow_pulling": True}),
 ]  # fmt: skip
 """Scenes, times, tolerances, and how they are run else."""
 
-QUICK = {number for number in range(107) if (number - 2) % 3} | {109, 111, 114, 123}
+QUICK = {number for number in range(107) if (number - 2) % 3} | {109, 111, 114, 123, 124}
 
 
 @pytest.mark.parametrize("case", mostly_slow(range(len(FOLLOWED)), QUICK))
@@ -142,17 +145,6 @@ def test_engine_follows_the_in_house_motion_to_its_end_and_knows_its_error(case:
             assert np.all(each.normal_force[:-1] > 0.0)
             assert abs(each.normal_force[-1]) < 1e-4 * scene.scenario.weight
             assert not_none(each.ending).value == each.normal_force[-1]
-
-
-def test_times_of_pulling_are_extrapolated_as_the_motion_is() -> None:
-    start = Start(spin=60.0, beta=0.9, gamma=-1.0)
-    held: ConstraintSet = ("contact", "no-slip-along", "constant-spin")
-    scenario = Scenario(constraints=held, friction=ViscousFriction(), start=start)
-    how: dict[str, Any] = {"tolerance": 1e-8, "allow_pulling": True}
-    known = analysis.simulate(scenario, [0.0, 0.3], **how)
-    run = mbs_models.simulate(scenario, [0.0, 0.3], integrator="TrapezoidalIndex2", **how)
-    assert len(known.pulling) == 2
-    np.testing.assert_allclose(run.pulling, known.pulling, rtol=0.0, atol=1e-9)
 
 
 def test_quick_accelerations_of_a_free_body_bias_no_run_to_a_fine_tolerance() -> None:

@@ -86,10 +86,3 @@ def test_branches_go_on_as_they_have_come_past_others_collisions_and_zeros_that_
 def test_pairs_are_numbered_from_even_places_and_a_real_eigenvalue_gives_way() -> None:
     matrix = np.array([[2.0, 0, 0, 0], [0, -1, 1, 0], [0, -1, -1, 0], [0, 0, 0, -3]])
     np.testing.assert_allclose(follow(matrix[None]), [[2.0, -3.0, -1.0 + 1j, -1.0 - 1j]])
-
-
-def test_branches_go_on_from_no_spin_to_turning_the_other_way() -> None:
-    spins = np.linspace(-40.0, 40.0, 3)
-    found = branches(Scenario(), spins, "full")
-    # Of a disk with a plane of symmetry, both senses are each other's mirror images.
-    assert distance(found[0], found[2]) < 1e-9
