@@ -98,6 +98,8 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (partial(mbs_models.simulate, scene_of(3, "floating"), [0.0, 1e-9, 1e-2], step=5e-3,
              integrator="GeneralizedAlpha"),
      "times ask for steps of 1e-09 and 0.005 s, which differ too much for GeneralizedAlpha"),
+    (partial(mbs_models.simulate, Scene(), [0.0, 1e-16]),
+     "times must be 1e-15 s apart or more for the engine, got 1e-16 s"),
     # Of damper, spring and pivoting friction, the last about the axis of the least moment.
     *((partial(to_rest, rest_scene(**fields), 0.01, step=step), "the predicted stability limit")
       for fields, step in (({}, 5e-4), ({"contact": SPRING}, 1.2e-4), (PIVOTING, 1e-4))),

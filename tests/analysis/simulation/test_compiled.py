@@ -152,14 +152,15 @@ def test_code_is_made_anew_where_a_number_that_is_no_field_has_changed(
 ) -> None:
     told = {each.name: getattr(EGG, each.name) for each in fields(EGG)}
     run = partial(simulate, times=[0.0, 0.1, 0.2], local_tolerance=1e-12)
-    turned = Turned()
+    turned, number = Turned(), 0.0
+    outer = Answering(says=lambda speed: number / (0.1 + speed))
     for number in (0.8, 0.6):
         monkeypatch.setattr(HERE, "OUTSIDE", number)
         turned.least = 0.4 * number
         bodies = [kind(**told | {"waist": number}) for kind in (Egg, Slim, Inner, Alone)]
         egg, slim, inner, alone = (Scenario(disk=each, start=MOVING) for each in bodies)
         rubbing = [SmoothCoulomb(coefficient=number), Rubbing()]
-        rubbing += [Answering(says=lambda speed: OUTSIDE / (0.1 + speed))]
+        rubbing += [Answering(says=lambda speed: OUTSIDE / (0.1 + speed)), outer]
         usual, *others = (replace(REDUCED_OF[0], friction=each) for each in rubbing)
         pairs = [(egg, other) for other in (slim, inner, alone)]
         pairs += [(usual, other) for other in others]

@@ -35,9 +35,14 @@ def risen(*stretches: tuple[float, float], low: float = -1.0, high: float = 1.0)
 
 
 def judged(times: Array, directions: Array, rates: Array) -> Inversion:
+    """What becomes of a motion, also beside another one like it."""
     told = {"times": times, "cog_direction": directions, "cog_direction_rate": rates}
-    sampled: Any = SimpleNamespace(scenario=Scenario(), **told)
-    return inversions(sampled)[0]
+    stacks = {name: np.stack((each, each)) for name, each in told.items()}
+    disk = SimpleNamespace(eccentricity=np.full(2, STEEL_DISK.eccentricity))
+    sampled: Any = SimpleNamespace(scenario=SimpleNamespace(disk=disk), **stacks)
+    found, other = inversions(sampled)
+    assert found == other
+    return found
 
 
 @pytest.mark.parametrize(

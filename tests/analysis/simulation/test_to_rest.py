@@ -423,6 +423,17 @@ def test_rest_ends_a_motion_before_a_condition_that_is_met_later(source: Source)
     assert (not_none(motion.ending).reason, motion.times[-1]) == ("at rest", pytest.approx(0.03))
 
 
+@pytest.mark.parametrize(("part", "rests"), [(0.99, False), (1.01, True)])
+def test_heights_at_rest_are_told_in_radii(part: float, *, rests: bool) -> None:
+    contact, weight = ROLLING_LOW.penalty_contact, ROLLING_LOW.weight
+    falling = simulate_to_rest(ROLLING_LOW, 0.01)
+    rise = falling.cog_height[0] - contact.resting_height(STEEL_DISK, weight)
+    height = part * rise / STEEL_DISK.radius
+    criterion = RestCriterion(energy=1.0, height=height, duration=0.01)
+    motion = simulate_to_rest(ROLLING_LOW, 0.02, criterion=criterion)
+    assert (motion.rest_time == 0.0) == rests
+
+
 @pytest.mark.parametrize(
     ("source", "how"), [("in-house", {}), ("engine", {}), ("engine", {"step": 1e-4})]
 )

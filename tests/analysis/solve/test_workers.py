@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from analysis.solve.workers import Pool
 from tests.calls import ROOT
 from tests.helpers import is_running, not_none
 
@@ -34,6 +35,12 @@ pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="re
 # What runs in the background of a script is born deaf to Ctrl-C.
 INTERRUPTIBLE = ["env", "--default-signal=INT", sys.executable, "-c", PARENT]
 started = partial(subprocess.Popen, INTERRUPTIBLE, cwd=ROOT, text=True, start_new_session=True)
+
+
+def test_a_working_directory_that_is_gone_is_told(folder: Path) -> None:
+    folder.rmdir()
+    with pytest.raises(OSError, match="workers start in the working directory, and that is gone"):
+        Pool(2)
 
 
 @pytest.mark.slow
