@@ -23,6 +23,7 @@ from analysis import (
     LAWS,
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
+    ConstraintSet,
     Disk,
     Dissipation,
     Ending,
@@ -45,6 +46,8 @@ from analysis.nonlinear.following import Family
 from analysis.nonlinear.heteroclinic import Connection, fall, period_growth, saddle
 from analysis.nonlinear.motions import Event
 from analysis.nonlinear.slow_manifold import slow_connection
+from analysis.problem.limits import LEAST_TILT
+from analysis.problem.variations import changed
 from analysis.stability import stationary_rolling as rolling
 from analysis.stability.boundaries import hopf_curves
 from analysis.stability.chart import stability_chart, static_gradient
@@ -224,6 +227,8 @@ SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
 LEANING = Table(inclination=0.1)
 LOADED = SmoothCoulomb(load="contact")
 CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
+TUGGED = Scenario(start=Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0))
+TWICE: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
 FOLD = Event("fold", BORN.motion)
 UPRIGHT = replace(TILTED, beta=np.pi / 2, gamma=np.pi / 2)
 PIVOTING = replace(CENTRED, dissipation=Dissipation(rolling_dry=1e-3, pivoting=0.01))
@@ -275,9 +280,21 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (analysis.energies, {"coordinates": np.zeros((3, 5))}, "coordinates must have shape .* got"),
     (analysis.energies, {"rates": np.zeros((3, 6))}, "rates must have shape .* got"),
     (PenaltyContact, {"stiffness": 2e12}, "stiffness must be above 0 and at most 1e"),
+    # What a run would not see leave the table: by the sine of its tilt, it lies flat.
+    *((Start, {"beta": beta}, "beta must keep more than 1e-06 rad")
+      for beta in (LEAST_TILT, np.nextafter(LEAST_TILT, 1.0))),
+    # Upright, a disk whose centre of gravity may not slip sideways cannot tilt.
+    (Scenario, {"disk": CENTRED_DISK, "constraints": TWICE}, "constraints must be independent: "),
+    *((partial(changed, FULL), {"changes": {"model": each}}, "model must be one of 1, 2, 3, 4, g")
+      for each in (True, 2.0)),
+    *((run.at, {"time": time}, "times must lie within the samples, from 0 to 0")
+      for run in (RUN, REST_RUN) for time in (-1e-6, 0.6)),
+    (REST_RUN.to_trajectory, {"end": 1e-6}, r"end must lie from 0\.0\d+ to inf, got 1e-06$"),
     (Start, {"spin": np.timedelta64(5, "ns")}, "spin must be a finite number, got"),
     (RUN.state, {"index": np.timedelta64(0, "ns")}, "index must be a whole number, got"),
     # Runs.
+    (simulate, {"scenario": TUGGED}, "start needs a contact that pulls, with a normal force"),
+    (mbs_models.simulate, {"scene": TUGGED}, "start needs a contact that pulls, with a normal f"),
     (simulate, {"local_tolerance": 2.0}, "local_tolerance must lie from 3e-14 to less than 1"),
     (simulate, {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
     (simulate, {"scenario": model(3), "formulation": "reduced"},

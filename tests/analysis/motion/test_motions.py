@@ -279,22 +279,11 @@ def test_samples_next_to_an_ending_do_not_amplify_rounding(fine: Trajectory) -> 
     assert np.abs(found - fine.coordinates[3950])[4:].max() < 1e-7
 
 
-def test_time_outside_the_samples_is_refused(motion: StoredRun) -> None:
-    for time in (-1e-6, 0.6):
-        with pytest.raises(ValueError, match="times must lie within the samples, from 0 to 0"):
-            motion.at(time)
-
-
 def test_flat_disk_has_no_state_in_angles(falling: SpatialMotion) -> None:
     attitudes = np.tile((1.0, 0.0, 0.0, 0.0), (falling.times.size, 1))
     still: Any = {"quaternions": attitudes, "angular_velocities": 0.0 * falling.angular_velocities}
     with pytest.raises(ValueError, match=r"^beta must lie in the open interval \(0, pi\), in "):
         replace(falling, **still).at(0.01, tolerance=1.0)
-
-
-def test_part_that_has_no_angles_is_refused_by_name(falling: SpatialMotion) -> None:
-    with pytest.raises(ValueError, match=r"^end must lie from 0\.0005 to inf, got 0\.0004$"):
-        falling.to_trajectory(end=4e-4)
 
 
 # --- Out of Python -------------------------------------------------------------------------------

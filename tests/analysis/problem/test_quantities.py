@@ -181,9 +181,3 @@ def test_case_is_the_scenario_with_its_fields_changed(
     changes: Any, field: str, value: Any
 ) -> None:
     assert changed(PAPER, changes) == replace(PAPER, **{field: value})
-
-
-@pytest.mark.parametrize("model", [True, 2.0])
-def test_what_is_no_number_of_a_model_is_refused_by_name(model: Any) -> None:
-    with pytest.raises(ArgumentError, match=r"^model must be one of 1, 2, 3, 4, got '"):
-        changed(PAPER, {"model": model})

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from analysis import (
-    CENTRED_DISK,
     COORDINATES,
     DISKS,
     GRAVITY,
@@ -75,13 +74,6 @@ def test_tolerance_grows_with_the_spin_on_velocity_level() -> None:
             rows.check_admissible(Scenario(), start, tolerance=0.99 * allowed)
 
 
-def test_a_tilt_that_is_held_twice_is_refused() -> None:
-    held: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
-    assert Scenario(constraints=held).constraints == held
-    with pytest.raises(ValueError, match=r"^constraints must be independent: "):
-        Scenario(disk=CENTRED_DISK, constraints=held)
-
-
 # --- Disk, table and contact -------------------------------------------------------------------
 
 
@@ -137,10 +129,3 @@ def test_a_disk_that_starts_flat_is_refused_unless_its_rim_is_rounded(*, is_turn
             Scenario(contact=contact, start=lying(0.999))
     rounded = Scenario.rest(start=lying(0.999))
     assert rounded.initial_state == rounded.start
-
-
-def test_start_that_a_run_would_not_see_leave_the_table_is_refused() -> None:
-    # The sine of it, by which runs end, is that of a flat disk.
-    for beta in (LEAST_TILT, np.nextafter(LEAST_TILT, 1.0)):
-        with pytest.raises(ValueError, match=r"^beta must keep more than 1e-06 rad"):
-            Start(beta=beta)

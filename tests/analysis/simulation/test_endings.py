@@ -215,13 +215,6 @@ def test_a_penalty_contact_that_holds_down_ends_as_the_ideal_one(formulation: An
 
 
 @EITHER
-def test_a_start_that_needs_a_pulling_contact_is_refused(source: Source) -> None:
-    start = Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0)
-    with pytest.raises(ValueError, match="start needs a contact that pulls, with a normal force"):
-        run(Scenario(start=start), SHORT, source=source)
-
-
-@EITHER
 def test_a_run_ends_at_its_time_limit_or_raises_where_no_tolerance_was_met(source: Source) -> None:
     times = np.linspace(0.0, 1000.0, 100_001)
     how: dict[str, Any] = {"step": 1e-3} if source == "engine" else {"local_tolerance": 1e-8}
