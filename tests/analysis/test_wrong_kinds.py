@@ -36,10 +36,12 @@ from analysis import (
     Start,
     Table,
     Trajectory,
+    scenario_text,
     simulate,
     simulate_many,
 )
 from analysis.mechanics.paper import closed_form, critical_speed
+from analysis.mechanics.recorded import accelerations
 from analysis.nonlinear import families, stationary
 from analysis.nonlinear.collocation import hopf_cycle
 from analysis.nonlinear.following import Family
@@ -52,12 +54,18 @@ from analysis.stability import stationary_rolling as rolling
 from analysis.stability.boundaries import hopf_curves
 from analysis.stability.chart import stability_chart, static_gradient
 from analysis.stability.critical import Crossing, critical_speeds
-from analysis.stability.linearisation import spinning, stationary_eigenvalues
+from analysis.stability.linearisation import (
+    Linearisation,
+    spinning,
+    stationary_eigenvalues,
+    upright,
+)
 from analysis.stability.spectra import branches, eigenvalues
 from analysis.stability.stationary_rolling import fit_power_law
 from mbs_models import Integrator, Newton, Scene
 from tests.calls import ROOT
 from tests.helpers import model, refusals
+from tests.wayward_law import Own
 from validation.studies import crosscheck
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
@@ -226,6 +234,7 @@ BALL = Sphere(
 SHARP = Scenario.rest(contact=PenaltyContact(stiffness=1e6))
 LEANING = Table(inclination=0.1)
 LOADED = SmoothCoulomb(load="contact")
+GENERAL = [law for law in (kind() for kind in LAWS.values()) if not law.is_simple]
 CONDITIONS: list[Any] = [lambda state: 1.0 - state.rates[3], lambda state: state.rates[3] - 1.0]
 TUGGED = Scenario(start=Start(beta=0.5, spin=0.0, beta_rate=-40.0, gamma_rate=0.0))
 TWICE: ConstraintSet = ("contact", "fixed-cog", "no-slip-across", "held-tilt-rate")
@@ -276,6 +285,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (RUN.state, {"index": 2}, "index must be at most 1, got 2"),
     (RUN.state, {"index": -3}, "index must be at least -2, got -3"),
     (RUN.save, {"path": "a\0b"}, r"path must be the path of a file, got 'a\\x00b'"),
+    (scenario_text, {"scenario": Scenario(friction=Own(kind={1}))},
+     r"kind cannot be written to a scenario's file"),
     (Trajectory, {"pulling": [(1.0,)]}, "pulling must hold first and last times, got"),
     (analysis.energies, {"coordinates": np.zeros((3, 5))}, "coordinates must have shape .* got"),
     (analysis.energies, {"rates": np.zeros((3, 6))}, "rates must have shape .* got"),
@@ -301,6 +312,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
      "formulation 'reduced' exists for Model 4 alone, got"),
     (simulate, {"scenario": model(4, friction=LOADED), "formulation": "reduced"},
      "formulation 'reduced' takes the load 'weight'"),
+    *((simulate, {"scenario": model(1, friction=law), "method": "taylor"},
+       ".*takes friction that is isotropic") for law in GENERAL),
     (simulate, {"scenario": model(4, table=LEANING), "formulation": "reduced"},
      "formulation 'reduced' needs a hor"),
     (simulate, {"formulation": "free-body"}, "formulation 'free-body' needs a penalty contact, g"),
@@ -330,6 +343,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     *((call, {"scenario": replace(PENALTY, dissipation=Dissipation(pivoting=1e-4))},
        ".* must have neither .* the spin decays, got 0.0001 m and 0 kg/m")
       for call in ANY_SYSTEM),
+    *((REDUCED_SYSTEM, {"scenario": model(4, friction=law)},
+       ".*has no force for each newton of load and each m/s") for law in GENERAL),
     (FULL_SYSTEM[0], {"scenario": model(2)}, rf"the full .* of Model 1, got Model 2{HINT}"),
     (REDUCED_SYSTEM, {"scenario": model(2)}, rf"the reduced .* of Model 4, got Model 2{HINT}"),
     *((call, {"scenario": model(2)}, "the full system is that of Model 1, got Model 2$")
@@ -401,7 +416,21 @@ def test_wrong_value_is_told_with_what_is_allowed(
     assert "\n" not in str(raised.value)
 
 
+def linearised(radius: float) -> object:
+    """Inverted spinning whose tilt is held twice: exactly so, or but for rounding."""
+    disk = replace(STEEL_DISK, radius=radius)
+    return spinning(Scenario(constraints=TWICE, disk=disk)).matrices(SPINS)
+
+
+SPINS = np.array([30.0])
+ASLANT = Linearisation(FULL, upright(FULL, np.pi / 2 - 0.2))
+FLAT = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0)), np.zeros(6), np.ones(6)
+
 NONE_THERE: dict[str, Callable[[], object]] = {
+    "singular index-1 system of Model 1": partial(accelerations, *FLAT),
+    "singular index-1 system of contact": partial(linearised, 0.05),
+    "singular linearisation of contact .*: one of": partial(linearised, 0.1),
+    "change of the spin or of the place of Model 1": partial(ASLANT.matrices, SPINS),
     "friction law cannot give": lambda: slow_connection(**rubbing(coefficient=0.02)),
     "is no saddle with one growing": lambda: saddle(REDUCED, 0.0),
     "no cycle of the family loses its symmetry": lambda: families.first_asymmetric_family(

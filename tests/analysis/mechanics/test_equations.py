@@ -18,7 +18,6 @@ from analysis import (
     MODELS,
     MOTIONS,
     MULTIPLIERS,
-    STEEL_DISK,
     Body,
     ConstraintSet,
     Disk,
@@ -238,12 +237,6 @@ def test_fields_of_a_surface_may_have_any_names() -> None:
         found.append(accelerations(Scenario(disk=body), start.coordinates, start.rates))
     assert_close(found[1][0], found[0][0])
     assert_close(found[1][1], found[0][1])
-
-
-def test_a_flat_disk_is_called_singular() -> None:
-    centred = Scenario(disk=replace(STEEL_DISK, eccentricity=0.0))
-    with pytest.raises(ArithmeticError, match="singular index-1 system of Model 1"):
-        accelerations(centred, np.zeros(6), np.ones(6))
 
 
 # --- The reduced system ------------------------------------------------------------------------

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import analysis
 from analysis import (
     LAWS,
     AnisotropicCoulomb,
@@ -32,7 +31,6 @@ from analysis.mechanics.recorded import any_contact_load
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.user_modules import foreign_names
 from analysis.simulation.energies import energies
-from analysis.stability import spectra
 from analysis.stability.critical import critical_speeds
 from mbs_models.friction import law_force
 from tests.bodies import TIPPE_TOP
@@ -45,7 +43,6 @@ from validation.run import run_to_rest
 from validation.sweeps.case import run_chunk
 
 SHIPPED: list[FrictionLaw] = [kind() for kind in LAWS.values()]
-GENERAL = [law for law in SHIPPED if not law.is_simple]
 SPEEDS = (0.0, 1e-9, 1e-5, 0.99e-5, 1.01e-5, 1e-3, 0.03, 0.1, 0.4, 3.0, 50.0)
 
 
@@ -97,14 +94,6 @@ def test_anisotropic_friction_takes_the_most_power_from_the_slip() -> None:
     for slip in ((1.0, 0.0), (0.3, 0.8), (-0.6, 0.1)):
         power = np.dot(law.force(*slip, 1.0), slip)
         assert power == pytest.approx(-np.max(slip @ ellipse), rel=2e-5)
-
-
-@pytest.mark.parametrize("law", GENERAL, ids=name)
-def test_what_a_general_law_cannot_have_is_refused_with_the_reason(law: FrictionLaw) -> None:
-    with pytest.raises(ValueError, match="has no force for each newton of load and each m/s"):
-        spectra.eigenvalues(model(4, friction=law), np.array([31.0]), "reduced")
-    with pytest.raises(ValueError, match="takes friction that is isotropic"):
-        analysis.simulate(model(1, friction=law), [0.0, 0.2], method="taylor")
 
 
 def test_contact_force_is_the_least_that_friction_under_it_calls_for_or_there_is_none() -> None:

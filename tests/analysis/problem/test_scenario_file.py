@@ -198,12 +198,6 @@ def test_file_runs_the_module_of_its_law_and_nothing_else(
         sys.modules.pop("own_law", None)
 
 
-def test_law_that_toml_cannot_hold_is_refused() -> None:
-    law = Own(kind={1})  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"kind cannot be written to a scenario's file"):
-        scenario_text(replace(Scenario(), disk=STEEL_DISK, friction=law))
-
-
 # --- Refusals of the data types, each reachable from a file, with key and line -------------------
 
 PAPER = Scenario()
