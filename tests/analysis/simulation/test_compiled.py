@@ -17,7 +17,6 @@ from analysis import (
     LAWS,
     MODELS,
     POSSIBLE_SETS,
-    STEEL_DISK,
     ConstraintSet,
     Ensemble,
     FrictionLaw,
@@ -235,18 +234,13 @@ def test_compiled_run_ends_where_the_pure_one_does() -> None:
 def test_events_of_any_size_leave_the_motion_as_it_is() -> None:
     start = Start(spin=33.0, beta=1.2, gamma=-1.1)
     sliding = Scenario(constraints=("contact", "no-slip-along"), start=start)
-    free = Scenario(start=start)
-    disk = STEEL_DISK
-    heavy = {
-        f"disk.{name}": 1e9 * getattr(disk, name)
-        for name in ("mass", "inertia_x", "inertia_y", "inertia_z")
-    }
+    free, heavy = Scenario(start=start), changed(sliding, {"disk.density": 7.7e12})
 
     def never(state: State) -> float:
         return 1e9 * (state.coordinates[4] + 5.0)
 
     times = np.linspace(0.0, 0.6, 31)
-    for scenario, same in ((sliding, sliding), (sliding, changed(sliding, heavy)), (free, free)):
+    for scenario, same in ((sliding, sliding), (sliding, heavy), (free, free)):
         truth = simulate(scenario, times, tolerance=1e-9)
         run = simulate(same, times, method="taylor", stop_when=never)
         assert angles_apart(run, truth) < 2e-8

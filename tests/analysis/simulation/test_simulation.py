@@ -46,6 +46,7 @@ from tests.helpers import (
     mostly_slow,
     not_none,
 )
+from tests.scenes import LOADED, truth
 
 TIMES = np.linspace(0.0, 0.6, 301)
 """The inversion of Model 1 from Table 3."""
@@ -90,18 +91,6 @@ def test_a_first_step_that_any_tolerance_leads_to_hides_no_error(method: Method)
         runs.append(mbs_models.simulate(unlucky, times, tolerance=1e-6, integrator=method))
     for run in runs:
         assert angles_apart(run, truth) <= not_none(run.error_estimate) <= 1e-6
-
-
-def test_steps_end_where_a_contact_whose_force_rubs_begins_or_ceases_to_pull() -> None:
-    start = Start(spin=-122.0, beta=0.7448, gamma=-2.1845)
-    scenario, times = Scenario(friction=SmoothCoulomb(load="contact"), start=start), TIMES[:101]
-    found, truth = (
-        simulate(scenario, times, method="DOP853", local_tolerance=each, allow_pulling=True)
-        for each in (1e-8, 1e-13)
-    )
-    assert len(found.pulling) > 1
-    # Across these it would be 1e-6.
-    assert angles_apart(found, truth) < 5e-8
 
 
 FREE = Scenario(contact=PenaltyContact.damped(1e5, STEEL_DISK))
@@ -195,28 +184,35 @@ def test_jacobian_is_that_of_differences(formulation: str, scenario: Scenario) -
         np.testing.assert_allclose(exact(state), found, atol=1e-7 * np.max(np.abs(found)))
 
 
-def test_steps_end_where_a_contact_opens_or_closes() -> None:
-    # Of steps across it two runs agree to 1e-5 rad by chance, and are 3.7e-5 off.
-    contact = PenaltyContact.damped(1e5, TIPPE_TOP)
-    start = Start(beta=1.2, gamma=0.6, spin=24.0, height=1.3e-3)
-    scenario, times = Scenario(disk=TIPPE_TOP, contact=contact, start=start), [0.0, 0.05]
-    truth = simulate(scenario, times, method="LSODA", local_tolerance=1e-12)
-    for tolerance in np.geomspace(1e-4, 1e-8, 9).tolist():
-        found = simulate(scenario, times, tolerance=tolerance)
-        assert angles_apart(found, truth) < tolerance
+TOP_DROPPED = Scenario(
+    disk=TIPPE_TOP,
+    contact=PenaltyContact.damped(1e5, TIPPE_TOP),
+    start=Start(beta=1.2, gamma=0.6, spin=24.0, height=1.3e-3),
+)
+BENT: list[tuple[Scenario, Any, dict[str, Any], float]] = [
+    # A contact whose force rubs begins or ceases to pull: across that, it would be 1e-6.
+    (Scenario(friction=LOADED, start=Start(spin=-122.0, beta=0.7448, gamma=-2.1845)), TIMES[:101],
+     {"method": "DOP853", "local_tolerance": 1e-8, "allow_pulling": True}, 5e-8),
+    # Slip in one direction reverses, and is small in the other one at the touch-down, too: 4e-9.
+    (Scenario(contact=PenaltyContact(stiffness=4.2e4, damping=135.0), friction=LOADED,
+              start=Start(beta=0.39, gamma=2.0, spin=18.7, height=3.8e-5)),
+     [0.0, 0.062], {"local_tolerance": 1e-9}, 5e-10),
+    # A contact opens or closes: across that, two runs agree to 1e-5 by chance, and are 3.7e-5 off.
+    *((TOP_DROPPED, [0.0, 0.05], {"tolerance": each}, each)
+      for each in np.geomspace(1e-4, 1e-8, 9).tolist()),
+]  # fmt: skip
+"""Motions that bend, when and how they are run, and what error in rad may be left."""
 
 
-def test_steps_on_a_contact_that_yields_end_where_slip_in_one_direction_reverses() -> None:
-    # At the touch-down it is small in the other one, too, and friction bends within a step.
-    contact = PenaltyContact(stiffness=4.2e4, damping=135.0)
-    start, law = (
-        Start(beta=0.39, gamma=2.0, spin=18.7, height=3.8e-5),
-        SmoothCoulomb(load="contact"),
-    )
-    scenario, times = Scenario(contact=contact, start=start, friction=law), [0.0, 0.062]
-    found, truth = (simulate(scenario, times, local_tolerance=each) for each in (1e-9, 1e-13))
-    # Across the bends it would be 4e-9.
-    assert angles_apart(found, truth) < 5e-10
+@pytest.mark.parametrize(("scenario", "times", "how", "within"), BENT)
+def test_steps_end_where_a_motion_bends(
+    scenario: Scenario, times: Any, how: dict[str, Any], within: float
+) -> None:
+    pulls = "allow_pulling" in how
+    finest: Any = {"method": "DOP853", "allow_pulling": True} if pulls else {"method": "LSODA"}
+    found, known = simulate(scenario, times, **how), truth(scenario, times, **finest)
+    assert angles_apart(found, known) < within
+    assert (len(found.pulling) > 1) == pulls
 
 
 @pytest.mark.parametrize("simulated", [simulate, mbs_models.simulate])
