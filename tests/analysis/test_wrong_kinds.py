@@ -288,6 +288,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (scenario_text, {"scenario": Scenario(friction=Own(kind={1}))},
      r"kind cannot be written to a scenario's file"),
     (Trajectory, {"pulling": [(1.0,)]}, "pulling must hold first and last times, got"),
+    (Trajectory, {"times": [[0.0], [1.0, 2.0]]}, "times must be an array of real numbers, got"),
+    (Trajectory, {"counts": {3: 1}}, "counts must have names as its keys, got 3"),
     (analysis.energies, {"coordinates": np.zeros((3, 5))}, "coordinates must have shape .* got"),
     (analysis.energies, {"rates": np.zeros((3, 6))}, "rates must have shape .* got"),
     (PenaltyContact, {"stiffness": 2e12}, "stiffness must be above 0 and at most 1e"),
@@ -367,6 +369,7 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (fit_power_law, {"times": [0.0, 1.0], "values": [0.0, 1.0]}, "values must be positive, got 0"),
     (rolling.time_to_flat, {"scenario": PIVOTING}, "pivoting must be 0, .* got 0.01"),
     (fit_power_law, {"times": [0.0, 1.0], "values": [1.0, 0.5]}, "times must be 4 or more, got 2"),
+    (fit_power_law, {"values": [1.0]}, r"values must have shape \(2,\), got \(1,\)"),
     (fit_power_law, {"end": 0.005}, "end must lie behind the last time"),
     # Stationary and periodic motions.
     (stationary.stationary_motions, {"spin": 1e6}, "spin must lie from -100000 to 100000"),
