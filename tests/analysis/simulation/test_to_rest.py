@@ -312,11 +312,6 @@ TILTED = reaching("beta", LIMIT)
 
 
 @pytest.fixture(scope="module")
-def whole() -> SpatialMotion:
-    return simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3)
-
-
-@pytest.fixture(scope="module")
 def ended() -> SpatialMotion:
     return simulate_to_rest(SCENARIO, 0.3, tolerance=1e-3, stop_when=TILTED)
 
@@ -372,7 +367,7 @@ def test_ending_does_not_depend_on_how_far_apart_the_samples_are(
 
 
 def test_estimate_covers_the_time_of_an_ending_but_rest_which_both_runs_must_have(
-    settled: SpatialMotion, whole: SpatialMotion, ended: SpatialMotion
+    settled: SpatialMotion, ended: SpatialMotion
 ) -> None:
     assert estimate(1e-3, settled, later(settled, 2e-3)) < 1e-9
     # Both end at the same tilt: by the states alone, they would not differ.
@@ -385,7 +380,7 @@ def test_estimate_covers_the_time_of_an_ending_but_rest_which_both_runs_must_hav
     ahead = replace(later(ended, 1e-5), dissipated=taken)
     assert estimate(1.0, ended, ahead) == pytest.approx(1e-4 + 1e-5)
     with pytest.raises(ToleranceError, match="differ by inf"):
-        estimate(1.0, *[ended, whole] * 5)
+        estimate(1.0, *[ended, replace(ended, ending=None)] * 5)
 
 
 ROLLING_LOW = Scenario.rest(
