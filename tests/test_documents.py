@@ -21,9 +21,7 @@ from matplotlib import pyplot as plt
 
 import analysis
 import mbs_models
-from analysis import MODELS, Scenario, Start, simulate_to_rest
-from analysis.mechanics.paper import critical_speed
-from analysis.stability.critical import critical_speeds
+from analysis import Scenario, Start, simulate_to_rest
 from tests.calls import ROOT, python
 from tests.helpers import mostly_slow
 from tests.stated import chapter, missing, numbers, rows_below, stands, values, words
@@ -282,10 +280,3 @@ def test_hard_cases_are_those_of_the_stored_study() -> None:
     assert f"Of {found['total']} stiff and extreme cases" in SAID
     assert f"{found['without']} of the {found['total']} extreme cases" in SAID
     assert not found["broken"]
-
-
-def test_critical_speeds_are_those_that_come_out() -> None:
-    low, high = (crossing.spin for crossing in critical_speeds(Scenario()).hopf)
-    closed = critical_speed(Scenario(constraints=MODELS[4])).spin
-    assert f"critical speed of {closed:.2f} rad/s is confirmed" in SAID
-    assert f"they are {low:.2f} and {high:.2f}, in" in SAID

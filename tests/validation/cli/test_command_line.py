@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 from argparse import Action, BooleanOptionalAction
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,10 @@ def test_help_says_what_counts_as_inverted_and_what_ends_a_run() -> None:
     shown = " ".join(printed("rest --help").split())
     assert DEFINITION in shown
     assert f"exact time: {', '.join(CONDITIONS)}, or where" in shown
+
+
+def test_version_is_that_of_what_is_installed() -> None:
+    assert printed("--version") == f"tippedisk {version('tippedisk')}\n"
 
 
 @pytest.mark.parametrize(("command", "model"), [("simulate", 1), ("cycles", 4)])

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from analysis import Scenario
+from mbs_models.friction import slip_velocity
 from tests.faults import GONE, Rows, faults
 from tests.helpers import failing, not_none, random_trajectory
 from validation.page.section import Section
@@ -49,6 +50,9 @@ def test_measures_of_a_motion(inversions: pd.DataFrame) -> None:
     rate = np.gradient(run.cog_positions[rising, :2], run.times[rising], axis=0, edge_order=2)
     speed = np.sqrt(np.mean(np.sum(rate**2, axis=1)))
     assert found["cog_speed"] == pytest.approx(speed, rel=1e-2)
+    states = zip(run.coordinates[rising], run.rates[rising], strict=True)
+    slips = [slip_velocity(run.scenario.disk.radius, *state) for state in states]
+    assert found["slip_speed"] == pytest.approx(np.sqrt(2.0 * np.mean(np.square(slips))), rel=1e-9)
 
 
 def test_convergence_holds_from_half_a_second_on_or_is_no_convergence(

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from math import inf, nan
+from math import cos, inf, nan, sin
 from typing import Any
 from unittest.mock import Mock
 
@@ -126,6 +126,19 @@ def test_random_states_meet_the_constraints_and_use_every_freedom() -> None:
         slips = ("no-slip-along" in constraints) + ("no-slip-across" in constraints)
         lost = 2 * ("fixed-cog" in constraints) + slips
         assert np.sum(varied[[6, 7, 10, 11]] > 0.1) >= 4 - lost
+    soft = Scenario(contact=PenaltyContact(stiffness=1e5))
+    states = [comparisons.random_state(soft, rng) for _ in range(30)]
+    heights = [
+        each.coordinates[2] - soft.disk.radius * sin(each.coordinates[4]) for each in states
+    ]
+    # In contact and out of it, by some of the depth at rest, and on the way down and up.
+    depth = soft.weight / 1e5
+    assert -2.5 * depth < min(heights) < -depth < 0.0 < max(heights) < 2.5 * depth
+    moving = [
+        each.rates[2] - soft.disk.radius * cos(each.coordinates[4]) * each.rates[4]
+        for each in states
+    ]
+    assert min(moving) < -5e-3 < 5e-3 < max(moving)
 
 
 def accelerations(states: int, **fields: Any) -> Comparison:
@@ -151,7 +164,8 @@ def test_one_state_without_a_number_on_one_side_is_no_agreement(
 
 def test_accelerations_that_all_but_vanish_agree() -> None:
     held = ("contact", "fixed-cog", "no-slip-along", "no-slip-across")
-    assert accelerations(1000, constraints=held).agrees
+    # The slowest of these states is the 693rd.
+    assert accelerations(700, constraints=held).agrees
 
 
 def test_motions_are_compared_until_shortly_before_the_disk_lies_flat() -> None:
