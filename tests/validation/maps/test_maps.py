@@ -102,16 +102,18 @@ def test_face_is_up_once_the_disk_cannot_stand_on_its_rim_in_its_own_case(
     scenario = Scenario.rest(disk=disk) if to_rest else Scenario(disk=disk)
     wanted = sweep("gravity=1.62,9.81", scenario=scenario, to_rest=to_rest, spacing=1e-2)
     for number, gravity in enumerate((1.62, 9.81)):
-        for part, face, expected in (
-            (1.0 + 1e-6, 0.9, "not decided"),
-            (1.0 - 1e-6, 0.9, "upper face"),
-            (1.0 - 1e-6, -0.9, "lower face"),
+        for part, face, ending, expected in (
+            (1.0 + 1e-6, 0.9, None, "not decided"),
+            (1.0 + 1e-6, 0.9, "flat", "upper face"),
+            (1.0 - 1e-6, 0.9, None, "upper face"),
+            (1.0 - 1e-6, -0.9, None, "lower face"),
         ):
             # On the rim its contact gives way under the weight.
             weight = gravity * disk.mass
             given_way = 0.5 * weight**2 / scenario.penalty_contact.stiffness if to_rest else 0.0
             energy = part * (weight * LEAST[disk] - given_way)
             row = DONE | {"number": number, "energy_end": energy, "face_end": face}
+            row["ending"] = ending
             assert cell(wanted, row, by_face=True)["outcome"] == expected
 
 

@@ -170,9 +170,13 @@ def test_beyond_a_loss_the_predicted_deviation_grows_on_at_its_last_rate(soon: P
     assert soon["predicted"] == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_passage_does_not_depend_on_when_its_motion_begins(pair: SlowPair) -> None:
+def test_a_passage_does_not_depend_on_when_its_motion_begins_and_on_whole_turns(
+    pair: SlowPair,
+) -> None:
     motion = simulate(SOON_LOST, np.linspace(0.0, 3.0, 601), local_tolerance=1e-9)
-    found, later = (measure(replace(motion, times=motion.times + t), pair) for t in (0.0, 100.0))
+    turned = motion.coordinates + 4.0 * np.pi * np.eye(6)[5]
+    elsewhere = replace(motion, times=motion.times + 100.0, coordinates=turned)
+    found, later = (measure(each, pair) for each in (motion, elsewhere))
     for name in ("lost", "predicted"):
         assert later[name] == pytest.approx(100.0 + not_none(found[name]), abs=1e-6)
     np.testing.assert_allclose(later["linear"], found["linear"], rtol=1e-6)

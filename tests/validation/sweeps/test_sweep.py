@@ -54,6 +54,7 @@ def test_an_interrupt_is_no_failure_of_a_case(monkeypatch: pytest.MonkeyPatch) -
 
 def test_numbers_of_numpy_are_stored_as_those_of_python() -> None:
     numpys: dict[str, Any] = {"witnesses": np.int64(0), "tolerance": np.float32(0.5)}
+    numpys |= {"end": np.float32(0.5), "spacing": np.float32(0.25)}
     drawn = {"layout": "random", "number": np.int64(1), "seed": np.int64(2)}
     wanted = sweep("spin=1:2", layout=drawn, allow_pulling=np.True_, **numpys)
     axis = Axis(field="mu", first=0.1, last=0.2, count=np.int64(2), log=np.False_)  # type: ignore[arg-type]
