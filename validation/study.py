@@ -183,17 +183,16 @@ class Content:
     tables : mapping
         With headings as a reader wants them, units included. Each is shown by the text or given
         as a file.
-    figures : mapping
-    animations : mapping
-        Each an `Animation`.
+    figures, animations : mapping
+        Calls that draw each, made where the text shows it: checks need no picture.
     checks : sequence of Check
         Beside those that confirm what is stored.
     """
 
     numbers: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
-    figures: Mapping[str, "Figure"] = field(default_factory=dict)
-    animations: Mapping[str, Any] = field(default_factory=dict)
+    figures: Mapping[str, Callable[[], "Figure"]] = field(default_factory=dict)
+    animations: Mapping[str, Callable[[], Any]] = field(default_factory=dict)
     checks: Sequence[Check] = ()
 
     def __or__(self, other: "Content") -> "Content":

@@ -163,7 +163,7 @@ class Section:
 
     def figure(self, name: str, title: str, caption: str = "", wide: bool = False) -> str:
         """A figure, embedded."""
-        png, svg = drawn(Named(f"{self._text.name}: figures", dict(self._content.figures))[name])
+        png, svg = drawn(Named(f"{self._text.name}: figures", dict(self._content.figures))[name]())
         links = self._linked(name, f"{self.name}-{name}.png", png)
         links += ", " + self._linked(name, f"{self.name}-{name}.svg", svg)
         image = f'<img alt="{{}}" src="data:image/png;base64,{png}">'
@@ -182,7 +182,7 @@ class Section:
 
     def animation(self, name: str) -> str:
         """A player in the page, and as a page of its own; a page of text does not move."""
-        made = self._content.animations[name]
+        made = self._content.animations[name]()
         link = self._linked(name, f"{self.name}-{name}.html", made.text)
         page = f'{made.fragment}<p class="files">The animation alone: {link}</p>'
         return self._piece(page, "")

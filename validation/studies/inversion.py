@@ -1,6 +1,7 @@
 """The inversion from Table 3: Figures 7 to 9, engine against in-house equations."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from math import nan
 from typing import Any
 
@@ -127,11 +128,11 @@ def present(rows: Rows) -> Content:
         },
         tables={"agreement": apart},
         figures={
-            "snapshots": draw_instants(contact, INSTANTS),
-            "load": draw_load(runs),
-            "models": draw_models(runs),
+            "snapshots": partial(draw_instants, contact, INSTANTS),
+            "load": partial(draw_load, runs),
+            "models": partial(draw_models, runs),
         },
-        animations={"animation": contact.animate(title=TITLE, caption=caption)},
+        animations={"animation": partial(contact.animate, title=TITLE, caption=caption)},
         checks=[
             at_most(f"inversion, {row['model']}: {name}", row[name], limit)
             for row in apart.to_dict("records")

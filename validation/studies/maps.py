@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import pi
 from typing import Any, NamedTuple
 
@@ -189,9 +190,9 @@ def present(rows: Rows) -> Content:
             "repeated": _repeated(table),
         },
         figures={
-            "maps": figures.draw({PROBLEMS[name].title: found[name] for name in MAPS}),
-            "basins": figures.draw({each.sweep.scenario.name: each for each in basins}),
-            "rest": figures.draw({"": found["rest"]}),
+            "maps": partial(figures.draw, {PROBLEMS[name].title: found[name] for name in MAPS}),
+            "basins": partial(figures.draw, {each.sweep.scenario.name: each for each in basins}),
+            "rest": partial(figures.draw, {"": found["rest"]}),
         },
         checks=checks(table),
     )

@@ -37,6 +37,7 @@ def test_numbers_are_those_of_the_runs_and_all_checks_hold(rows: Rows) -> None:
     assert content.numbers["answer"] == "yes"
     assert content.checks
     assert not failing(content.checks)
+    assert all(draw().axes for draw in content.figures.values())
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """The study of maps: its stored cells, what it makes of them, and that its checks can fail."""
 
-from unittest.mock import MagicMock
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -69,7 +67,6 @@ def fine(exponent: float, error: float) -> Uncertainty:
 def test_verdicts_on_spins_and_boundaries_follow_their_criteria(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(maps, "figures", MagicMock())
     for apart, found, speeds, boundary in (
         ((0.0, 3.0), fine(0.8, 0.09), "yes", "yes"),
         ((0.0, 3.1), fine(0.8, 0.11), "partly", "not shown"),

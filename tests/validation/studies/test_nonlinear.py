@@ -1,9 +1,7 @@
 """The study of nonlinear dynamics: its page, its checks and its pictures."""
 
-from functools import cache
 from math import nan
 from pathlib import Path
-from unittest.mock import MagicMock
 
 import numpy as np
 import pandas as pd
@@ -13,7 +11,6 @@ from tests.faults import GONE, Rows, faults
 from tests.helpers import failing
 from validation.display.figures import new_figure
 from validation.nonlinear import figures
-from validation.nonlinear.passage import SlowPair
 from validation.page.section import Section
 from validation.studies.nonlinear import measured, section
 from validation.studies.nonlinear.measured import DISSIPATED, HELD_NAMES, ROTATING, SLOW, SWINGING
@@ -82,44 +79,30 @@ def test_the_section_is_filled_in_and_says_what_was_found(rows: Rows) -> None:
     assert "lost 9.0 to 9.0 s later" in made.verdicts[1].numbers
 
 
-PAIR = cache(SlowPair.of)
-
-
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(SlowPair, "of", PAIR)
-    drawn = MagicMock()
-    drawn.diagram.side_effect = lambda *_, **__: new_figure()[0]
-    monkeypatch.setattr(section, "figures", drawn)
-
-
 FITS = "fit over theory less 1"
 WRONG = (0.3, nan)
 LATE = f"{DISSIPATED}, engine"
 
-test_a_wrong_value_none_or_a_missing_row_fails_its_check = pytest.mark.usefixtures("undrawn")(
-    faults(
-        present,
-        [
-            *(
-                ("engine-cycles", "engine", name, f"cycles: {name}, engine", *WRONG)
-                for name in SAME_CYCLE
-            ),
-            ("engine-cycles", "engine", "", "cycles: ", GONE),
-            ("families", "end", "off", "cycles: end at the connection", *WRONG),
-            ("families", "birth", "fitted_curvature", f"spin over amplitude², {FITS}", *WRONG),
-            ("families", "birth", "fitted_exponent", f"power of the amplitude, {FITS}", *WRONG),
-            ("families", "end", "by_amplitude", f"over ln(π − amplitude), {FITS}", *WRONG),
-            ("connections", "disk of Table 1", "bracket", "connections: ", *WRONG, GONE),
-            ("passages", LATE, "lowest_spin", "passage: lowest_spin, engine", *WRONG),
-            ("passages", LATE, "crossing", "passage: crossing, engine", *WRONG),
-            ("passages", LATE, "", "passage", GONE),
-        ],
-    )
+test_a_wrong_value_none_or_a_missing_row_fails_its_check = faults(
+    present,
+    [
+        *(
+            ("engine-cycles", "engine", name, f"cycles: {name}, engine", *WRONG)
+            for name in SAME_CYCLE
+        ),
+        ("engine-cycles", "engine", "", "cycles: ", GONE),
+        ("families", "end", "off", "cycles: end at the connection", *WRONG),
+        ("families", "birth", "fitted_curvature", f"spin over amplitude², {FITS}", *WRONG),
+        ("families", "birth", "fitted_exponent", f"power of the amplitude, {FITS}", *WRONG),
+        ("families", "end", "by_amplitude", f"over ln(π − amplitude), {FITS}", *WRONG),
+        ("connections", "disk of Table 1", "bracket", "connections: ", *WRONG, GONE),
+        ("passages", LATE, "lowest_spin", "passage: lowest_spin, engine", *WRONG),
+        ("passages", LATE, "crossing", "passage: crossing, engine", *WRONG),
+        ("passages", LATE, "", "passage", GONE),
+    ],
 )
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_verdicts_come_out_otherwise_when_the_disk_behaves_otherwise(rows: Rows) -> None:
     families, passages = rows["families"], rows["passages"]
     families.loc[0, "stable"] = False

@@ -11,7 +11,7 @@ from tests.faults import Rows, faults
 from tests.helpers import failing
 from validation import study as studying
 from validation.studies.rest import closed_forms, creep, runs, section, starts
-from validation.study import Content, Row
+from validation.study import Row
 
 CLOSED = [
     {"case": name, "quantity": quantity, "exact": exact, "source": source, "value": exact}
@@ -38,17 +38,8 @@ def rows() -> Rows:
     return stored | {name: pd.DataFrame(told) for name, told in made.items()}
 
 
-def present(rows: Rows) -> Content:
-    """Checks of the section, without its figures and animation."""
-    table = pd.concat([rows[study.name] for study in (runs.STUDY, runs.FRESH)])
-    content = Content(checks=[*section.checks(table.set_index("case").to_dict("index"))])
-    for each in (creep, closed_forms, starts):
-        content |= each.present(rows[each.STUDY.name])
-    return content
-
-
 def test_all_holds(rows: Rows) -> None:
-    assert not failing(present(rows).checks)
+    assert not failing(section.present(rows).checks)
 
 
 RUNS, RUN, SEED = runs.STUDY.name, runs.ENGINE[runs.SHOWN], "random, seed 3"
@@ -56,7 +47,7 @@ BOTH = (": difference", ": engine against in-house")
 SHIFTED = "rest, stiffness doubled: phases in s apart from"
 
 test_what_departs_fails_its_check = faults(
-    present,
+    section.present,
     [
         (RUNS, RUN, "tilt", "tilt in rad", lambda x: [*x[:700], x[700] + 2e-3, *x[701:]]),
         (RUNS, RUN, "flat", "phases in s", nan),

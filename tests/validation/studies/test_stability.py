@@ -6,14 +6,13 @@ from math import nan
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.figure import Figure
 
 from analysis import Scenario
 from analysis.stability.critical import critical_speeds
 from tests.faults import GONE, Rows, faults
 from tests.helpers import failing, planted
 from validation import study as studying
-from validation.studies.stability import figures, measured
+from validation.studies.stability import measured
 from validation.studies.stability.section import STUDIES, present
 from validation.studies.stability.variants import PRINTED, reproduces, variants
 
@@ -48,12 +47,6 @@ def rows() -> Rows:
     values = made["eigenvalues"]
     places = np.arange(2 * len(measured.scenes())) % len(values)
     return made | {"eigenvalues": values.iloc[places].reset_index(drop=True)}
-
-
-@pytest.fixture(autouse=True)
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("figure_6", "figure_10", "figure_11", "chart"):
-        monkeypatch.setattr(figures, name, lambda *_: Figure())
 
 
 def test_all_holds_and_only_a_critical_speed_that_differs_is_not_the_printed_one(

@@ -63,7 +63,9 @@ def test_runs_to_a_tolerance_are_judged_by_the_cheapest_that_would_have_done() -
 def test_everything_stored_holds_but_for_what_is_broken_in_doubt_or_of_another_order() -> None:
     rows = {study.name: studying.load(study) for study in wp.STUDIES}
     assert set(rows["work-precision"]["case"]) == set(measuring.curves())
-    assert not failing(wp.present(rows).checks)
+    content = wp.present(rows)
+    assert not failing(content.checks)
+    assert content.figures["fronts"]().axes
     references, runs = (rows[study.name] for study in wp.STUDIES)
     asked, doubted = runs["kind"] == "tolerance", references["case"] == "model-2"
     steeper = runs.copy()

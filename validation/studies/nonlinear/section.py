@@ -1,6 +1,7 @@
 """What the report says of the nonlinear dynamics."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -89,9 +90,13 @@ def present(rows: Rows) -> Content:
             "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
-            "bifurcations": _bifurcations(_family(cycles, connection.spin, "amplitude"), rows),
-            "periods": _family(cycles, connection.spin, "period", "multiplier", "log10_strong"),
-            "passages": figures.passage_diagram(_named(followed[followed.source == "in-house"])),
+            "bifurcations": partial(_bifurcations, cycles, connection.spin, rows),
+            "periods": partial(
+                _family, cycles, connection.spin, "period", "multiplier", "log10_strong"
+            ),
+            "passages": partial(
+                figures.passage_diagram, _named(followed[followed.source == "in-house"])
+            ),
         },
         checks=[*_checks(rows, fits, apart, law.exponent)],
     )
@@ -119,8 +124,9 @@ def _family(cycles: list[Row], end: float, *names: str) -> Any:
     return figures.diagram([born, *cycles], names, marks={"heteroclinic": end})
 
 
-def _bifurcations(figure: Any, rows: Rows) -> Any:
+def _bifurcations(cycles: list[Row], connection: float, rows: Rows) -> Any:
     """Beside amplitudes over spin the stationary motions between them, and cycles of others."""
+    figure = _family(cycles, connection, "amplitude")
     hopf = critical_speed(PAPER).spin
     families, engine = rows[measured.FAMILIES.name], rows[measured.ENGINE.name]
     slow = families[families.case == measured.SLOW]

@@ -1,6 +1,7 @@
 """The way to rest: both sides, what it depends on, where the energy goes, and what is beside."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -105,16 +106,12 @@ def present(rows: Rows) -> Content:
     table = pd.concat([rows[study.name] for study in _RUNS]).set_index("case")
     courses: dict[str, Row] = table.to_dict("index")
     base = courses[INHOUSE[SHOWN]]
-    arrays: dict[str, Any] = {n: np.array(base[n]) for n in filled(SpatialMotion)}
-    shown = SpatialMotion(
-        scenario=runs.Case(SHOWN).scenario, source="in-house", rest_time=base["rest"], **arrays
-    )
     title, caption = "The whole way to rest", f"In-house: sliding, {SHOWN}."
     content = Content(
         numbers=numbers(courses),
         tables={"phases": phases(table, differences(courses)), "budget": budget(table)},
-        figures={"story": story(shown, courses[ENGINE[SHOWN]]["tilt"])},
-        animations={"animation": shown.animate(title=title, caption=caption)},
+        figures={"story": partial(story, base, courses[ENGINE[SHOWN]]["tilt"])},
+        animations={"animation": lambda: _motion(base).animate(title=title, caption=caption)},
         checks=[*checks(courses)],
     )
     for each in _BESIDE:
@@ -122,9 +119,15 @@ def present(rows: Rows) -> Content:
     return content
 
 
-def story(motion: SpatialMotion, tilt: Sequence[float]) -> Figure:
+def _motion(row: Row) -> SpatialMotion:
+    arrays: dict[str, Any] = {name: np.array(row[name]) for name in filled(SpatialMotion)}
+    scenario, rest_time = runs.Case(SHOWN).scenario, row["rest"]
+    return SpatialMotion(scenario=scenario, source="in-house", rest_time=rest_time, **arrays)
+
+
+def story(row: Row, tilt: Sequence[float]) -> Figure:
     """The whole story over time, with the tilt of the engine's run."""
-    figure = draw_story(motion)
+    figure = draw_story(_motion(row))
     dots = np.arange(0, len(tilt), _DOT)
     look: Any = {"color": COLOURS[2], "linestyle": "", "marker": ".", "markersize": 4}
     panel = figure.axes[0]

@@ -6,6 +6,7 @@ reference that two different methods agree on.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import product
 from math import inf
 from typing import Any
@@ -49,7 +50,7 @@ def present(rows: Rows) -> Content:
             "orders": found,
             "runs": rows[CURVES.name],
         },
-        figures={"fronts": fronts(runs, least)},
+        figures={"fronts": partial(fronts, runs, least)},
         checks=_checks(to_goals, least, found),
     )
 
