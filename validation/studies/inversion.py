@@ -1,7 +1,6 @@
 """The inversion from Table 3: Figures 7 to 9, engine against in-house equations."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from math import nan
 from typing import Any
 
@@ -128,11 +127,11 @@ def present(rows: Rows) -> Content:
         },
         tables={"agreement": apart},
         figures={
-            "snapshots": partial(draw_instants, contact, INSTANTS),
-            "load": partial(draw_load, runs),
-            "models": partial(draw_models, runs),
+            "snapshots": lambda: draw_instants(contact, INSTANTS),
+            "load": lambda: draw_load(runs),
+            "models": lambda: draw_models(runs),
         },
-        animations={"animation": partial(contact.animate, title=TITLE, caption=caption)},
+        animations={"animation": lambda: contact.animate(title=TITLE, caption=caption)},
         checks=[
             at_most(f"inversion, {row['model']}: {name}", row[name], limit)
             for row in apart.to_dict("records")

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from math import pi
 from typing import Any, NamedTuple
 
@@ -190,9 +189,9 @@ def present(rows: Rows) -> Content:
             "repeated": _repeated(table),
         },
         figures={
-            "maps": partial(figures.draw, {PROBLEMS[name].title: found[name] for name in MAPS}),
-            "basins": partial(figures.draw, {each.sweep.scenario.name: each for each in basins}),
-            "rest": partial(figures.draw, {"": found["rest"]}),
+            "maps": lambda: figures.draw({PROBLEMS[name].title: found[name] for name in MAPS}),
+            "basins": lambda: figures.draw({each.sweep.scenario.name: each for each in basins}),
+            "rest": lambda: figures.draw({"": found["rest"]}),
         },
         checks=checks(table),
     )

@@ -1,7 +1,6 @@
 """What the paper says of the motion: statements with criteria, measured numbers and verdicts."""
 
 from collections import Counter
-from functools import partial
 
 from validation.studies import inversion
 from validation.studies.claims import equations, linear, motion, pure_rolling, starts
@@ -56,7 +55,7 @@ def present(rows: Rows) -> Content:
             "random_starts": shares,
             "random_starts_engine": engine,
         },
-        figures={"attraction": partial(starts.draw, shares)},
+        figures={"attraction": lambda: starts.draw(shares)},
         checks=[
             *equations.checks(loss),
             *motion.checks(longs),

@@ -1,7 +1,6 @@
 """What the report says of the nonlinear dynamics."""
 
 from collections.abc import Iterator
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -90,12 +89,12 @@ def present(rows: Rows) -> Content:
             "passages": _frame(passage.passage_table(_named(passages))),
         },
         figures={
-            "bifurcations": partial(_bifurcations, cycles, connection.spin, rows),
-            "periods": partial(
-                _family, cycles, connection.spin, "period", "multiplier", "log10_strong"
+            "bifurcations": lambda: _bifurcations(cycles, connection.spin, rows),
+            "periods": lambda: _family(
+                cycles, connection.spin, "period", "multiplier", "log10_strong"
             ),
-            "passages": partial(
-                figures.passage_diagram, _named(followed[followed.source == "in-house"])
+            "passages": lambda: figures.passage_diagram(
+                _named(followed[followed.source == "in-house"])
             ),
         },
         checks=[*_checks(rows, fits, apart, law.exponent)],

@@ -1,7 +1,6 @@
 """The way to rest: both sides, what it depends on, where the energy goes, and what is beside."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -110,7 +109,7 @@ def present(rows: Rows) -> Content:
     content = Content(
         numbers=numbers(courses),
         tables={"phases": phases(table, differences(courses)), "budget": budget(table)},
-        figures={"story": partial(story, base, courses[ENGINE[SHOWN]]["tilt"])},
+        figures={"story": lambda: story(base, courses[ENGINE[SHOWN]]["tilt"])},
         animations={"animation": lambda: _motion(base).animate(title=title, caption=caption)},
         checks=[*checks(courses)],
     )

@@ -1,7 +1,6 @@
 """What the report says of the linear stability of spinning upright."""
 
 from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -50,10 +49,10 @@ def present(rows: Rows) -> Content:
             "eigenvalues": values.drop(columns=["spins", "real", "imag"]),
         },
         figures={
-            "figure-6": partial(figures.figure_6, full.loc["inverted"], found),
-            "figure-10": partial(figures.figure_10, first.loc[("Model 4", "inverted")], found),
-            "figure-11": partial(figures.figure_11, full.loc["noninverted"]),
-            "chart": partial(figures.chart, region),
+            "figure-6": lambda: figures.figure_6(full.loc["inverted"], found),
+            "figure-10": lambda: figures.figure_10(first.loc[("Model 4", "inverted")], found),
+            "figure-11": lambda: figures.figure_11(full.loc["noninverted"]),
+            "chart": lambda: figures.chart(region),
         },
         checks=list(_checks(values, found, tried, region)),
     )
