@@ -41,6 +41,8 @@ def test_what_is_drawn_on_a_range_is_shown_in_order(number: int) -> None:
     figure, results = drawn("spin=30:40", layout={"layout": "random", "number": number})
     spins = figure.axes[0].lines[0].get_xdata()
     np.testing.assert_array_equal(spins, np.sort(results.columns["start.spin"]))
+    with pytest.raises(ValueError, match=r"^layout must be grid, got random"):
+        results.on_grid("end")
 
 
 def test_two_axes_are_drawn_as_a_map_with_the_last_one_to_the_right() -> None:
