@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import lru_cache, partial
 from itertools import chain
+from traceback import walk_tb
 from types import SimpleNamespace
 from typing import Any
 
@@ -210,11 +211,17 @@ def solver(
         *numbers(scenario), force=law.force, contact_load=contact_load, **functions(law)
     )
 
+    # What a law of one's own divides by is no fault of the system.
+    of_law = [getattr(each, "__code__", None) for each in (type(law).per_speed, type(law).force)]
+
     def solve(*state: Any) -> tuple[Any, ...]:
         try:
             return code(*state)
         except ArithmeticError as error:
             cause = "" if isinstance(error, ZeroDivisionError) else f": {error}"
+            frames = walk_tb(error.__traceback__)
+            if not cause and any(frame.f_code in of_law for frame, _ in frames):
+                raise
             angles = [value_of(each) for each in state[3:6]]
             raise ArithmeticError(
                 f"singular index-1 system of {scenario.name} at alpha, beta, gamma = {angles}"

@@ -246,7 +246,7 @@ class Ensemble:
                     result = function(changed(self.scenario, {**words, **some}))
             except DividedError as divided:
                 pending += [(words, rows[~divided.mask]), (words, rows[divided.mask])]
-            except (ArithmeticError, TypeError, ValueError):
+            except Exception:  # noqa: BLE001 - a law of one's own may raise any
                 # It may be the error of some of them alone.
                 alone.append(rows)
             else:
@@ -275,7 +275,7 @@ def one_by_one(
     for row in rows:
         try:
             yield np.array([row]), function(scenarios[row])
-        except (ArithmeticError, ValueError) as error:
+        except Exception as error:  # noqa: BLE001 - a law of one's own may raise any
             yield np.array([row]), error
 
 

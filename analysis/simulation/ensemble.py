@@ -174,11 +174,13 @@ def _called(
             yield first, call(first, chunk)
         return
     if executor is None:
-        try:
-            pickle.dumps(call)
-        except (AttributeError, TypeError, pickle.PicklingError) as cause:
-            fault = "must hold functions that worker processes import by name, or workers be 1"
-            raise ArgumentError("stop_when", f"{fault}: {cause}") from cause
+        sent = [("stop_when", call), *(("scenarios", chunk) for chunk in chunks.values())]
+        for name, each in sent:
+            try:
+                pickle.dumps(each)
+            except (AttributeError, TypeError, pickle.PicklingError) as cause:
+                fault = "must hold what worker processes import by name, or workers be 1"
+                raise ArgumentError(name, f"{fault}: {cause}") from cause
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
         futures = {pool.submit(call, *each): each for each in chunks.items()}

@@ -84,8 +84,9 @@ class Trajectories(InCoordinates):
 
     def outcome(self, member: int) -> Trajectory | Exception:
         """Motion of a member, or the error that ended it."""
+        failed = self.failures.get(self.ensemble.number(member))
         try:
-            return self[member]
+            return failed or self[member]
         except (ArithmeticError, ValueError, OSError, RuntimeError) as error:
             return error
 

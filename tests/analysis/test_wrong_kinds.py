@@ -65,7 +65,7 @@ from analysis.stability.stationary_rolling import fit_power_law
 from mbs_models import Integrator, Newton, Scene
 from tests.calls import ROOT
 from tests.helpers import model, refusals
-from tests.wayward_law import Own
+from tests.wayward_law import Answering, Own
 from validation.studies import crosscheck
 from validation.sweeps.axes import Axis, Design
 from validation.sweeps.plan import Plan
@@ -329,7 +329,10 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (simulate_many, {"scenarios": [FULL, 3]}, r"scenarios\[1\] must be a Scenario, got 3"),
     (simulate_many,
      {"scenarios": 2 * [FULL], "workers": 2, "method": "RK45", "stop_when": CONDITIONS[0]},
-     "stop_when must hold functions that worker processes"),
+     "stop_when must hold what worker processes"),
+    (simulate_many,
+     {"scenarios": 2 * [model(1, friction=Answering(says=lambda _: 1.0))], "workers": 2,
+      "method": "RK45"}, "scenarios must hold what worker processes import by name, or"),
     (to_rest, {"local_tolerance": 2.0}, "local_tolerance must lie from 1e-13 to less th"),
     (to_rest, {"scenario": SHARP}, "half_thickness must be positive for the disk"),
     (to_rest, {"scenario": FULL}, "contact must be a PenaltyContact, got None"),

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import fields
@@ -38,6 +39,7 @@ from analysis.simulation.request import Request
 from analysis.solve.effort import simulation_effort
 from tests.helpers import EITHER_METHOD, TILTED, assert_close, model, needs_heyoka, not_none
 from tests.sweeps import sweep
+from tests.wayward_law import Answering
 from validation.sweeps.case import COLUMNS, NUMBERS, run_chunk
 
 TIMES = np.linspace(0.0, 1.0, 51)
@@ -194,6 +196,27 @@ def test_ensemble_refuses_what_a_scenario_refuses(level: Any) -> None:
 
 def killer(_: State) -> float:
     os._exit(1)
+
+
+def unlisted(speed: float) -> float:
+    return {True: 0.3 / (speed + 0.1)}[not 0.011 < speed < 0.02]
+
+
+def dividing(speed: float) -> float:
+    return 0.3 / (speed + 0.1) / (not 0.011 < speed < 0.02)
+
+
+@pytest.mark.parametrize(("says", "error"), [(unlisted, KeyError), (dividing, ZeroDivisionError)])
+def test_a_law_that_fails_on_the_way_ends_its_member_alone_as_it_says(
+    says: Callable[[float], float], error: type[Exception]
+) -> None:
+    members = [model(1), model(1, friction=Answering(says=says))]
+    good, failed = simulate_many(members, TIMES, workers=1, method="DOP853")
+    assert isinstance(good, Trajectory)
+    assert type(failed) is error
+    one = Ensemble(scenario=members[1], fields={"spin": np.array([40.0])})
+    runs = simulate_many(one, TIMES, workers=1, method="DOP853")
+    assert type(runs.outcome(0)) is type(runs.failures[0]) is error
 
 
 @pytest.mark.slow
