@@ -16,6 +16,7 @@ from analysis.problem.friction import (
     Stribeck,
     TanhCoulomb,
     ViscousFriction,
+    asked,
 )
 from analysis.problem.scenario import Scenario
 
@@ -26,7 +27,7 @@ LawForce = Callable[[float, float, float], tuple[float, float]]
 def law_force(law: FrictionLaw) -> LawForce:
     """Friction law for the engine; a law of the user's own is taken as it is."""
     written = _WRITTEN.get(type(law))
-    return law.force if written is None else written(law)
+    return asked(law, "force") if written is None else written(law)
 
 
 def _isotropic(resistance: Callable[[float, float], float]) -> LawForce:

@@ -82,7 +82,7 @@ def solving(system: Any) -> Iterator[None]:
         if raised is None or isinstance(raised, Ended):
             raise
         if isinstance(raised, ValueError | ArithmeticError) and (
-            str(raised).startswith(_OF_MATH) or _is_absurd(system)
+            str(raised.__cause__ or raised).startswith(_OF_MATH) or _is_absurd(system)
         ):
             raise exu.SolverError("a step was so long that the motion exploded") from error
         raise raised from None

@@ -12,7 +12,7 @@ import numpy as np
 from analysis.problem import elementary
 from analysis.problem.checks import Array
 from analysis.problem.elementary import asinh, atan2, cos, exp, hypot, log, sin, sqrt, tanh
-from analysis.problem.friction import LAWS, SPEEDS, FrictionLaw
+from analysis.problem.friction import LAWS, SPEEDS, FrictionLaw, asked
 from analysis.problem.names import ArgumentError
 
 
@@ -197,7 +197,8 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
     if isinstance(speed, np.ndarray):
         # Where there is none, 0 / 0 would be no force.
         speed = np.maximum(speed, _NO_SLIP * law.finest_speed)
-    with suppress(TypeError, ValueError, ZeroDivisionError):
+    # One that fails at floats, too, is told by those.
+    with suppress(Exception):
         moving: Any = Dual(speed, 1.0)
         found = law.per_speed(moving)
         # NumPy makes arrays that hold dual numbers.
@@ -209,13 +210,14 @@ def per_speed_and_slope(law: FrictionLaw, speed: Any) -> tuple[Any, Any]:
     nodes, weights = range(-3, 4), (-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60)
     if speed < 3.0 * step:
         nodes, weights = range(7), (-49 / 20, 6.0, -15 / 2, 20 / 3, -15 / 4, 6 / 5, -1 / 6)
-    near = [law.per_speed(speed + node * step) for node in nodes]
-    return law.per_speed(speed), float(np.dot(weights, near)) / step
+    ask = asked(law, "per_speed")
+    near = [ask(speed + node * step) for node in nodes]
+    return ask(speed), float(np.dot(weights, near)) / step
 
 
 def of_floats(law: FrictionLaw) -> Functions:
     """Functions of floats for a body that a friction law acts on."""
-    return {**_OF_FLOATS, "speed": math.hypot, "per_speed": law.per_speed}
+    return {**_OF_FLOATS, "speed": math.hypot, "per_speed": asked(law, "per_speed")}
 
 
 def of_duals(law: FrictionLaw) -> Functions:

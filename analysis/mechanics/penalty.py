@@ -24,6 +24,7 @@ from analysis.problem.bodies import noting
 from analysis.problem.checks import Array
 from analysis.problem.contact import FULL_GRIP
 from analysis.problem.elementary import Numbers, hypot, sqrt
+from analysis.problem.friction import asked
 from analysis.problem.scenario import Scenario
 
 
@@ -268,6 +269,7 @@ def contact_functions(scenario: Scenario) -> Functions:
     """
     contact: Any = scenario.contact
     weight, law = scenario.weight, scenario.friction
+    asks = asked(law, "force")
     holds = scenario.may_pull
     fades = not (holds or law.follows_contact)
 
@@ -291,7 +293,7 @@ def contact_functions(scenario: Scenario) -> Functions:
     def force(along: Any, across: Any, normal: Any) -> tuple[Any, Any]:
         if not (normal > 0.0 or holds):
             return 0.0, 0.0
-        x, y = law.force(along, across, pressing(normal))
+        x, y = asks(along, across, pressing(normal))
         part = grip(normal)
         return part * x, part * y
 

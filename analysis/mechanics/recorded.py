@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from functools import lru_cache, partial
 from itertools import chain
-from traceback import walk_tb
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,7 +28,7 @@ from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.elementary import Numbers
-from analysis.problem.friction import FrictionLaw
+from analysis.problem.friction import FrictionLaw, LawError, asked
 from analysis.problem.limits import CONTACT_JAMS, JAMMING
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
@@ -63,8 +62,10 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     alone, per_along, per_across, along, across = given
     force, by_along, by_across, slip_x, slip_y = map(value_of, given)
 
+    ask = asked(law, "force")
+
     def missing(load: float) -> float:
-        x, y = law.force(slip_x, slip_y, load)
+        x, y = ask(slip_x, slip_y, load)
         return float(load - (force + by_along * x + by_across * y))
 
     pressing, low = -missing(0.0), 0.0
@@ -83,9 +84,9 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     if not any(isinstance(each, Dual) for each in given):
         return load
     # One step of Newton's from the value is exact for its derivative.
-    x, y = law.force(along, across, load)
+    x, y = ask(along, across, load)
     change = dual(alone + per_along * x + per_across * y).change
-    x, y = law.force(slip_x, slip_y, Dual(load, 1.0))
+    x, y = ask(slip_x, slip_y, Dual(load, 1.0))
     feedback = dual(by_along * x + by_across * y).change
     return Dual(load, change / (1.0 - feedback))
 
@@ -208,20 +209,16 @@ def solver(
         return free_solver(scenario, EulerAngles, functions(law))
     contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
     code = formula(Structure.of(scenario))(
-        *numbers(scenario), force=law.force, contact_load=contact_load, **functions(law)
+        *numbers(scenario), force=asked(law, "force"), contact_load=contact_load, **functions(law)
     )
-
-    # What a law of one's own divides by is no fault of the system.
-    of_law = [getattr(each, "__code__", None) for each in (type(law).per_speed, type(law).force)]
 
     def solve(*state: Any) -> tuple[Any, ...]:
         try:
             return code(*state)
+        except LawError:
+            raise
         except ArithmeticError as error:
             cause = "" if isinstance(error, ZeroDivisionError) else f": {error}"
-            frames = walk_tb(error.__traceback__)
-            if not cause and any(frame.f_code in of_law for frame, _ in frames):
-                raise
             angles = [value_of(each) for each in state[3:6]]
             raise ArithmeticError(
                 f"singular index-1 system of {scenario.name} at alpha, beta, gamma = {angles}"

@@ -13,7 +13,7 @@ from analysis.problem.body import Body
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS, demanded
 from analysis.problem.elementary import cos, sin
-from analysis.problem.friction import FrictionLaw
+from analysis.problem.friction import FrictionLaw, asked
 from analysis.problem.scenario import Scenario
 
 
@@ -80,7 +80,7 @@ def solver(
     """
     law = scenario.friction
     code = formula(is_simple=law.is_simple, about_inverted=about_inverted)
-    return code(*numbers(scenario), spin, force=law.force, **functions(law))
+    return code(*numbers(scenario), spin, force=asked(law, "force"), **functions(law))
 
 
 def right_hand_side(

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from math import isfinite
 
 from analysis.problem.checks import choice, number, several
 from analysis.problem.elementary import sin
@@ -119,15 +118,17 @@ class Turning:
         """
         is_named = self.condition in CONDITIONS.values()
         said = self.condition(state)
-        is_number = isinstance(state.coordinates[0], float)
-        if is_number and not (type(said) is float and isfinite(said)):
+        if isinstance(state.coordinates[0], float):
             try:
                 said = number("it", said)
             except ValueError as error:
-                fault = f"must say a number of every State: {error} for {state}"
-                name = f"stop_when {_name_of(self.condition)}"
-                raise ArgumentError("stop_when", fault, name) from error
+                raise self.refused(f"{error} for {state}") from error
         return said - (LEAST if is_named else ROUNDING)
+
+    def refused(self, why: str) -> ArgumentError:
+        """The error of a condition that is none."""
+        name = f"stop_when {_name_of(self.condition)}"
+        return ArgumentError("stop_when", f"must say a number of a State: {why}", name)
 
 
 def each_condition(stop_when: StopWhen) -> list[str | Condition]:
@@ -164,13 +165,14 @@ def named_conditions(stop_when: StopWhen, state: State | None = None) -> dict[st
 
 
 def try_conditions(conditions: Mapping[str, Turning], state: State) -> None:
-    """Raise `ValueError` if one of some conditions says no number of a state."""
-    for name, each in conditions.items():
+    """Raise `ValueError` if one of some conditions fails, or says no number of a state."""
+    for each in conditions.values():
         try:
-            number("it", each.condition(state))
+            each(state)
+        except ArgumentError:
+            raise
         except (Exception, SystemExit) as error:
-            fault = f"must say a number of a State: {error_text(error, ValueError)}"
-            raise ArgumentError("stop_when", fault, f"stop_when {name}") from error
+            raise each.refused(error_text(error)) from error
 
 
 def check_condition_name(name: str) -> str:

@@ -144,9 +144,10 @@ def failure(error: BaseException) -> Row:
         status = "crashed"
     else:
         status = "refused" if isinstance(error, ValueError) else "failed"
-    # What ends a program, such as SystemExit, says little by itself.
+    # What ends a program, such as SystemExit, says little by itself; notes tell whose fault it is.
     reason = str(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
-    return failed(status, reason or type(error).__name__)
+    notes = "; ".join(getattr(error, "__notes__", ()))
+    return failed(status, notes or reason or type(error).__name__)
 
 
 def failed(status: str, reason: str) -> Row:

@@ -1,15 +1,17 @@
 """Friction laws of the contact."""
 
 from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, isfinite, sin
 from typing import Any, ClassVar
 
 from analysis.problem.checks import Described, bound, numbers, positive, within
 from analysis.problem.elementary import exp, hypot, tanh
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import STEEPEST_FRICTION, Load, default
-from analysis.problem.user_modules import Kinds
+from analysis.problem.user_modules import Kinds, error_text, place
 
 _LITTLE = 1e-7
 """Slip over the finest speed of a law at which its force is still linear."""
@@ -405,6 +407,57 @@ _LOADS = (0.1, 10.0)
 
 SPEEDS = tuple(10.0**power for power in range(-6, 2))
 """Slip speeds in m/s at which one is tried before a run."""
+
+
+class LawError(ArithmeticError):
+    """A friction law of one's own cannot be worked out at some slip, or says no number there."""
+
+
+def asked(law: FrictionLaw, name: str) -> Callable[..., Any]:
+    """What says `per_speed` or `force` of a law; one of one's own is blamed for what goes wrong.
+
+    Returns
+    -------
+    callable
+        It raises `LawError` where the law meets an `ArithmeticError` or says no finite numbers,
+        asked with finite floats. What else it raises goes on, with a note.
+    """
+    ask = getattr(law, name)
+    if type(law) in LAWS.values():
+        return ask
+
+    def told(*given: Any) -> Any:
+        try:
+            said = ask(*given)
+        except Exception as error:
+            if not _are_finite(given):
+                raise
+            fault = f"{_at(law, name, given)} fails: {error_text(error)}"
+            fault += place(error, type(law).__module__)
+            if isinstance(error, ArithmeticError):
+                raise LawError(fault) from error
+            error.add_note(fault)
+            raise
+        with suppress(TypeError, ValueError):
+            along, across = said if name == "force" else (said, 0.0)
+            if isfinite(along + across):
+                return said
+        if not _are_finite(given):
+            return said
+        raise LawError(f"{_at(law, name, given)} must say finite numbers, got {said!r}")
+
+    return told
+
+
+def _are_finite(given: Sequence[Any]) -> bool:
+    """Whether a law is asked with plain numbers; a step that was too long asks with others."""
+    return all(isinstance(each, float) and isfinite(each) for each in given)
+
+
+def _at(law: FrictionLaw, name: str, given: Sequence[float]) -> str:
+    """What a law is asked, in words."""
+    listed = ", ".join(f"{each:.6g}" for each in given)
+    return f"friction law {LAWS.name_of(type(law))!r}: {name}({listed})"
 
 
 def check_answers(law: FrictionLaw) -> None:

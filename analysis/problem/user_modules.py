@@ -53,12 +53,13 @@ def user_object(what: str, name: str, argument: str = "") -> Any:
         return attrgetter(attribute)(import_module(module))
     except (Exception, SystemExit) as error:  # a module of one's own may fail in any way
         fault = f"cannot be loaded: {error_text(error, ImportError, AttributeError)}"
-        fault += _place(error, module.rpartition(".")[2])
+        fault += place(error, module)
         raise ArgumentError(argument or what, fault, f"{what} {name!r}") from error
 
 
-def _place(error: BaseException, module: str) -> str:
+def place(error: BaseException, module: str) -> str:
     """Where in the file of a module an error was raised, in words; empty if it was not there."""
+    module = module.rpartition(".")[2]
     frames = extract_tb(error.__traceback__)
     files = ((Path(each.filename), each.lineno) for each in frames)
     lines = [line for file, line in files if file.stem == module]
@@ -155,7 +156,8 @@ class Kinds(Named[str, type[T]]):
             if isinstance(error, ArgumentError) and error.argument == self._key:
                 raise
             subject = f"{self._what} {self.name_of(type(one))!r}:"
-            raise ArgumentError(self._key, error_text(error, ValueError), subject) from error
+            fault = error_text(error, ValueError) + place(error, type(one).__module__)
+            raise ArgumentError(self._key, fault, subject) from error
 
 
 def reads(function: Any, kind: type | None = None) -> tuple[Any, ...]:

@@ -21,6 +21,7 @@ from analysis.problem.names import ArgumentError, full_name
 from analysis.problem.quantities import RING, SIX, declared
 from analysis.problem.scenario import KINDS, Scenario, as_plain, made_part, maker, told_constraints
 from analysis.problem.start import Start
+from analysis.problem.user_modules import error_text
 from analysis.problem.values import Value, read_value
 
 T = TypeVar("T")
@@ -246,7 +247,7 @@ class Ensemble:
                     result = function(changed(self.scenario, {**words, **some}))
             except DividedError as divided:
                 pending += [(words, rows[~divided.mask]), (words, rows[divided.mask])]
-            except Exception:  # noqa: BLE001 - a law of one's own may raise any
+            except (Exception, SystemExit):  # noqa: BLE001 - a law of one's own may raise any
                 # It may be the error of some of them alone.
                 alone.append(rows)
             else:
@@ -277,6 +278,8 @@ def one_by_one(
             yield np.array([row]), function(scenarios[row])
         except Exception as error:  # noqa: BLE001 - a law of one's own may raise any
             yield np.array([row]), error
+        except SystemExit as error:
+            yield np.array([row]), RuntimeError(error_text(error))
 
 
 def _values(name: str, given: npt.ArrayLike) -> Values:

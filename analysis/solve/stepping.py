@@ -399,14 +399,11 @@ def _taken(solver: Any) -> str | None:
     """Message of a step that a solver takes.
 
     A stage of an explicit one may lie beyond where there is a solution, although the motion does
-    not go there: the step is then taken shorter and shorter. What a law of one's own divides by is
-    nothing to come closer to.
+    not go there: the step is then taken shorter and shorter.
     """
     for _ in range(SHORTENED * isinstance(solver, _EXPLICIT)):
         try:
             return solver.step()
-        except ZeroDivisionError:
-            raise
         except ArithmeticError:
             solver.h_abs *= 0.1
     return solver.step()

@@ -2,12 +2,14 @@
 
 import os
 import pickle
+import re
+import sys
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import fields
 from functools import partial
-from math import pi
+from math import nan, pi
 from typing import Any, cast
 
 import numpy as np
@@ -32,6 +34,7 @@ from analysis import (
     simulate_to_rest,
 )
 from analysis.motion.outcomes import DONE, OUTCOMES, Row
+from analysis.problem.friction import LawError
 from analysis.problem.variations import changed
 from analysis.simulation import ensemble as many
 from analysis.simulation.compiled.systems import Structure
@@ -198,24 +201,37 @@ def killer(_: State) -> float:
     os._exit(1)
 
 
-def unlisted(speed: float) -> float:
-    return {True: 0.3 / (speed + 0.1)}[not 0.011 < speed < 0.02]
+def of_list(_: float) -> Any:
+    return dict[str, Any]()["slip"]
 
 
-def dividing(speed: float) -> float:
-    return 0.3 / (speed + 0.1) / (not 0.011 < speed < 0.02)
+OF_LAW = r"^friction law 'tests.wayward_law:Answering': per_speed\(0.01\d*\) "
+PLACE = r", in line \d+ of wayward_law.py$"
+FAILING: dict[str, tuple[Callable[[float], Any], type[Exception]]] = {
+    f"{OF_LAW}fails: KeyError: 'slip'{PLACE}": (of_list, KeyError),
+    f"{OF_LAW}fails: ZeroDivisionError: .*{PLACE}": (lambda speed: speed / 0.0, LawError),
+    f"{OF_LAW}must say finite numbers, got nan$": (lambda _: nan, LawError),
+    f"{OF_LAW}must say finite numbers, got None$": (lambda _: None, LawError),
+    f"{OF_LAW}must say finite numbers, got 1j$": (lambda _: 1j, LawError),
+    rf"{OF_LAW}must say finite numbers, got array\(": (lambda _: np.ones(2), LawError),
+    "^SystemExit: stuck$": (lambda _: sys.exit("stuck"), RuntimeError),
+}
 
 
-@pytest.mark.parametrize(("says", "error"), [(unlisted, KeyError), (dividing, ZeroDivisionError)])
-def test_a_law_that_fails_on_the_way_ends_its_member_alone_as_it_says(
-    says: Callable[[float], float], error: type[Exception]
+@pytest.mark.parametrize("method", ["DOP853", "Radau", "LSODA"])
+@pytest.mark.parametrize("reason", FAILING)
+def test_a_law_that_fails_on_the_way_ends_its_member_alone_and_is_blamed(
+    reason: str, method: str
 ) -> None:
-    members = [model(1), model(1, friction=Answering(says=says))]
-    good, failed = simulate_many(members, TIMES, workers=1, method="DOP853")
+    fails, error = FAILING[reason]
+    law = Answering(says=lambda v: fails(v) if 0.011 < v < 0.02 else 0.3 / (v + 0.1))
+    how: dict[str, Any] = {"workers": 1, "method": method, "tolerance": 1e-6}
+    good, failed = simulate_many([model(1), model(1, friction=law)], TIMES, **how)
     assert isinstance(good, Trajectory)
     assert type(failed) is error
-    one = Ensemble(scenario=members[1], fields={"spin": np.array([40.0])})
-    runs = simulate_many(one, TIMES, workers=1, method="DOP853")
+    assert re.match(reason, cast("str", outcomes([failed]).columns["reason"][0]))
+    one = Ensemble(scenario=model(1, friction=law), fields={"spin": np.array([40.0])})
+    runs = simulate_many(one, TIMES, **how)
     assert type(runs.outcome(0)) is type(runs.failures[0]) is error
 
 
