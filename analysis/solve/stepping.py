@@ -20,6 +20,7 @@ from analysis.motion.endings import CONTACT_WOULD_PULL, TIME_LIMIT, Ending
 from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.choices import Method
+from analysis.problem.friction import LawError
 from analysis.problem.scenario import Scenario
 from analysis.solve.watch import Lookout, StateFunction, Step, Watch
 
@@ -404,6 +405,8 @@ def _taken(solver: Any) -> str | None:
     for _ in range(SHORTENED * isinstance(solver, _EXPLICIT)):
         try:
             return solver.step()
+        except LawError:
+            raise
         except ArithmeticError:
             solver.h_abs *= 0.1
     return solver.step()

@@ -225,7 +225,7 @@ def test_a_law_that_fails_on_the_way_ends_its_member_alone_and_is_blamed(
 ) -> None:
     fails, error = FAILING[reason]
     law = Answering(says=lambda v: fails(v) if 0.011 < v < 0.02 else 0.3 / (v + 0.1))
-    how: dict[str, Any] = {"workers": 1, "method": method, "tolerance": 1e-6}
+    how: dict[str, Any] = {"workers": 1, "method": method, "tolerance": 1e-7}
     good, failed = simulate_many([model(1), model(1, friction=law)], TIMES, **how)
     assert isinstance(good, Trajectory)
     assert type(failed) is error
