@@ -1,12 +1,14 @@
 """Many runs of the in-house equations at once."""
 
 import pickle
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import ExitStack
 from functools import partial
 from math import nan
 from os import cpu_count
+from pathlib import Path
 from time import process_time
 from typing import Any, overload
 
@@ -174,13 +176,9 @@ def _called(
             yield first, call(first, chunk)
         return
     if executor is None:
-        sent = [("stop_when", call), *(("scenarios", chunk) for chunk in chunks.values())]
-        for name, each in sent:
-            try:
-                pickle.dumps(each)
-            except (AttributeError, TypeError, pickle.PicklingError) as cause:
-                fault = "must hold what worker processes import by name, or workers be 1"
-                raise ArgumentError(name, f"{fault}: {cause}") from cause
+        _check_sent("stop_when", call)
+        for chunk in chunks.values():
+            _check_sent("scenarios", chunk)
     with ExitStack() as stack:
         pool = executor or stack.enter_context(Pool(min(workers, len(chunks))))
         futures = {pool.submit(call, *each): each for each in chunks.items()}
@@ -192,6 +190,21 @@ def _called(
                 yield first, ([], dict.fromkeys(range(first, first + len(chunk)), error), nan)
             else:
                 yield first, future.result()
+
+
+def _check_sent(name: str, sent: Any) -> None:
+    """Raise `ArgumentError` if worker processes cannot be given something."""
+    main, fault = sys.modules["__main__"], ""
+    try:
+        is_typed = b"__main__" in pickle.dumps(sent)
+    except Exception as error:  # noqa: BLE001 - what is one's own may fail in any way
+        fault = str(error)
+    else:
+        if is_typed and not (main.__spec__ or Path(getattr(main, "__file__", "")).is_file()):
+            fault = "what is typed in, or read from a pipe, lies in no file"
+    if fault:
+        wanted = "must hold what worker processes import by name, or workers be 1"
+        raise ArgumentError(name, f"{wanted}; write it in a file of its own: {fault}")
 
 
 def _run(request: Request, first: int, scenarios: Scenarios) -> Motions:

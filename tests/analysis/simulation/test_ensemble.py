@@ -40,6 +40,7 @@ from analysis.simulation import ensemble as many
 from analysis.simulation.compiled.systems import Structure
 from analysis.simulation.request import Request
 from analysis.solve.effort import simulation_effort
+from tests.calls import python
 from tests.helpers import EITHER_METHOD, TILTED, assert_close, model, needs_heyoka, not_none
 from tests.sweeps import sweep
 from tests.wayward_law import Answering
@@ -233,6 +234,19 @@ def test_a_law_that_fails_on_the_way_ends_its_member_alone_and_is_blamed(
     one = Ensemble(scenario=model(1, friction=law), fields={"spin": np.array([40.0])})
     runs = simulate_many(one, TIMES, **how)
     assert type(runs.outcome(0)) is type(runs.failures[0]) is error
+
+
+def test_what_lies_in_no_file_is_not_sent_to_workers() -> None:
+    code = """
+from analysis import Scenario, SmoothCoulomb, simulate_many
+class Typed(SmoothCoulomb): pass
+members = 2 * [Scenario(friction=Typed())]
+for workers in 1, 2:
+    print(len(simulate_many(members, [0.0, 0.1], workers=workers, method="RK45")))
+"""
+    done = python("-c", code, code=1)
+    assert done.stdout == "2\n"
+    assert "write it in a file of its own: what is typed in" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow
