@@ -38,6 +38,9 @@ FIT, ROOT = 1e-3, 0.03
 SOON = 1.0
 """Time in s after a crossing within which a disk would be lost there."""
 
+DRAWN = ("period", "multiplier", "log10_strong")
+"""What is drawn of cycles besides amplitudes."""
+
 HELD = ["amplitude", "spin", "period", "half_multiplier", "complex_multiplier", "stable"]
 """What is told of cycles at held spin,"""
 
@@ -90,12 +93,8 @@ def present(rows: Rows) -> Content:
         },
         figures={
             "bifurcations": lambda: _bifurcations(cycles, connection.spin, rows),
-            "periods": lambda: _family(
-                cycles, connection.spin, "period", "multiplier", "log10_strong"
-            ),
-            "passages": lambda: figures.passage_diagram(
-                _named(followed[followed.source == "in-house"])
-            ),
+            "periods": lambda: _family(cycles, connection.spin, *DRAWN),
+            "passages": lambda: _passages(followed),
         },
         checks=[*_checks(rows, fits, apart, law.exponent)],
     )
@@ -113,6 +112,10 @@ def _frame(table: Table) -> pd.DataFrame:
 
 def _named(passages: pd.DataFrame) -> list[tuple[str, Row]]:
     return [(each["case"], each) for each in passages.to_dict("records")]
+
+
+def _passages(followed: pd.DataFrame) -> Any:
+    return figures.passage_diagram(_named(followed[followed.source == "in-house"]))
 
 
 def _family(cycles: list[Row], end: float, *names: str) -> Any:
