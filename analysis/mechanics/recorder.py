@@ -124,6 +124,15 @@ class Symbol:
     def __str__(self) -> str:
         return self.name
 
+    # Whether two are equal, or one is zero, nobody knows yet; the same one stands for one key.
+    __hash__ = object.__hash__
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError("what depends on whether a number equals another one cannot be recorded")
+
+    def __bool__(self) -> bool:
+        raise TypeError("what depends on whether a number is zero cannot be recorded")
+
     def __neg__(self) -> "Symbol":
         return self.recorder.keep("-{}", self)
 

@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from analysis.problem.body import Body, Triple
-from analysis.problem.checks import Array, bound, number, numbers, one, within
+from analysis.problem.checks import Array, bound, number, numbers, one, several, within
 from analysis.problem.disk import Disk
 from analysis.problem.elementary import Members, cos, sin, sqrt
 from analysis.problem.names import ArgumentError
 from analysis.problem.quantities import default
-from analysis.problem.user_modules import Kinds
+from analysis.problem.user_modules import Kinds, error_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,13 +117,17 @@ def check_surface(body: Body) -> None:
     with BODIES.answering(body):
         _check_kind(body)
         hash(body)
-        for each in body.SURFACE or ():
+        for each in several("SURFACE", body.SURFACE or (), "names of fields"):
             number(each, getattr(body, each))
         if body.SURFACE is not None:
             # Whatever else it depends on, code for all of them would not know.
             told = {each: np.atleast_1d(getattr(body, each)) for each in ("radius", *body.SURFACE)}
             one_like: Any = SimpleNamespace(**{k: each.view(Members) for k, each in told.items()})
-            type(body).lowest_point(one_like, _DIRECTIONS[1])
+            try:
+                type(body).lowest_point(one_like, _DIRECTIONS[1])
+            except AttributeError as error:
+                fault = f"must name all that the surface depends on, and lacks {error.name}"
+                raise ArgumentError("SURFACE", fault) from error
         for up in _DIRECTIONS[body.has_edge :]:
             what = f"lowest_point({up})"
             point = numbers(what, body.lowest_point(up), "xyz")
@@ -134,17 +138,18 @@ def check_surface(body: Body) -> None:
 
 @contextmanager
 def noting(body: Body | type[Body] | None) -> Iterator[None]:
-    """Tell that a surface of one's own cannot be asked with symbols as a fault of its class."""
+    """Tell that a surface of one's own cannot be asked with symbols or arrays as its fault."""
     try:
         yield
-    except TypeError as error:
+    except Exception as error:
         kind: Any = body if isinstance(body, type) else type(body)
         if body is None or kind in BODIES.values():
             raise
         raise ArgumentError(
             "body",
             "must tell its lowest point by the four operations and the functions of "
-            f"`analysis.problem.elementary`, not those of NumPy or `math`: {error}",
+            "`analysis.problem.elementary`, not those of NumPy or `math`, and by the same ones "
+            f"for all verticals: {error_text(error, TypeError)}",
             f"body {BODIES.name_of(kind)!r}",
         ) from error
 

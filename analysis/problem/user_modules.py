@@ -59,11 +59,11 @@ def user_object(what: str, name: str, argument: str = "") -> Any:
 
 def place(error: BaseException, module: str) -> str:
     """Where in the file of a module an error was raised, in words; empty if it was not there."""
-    module = module.rpartition(".")[2]
-    frames = extract_tb(error.__traceback__)
-    files = ((Path(each.filename), each.lineno) for each in frames)
-    lines = [line for file, line in files if file.stem == module]
-    return f", in line {lines[-1]} of {module}.py" if lines else ""
+    # One that fails as it is imported is not there afterwards.
+    path, name = getattr(sys.modules.get(module), "__file__", None), module.rpartition(".")[2]
+    frames = [(each.filename, each.lineno) for each in extract_tb(error.__traceback__)]
+    lines = [line for file, line in frames if (path or file) == file and Path(file).stem == name]
+    return f", in line {lines[-1]} of {name}.py" if lines else ""
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from analysis.motion.endings import (
 from analysis.motion.sampled import Setting
 from analysis.motion.spatial_motion import MOTION_COLUMNS, SpatialMotion
 from analysis.motion.trajectory import versions
+from analysis.problem.bodies import noting
 from analysis.problem.checks import (
     Array,
     TimeLimitError,
@@ -122,6 +123,9 @@ class WayToRest(ABC):
         tell = optional(function, "progress", progress)
         # A stretch knows no end but its own.
         self.watch = Watch(time_limit, tell and (lambda reached, _: tell(reached, end)))
+        # Its surface is asked in many directions at once.
+        with noting(scenario.disk):
+            self._low = scenario.penalty_contact.resting_height(scenario.disk, scenario.weight)
         self.build()
         (kinetic,), (height,) = self.still(self.start[None])
         self.energy = float(kinetic + scenario.weight * height)
@@ -224,11 +228,11 @@ class WayToRest(ABC):
         """Index of the first of states from which on the disk is at rest for long enough."""
         kinetic, height = self.still(states)
         scenario, disk = self.scenario, self.scenario.disk
-        low = scenario.penalty_contact.resting_height(disk, scenario.weight)
         # On a table that leans, a body lies balanced where its centre of gravity is above the
         # contact point, which is higher by less than this.
-        leaning = 2.0 * low * tan(scenario.table.inclination)
-        rise = height - low - np.clip(height - low, 0.0, leaning)
+        leaning = 2.0 * self._low * tan(scenario.table.inclination)
+        above = height - self._low
+        rise = above - np.clip(above, 0.0, leaning)
         parts = kinetic / (scenario.weight * disk.radius), rise / disk.radius
         return self.criterion.first(*parts, float(self.times[1]))
 

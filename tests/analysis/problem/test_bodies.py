@@ -20,6 +20,7 @@ from analysis import (
     Scenario,
     Sphere,
     simulate,
+    simulate_to_rest,
 )
 from analysis.mechanics.paper import critical_speed
 from analysis.problem import bodies
@@ -184,6 +185,18 @@ def of_numpy(body: Body, up: Any, _: Any = 0.0) -> Any:
     return tuple(-body.radius * each / size for each in up)
 
 
+def with_poles(body: Body, up: Any, _: Any = 0.0) -> Any:
+    """A sphere that is told in another way where it stands upright."""
+    x, y, z = (-body.radius * each for each in up)
+    return (0.0, 0.0, z) if up[2] == 1.0 else (x, y, z)
+
+
+def with_a_waist(body: Body, up: Any, _: Any = 0.0) -> Any:
+    """A sphere that is told in another way where it lies."""
+    x, y, z = (-body.radius * each for each in up)
+    return (x, y, z) if up[2] else (x, y, 0.0)
+
+
 composed, made = partial(partial, Disk.of_parts), partial(partial, bodies.BODIES.made)
 scenario = partial(partial, Scenario)
 DRAG = {"contact": PenaltyContact.rounded(ELLIPSE), "dissipation": Dissipation(air_drag=1.2)}
@@ -214,9 +227,24 @@ REFUSED: dict[str, Callable[[], Any]] = {
         disk=odd(lowest_point=level_elsewhere)
     ),
     # Its surface depends on more than it says.
-    "AttributeError: .* no attribute 'waist'": scenario(disk=odd(SURFACE=())),
+    "SURFACE must name all that the surface depends on, and lacks waist": scenario(
+        disk=odd(SURFACE=())
+    ),
+    "Odd': SURFACE must be a list of names of fields, got 'waist'": scenario(
+        disk=odd(SURFACE="waist")
+    ),
     "must tell its lowest point by the four .* of NumPy or": lambda: simulate(
         Scenario(disk=odd(lowest_point=of_numpy)), [0.0, 0.1]
+    ),
+    "by the same ones for all verticals: .* equals another": lambda: simulate(
+        Scenario(disk=odd(lowest_point=with_poles)), [0.0, 0.1]
+    ),
+    "by the same ones for all verticals: .* is zero": lambda: simulate(
+        Scenario(disk=odd(lowest_point=with_a_waist)), [0.0, 0.1]
+    ),
+    "by the same ones for all verticals: .* truth value of an array": lambda: simulate_to_rest(
+        Scenario.rest(disk=odd(lowest_point=with_poles), contact=PenaltyContact(stiffness=1e5)),
+        0.1,
     ),
     "products must be a finite number, got [(]0": scenario(disk=odd(SURFACE=("products",))),
     "Egg': TypeError: unhashable type: 'list'": scenario(disk=Egg(**NUMBERS, waist=[0.9])),  # type: ignore[arg-type]
