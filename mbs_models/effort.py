@@ -197,7 +197,7 @@ def rest_effort(scene: Scene, end: float, step: float | None = None) -> Effort:
     if step is None:
         found = shared.rest_effort(scenario, end)
         return replace(found, seconds=found.steps * _REST_SECONDS)
-    step = positive("step", step)
+    end, step = positive("end", end), positive("step", step)
     stiffness, gradient = scenario.penalty_contact.stiffness, scenario.friction_gradient
     return Effort(
         steps=end / step,

@@ -19,7 +19,7 @@ from analysis.motion import frames
 from analysis.motion.endings import TIME_LIMIT, StopWhen
 from analysis.motion.frames import Poses
 from analysis.motion.spatial_motion import SpatialMotion
-from analysis.problem.checks import Array
+from analysis.problem.checks import Array, optional, positive
 from analysis.problem.contact import CAUSES, RestCriterion
 from analysis.problem.limits import LEAST_TILT, REST_SPACING
 from analysis.problem.scenario import Scenario
@@ -133,6 +133,7 @@ def simulate_to_rest(
     """
     if step is not None and tolerance is not None:
         raise ValueError("give either step or tolerance, not both")
+    step = optional(positive, "step", step)
     scene = Scene.of(scene)
     scenario = scene.scenario
     way = EngineWay(

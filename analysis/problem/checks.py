@@ -10,6 +10,7 @@ from inspect import Signature, signature
 from math import inf, isfinite, isnan
 from numbers import Integral, Real
 from operator import ge, gt, lt
+from sys import float_info
 from typing import Any, ClassVar, TypeVar, cast
 
 import numpy as np
@@ -99,6 +100,9 @@ def within(
         If it is no number, or lies elsewhere.
     """
     result = number(name, value)
+    if is_above and least == 0.0 < result < float_info.min:
+        # The reciprocal of one that is smaller may be infinite.
+        raise ArgumentError(name, f"must be at least {float_info.min:.3g}, got {result:.3g}")
     if (least < result or (least == result and not is_above)) and (
         result < most or (result == most and not is_below)
     ):

@@ -199,6 +199,7 @@ def rest_effort(scenario: Scenario, end: float) -> Effort:
     stiffness = scenario.penalty_contact.stiffness
     # Two runs follow the contact, and the motion on it; the method changes to implicit steps where
     # friction is stiff.
+    end = positive("end", end)
     steps = 2.0 * end * (3.0 / contact_time(scenario) + 100.0 / turning_time(scenario))
     return Effort(
         steps=steps,

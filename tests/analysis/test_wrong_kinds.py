@@ -7,6 +7,7 @@ import re
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
+from fractions import Fraction
 from functools import partial
 from importlib import import_module
 from inspect import Parameter, isfunction, signature
@@ -333,6 +334,10 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     (simulate_many,
      {"scenarios": 2 * [model(1, friction=Answering(says=lambda _: 1.0))], "workers": 2,
       "method": "RK45"}, "scenarios must hold what worker processes import by name, or"),
+    (Table, {"gravity": 5e-324}, "gravity must be at least 2.23e-308, got 4.94e-324"),
+    (to_rest, {"end": Fraction(10**9), "spacing": 1e6}, r"end = 1e\+09 s at stiffness .* would"),
+    (mbs_models.simulate_to_rest, {"end": Fraction(1, 100), "step": Fraction(1, 1000)},
+     "step must not exceed .*, got 0.001"),
     (to_rest, {"local_tolerance": 2.0}, "local_tolerance must lie from 1e-13 to less th"),
     (to_rest, {"scenario": SHARP}, "half_thickness must be positive for the disk"),
     (to_rest, {"scenario": FULL}, "contact must be a PenaltyContact, got None"),
