@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from analysis.problem.checks import choice, number, several
 from analysis.problem.elementary import sin
@@ -175,7 +176,7 @@ def try_conditions(conditions: Mapping[str, Turning], state: State) -> None:
             raise each.refused(error_text(error)) from error
 
 
-def check_condition_name(name: str) -> str:
+def check_condition_name(name: Any) -> str:
     """Return the name of a condition; `ValueError` if it can be none. Imports nothing."""
     return (
         name if is_user_name(name) else choice("stop_when", name, [*CONDITIONS, "module:function"])

@@ -203,8 +203,8 @@ def names_of(paths: Sequence[Path]) -> list[str]:
     """
     stems = [path.stem for path in paths]
     told = stems if len({*stems}) == len(stems) else list(map(str, paths))
-    if len({*told}) < len(told):
-        raise ValueError(f"files must be different ones, got {', '.join(told)}")
+    if len({path.resolve() for path in paths}) < len(paths):
+        raise ValueError(f"files must be different ones, got {', '.join(map(str, paths))}")
     mark = "\N{REPLACEMENT CHARACTER}"
     return ["".join(each if each.isprintable() else mark for each in name) for name in told]
 

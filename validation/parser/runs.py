@@ -48,7 +48,7 @@ class RunOptions:
         In-house only: solver; taylor runs compiled (DOP853, stiff friction Radau).
     stop_when : str, callable or iterable of them, optional
         End there, at the exact time: inverted, lost, or where module:function, a function of the
-        State, turns negative.
+        State, turns negative; given again, wherever the first of them does.
     allow_pulling : bool
         Go on where the ideal contact would have to pull, instead of ending there; friction of
         the load weight acts there as before, and of the load contact not at all.
@@ -69,7 +69,7 @@ class RunOptions:
     local_tolerance: float | None = None
     integrator: Annotated[Any, {"choices": INTEGRATORS}] = None
     method: Annotated[str | None, {"choices": METHODS}] = None
-    stop_when: Annotated[Any, {"type": str, "metavar": "CONDITION"}] = None
+    stop_when: Annotated[Any, {"type": str, "metavar": "CONDITION", "action": "append"}] = None
     allow_pulling: bool = False
     time_limit: float | None = None
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from analysis import METHODS, REST_METHODS, Scenario, SpatialMotion, StoredRun, Trajectory
-from analysis.motion.endings import check_condition_name
+from analysis.motion.endings import check_condition_name, each_condition
 from analysis.motion.quantities import quantities
 from analysis.problem.checks import Array, choice, positive, several, switch, whole, within
 from analysis.problem.choices import SOURCES
@@ -88,7 +88,8 @@ class Plan(CaseOptions):
         if self.method is not None:
             choice("method", self.method, REST_METHODS if self.to_rest else METHODS)
         if self.stop_when is not None:
-            check_condition_name(self.stop_when)
+            ends = tuple(check_condition_name(each) for each in each_condition(self.stop_when))
+            clean["stop_when"] = ends[0] if len(ends) == 1 else ends
         if self.source == "engine" and self.witness_step is not None:
             raise ArgumentError("witness_step", "must be left out for source 'engine'")
         clean["witnesses"] = whole("witnesses", self.witnesses, least=0)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from analysis import CONSTRAINTS, Scenario, multiplier_names
-from analysis.motion.endings import named_conditions
+from analysis.motion.endings import each_condition, named_conditions
 from analysis.motion.trajectory import versions
 from analysis.problem.names import ArgumentError
 from analysis.problem.user_modules import is_user_name
@@ -87,7 +87,8 @@ class Sweep:
     def code(self) -> dict[str, str]:
         """What the results depend on besides: versions, and digests of all sources."""
         # A law, a body and a condition may be of one's own.
-        named = (self.plan.stop_when, *(each for axis in self.design.axes for each in axis.values))
+        named: list[Any] = each_condition(self.plan.stop_when or ())
+        named += (each for axis in self.design.axes for each in axis.values)
         own = {each.partition(":")[0] for each in named if is_user_name(each)}
         own |= {type(each).__module__ for each in (self.scenario.friction, self.scenario.disk)}
         sources = {"sources": behind("validation.sweeps.case"), "own": digest(own_files(own))}

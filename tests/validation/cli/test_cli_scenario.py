@@ -142,6 +142,7 @@ SAID = {
     f"{SIMULATE} --spin 20 --gamma 1.57": "6 samples of Model 1, estimated error ",
     "simulate --samples 6 --end 0.1 --step 5e-3": "6 samples of Model 1\n",
     "simulate --stop-when inverted": "the centre of gravity is up, at 90% of its",
+    "simulate --stop-when inverted --stop-when lost": "the centre of gravity is up, at 90% of its",
     "rest --source in-house --end 0.8": "inversion not decided",
     "rest --step 1e-4 --end 50 --time-limit 0.4": " s: time limit",
     f"{SHORT} --gamma pi/2 --spin 20": "exactly inverted spinning, which is unstable",

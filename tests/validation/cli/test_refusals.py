@@ -77,6 +77,7 @@ REFUSED = {
     "show cut.npz --plot a.png": "cut.npz",
     "show run.npz --law a:B,c=1": "--law: law must name the class alone, whose numbers are stored",
     "show run.npz run.npz --plot a.png": "files must be different ones, got run.npz, run.npz",
+    "show run.npz link.npz": "files must be different ones, got run.npz, link.npz",
     "simulate --out run.txt": "--out: must end in .npz, got",
     "sweep spin=1,2 --out /dev/null": "--out: must be a regular file",
     "show run.npz --plot circle.png": "--plot: must lead to a file, and leads in a circle",
@@ -95,7 +96,8 @@ REFUSED = {
     "map spin-friction --cells 0 --out maps": "cells must lie from 1 to 10000, got 0",
     "map rest --witnesses -1 --out maps": "--witnesses: witnesses must be at least 0, got -1",
     # Motions too short for two samples.
-    ENGINE + "--end 5e-324": "--end: end must lie from 1e-15 to 1e+09, got 4.94066e-324",
+    ENGINE + "--end 1e-300": "--end: end must lie from 1e-15 to 1e+09, got 1e-300",
+    ENGINE + "--end 5e-324": "--end: end must be at least 2.23e-308, got 4.94e-324",
 }
 
 FAILED = {
@@ -107,8 +109,9 @@ FAILED = {
 def test_what_cannot_be_or_fails_is_told_in_one_line_and_writes_nothing(call: str) -> None:
     said = (REFUSED | FAILED)[call]
     Path("circle.png").symlink_to("circle.png")
+    Path("link.npz").symlink_to("run.npz")
     Path("cut.html").mkdir()
     Path("cut.npz").write_bytes(Path("run.npz").read_bytes()[:700])
     assert said in refusal(call, code=1 if call in FAILED else 2)
-    made = {"run.npz", "circle.png", "cut.html", "cut.npz"}
+    made = {"run.npz", "link.npz", "circle.png", "cut.html", "cut.npz"}
     assert {entry.name for entry in Path().iterdir()} == made

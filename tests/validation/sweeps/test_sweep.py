@@ -207,6 +207,15 @@ def test_rows_of_other_sources_are_refused_or_stand_beside_the_old_ones_where_ac
         assert not file.execute("SELECT code FROM cases EXCEPT SELECT name FROM code").fetchall()
 
 
+def test_a_sweep_ends_its_motions_at_the_first_of_several_conditions() -> None:
+    wanted = sweep("spin=40", stop_when=["lost", "inverted"], end=1.0)
+    (row,) = swept(wanted).rows()
+    assert row["ending"] == "inverted"
+    assert Results.load("a.db").sweep.values() == wanted.values()
+    with pytest.raises(ValueError, match=r"stop_when must be one of .*, got 'flat'"):
+        sweep("spin=40", stop_when=["lost", "flat"])
+
+
 def test_identity_of_the_code_knows_what_is_of_ones_own_and_no_comments(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
