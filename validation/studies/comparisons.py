@@ -384,21 +384,17 @@ def _eigenvalues(scene: Scene, motion: Motion) -> Found:
                 f"{lost:.1g} of the weight, where {EIGENVALUE_LIMIT:g} passes"
             )
     how: dict[str, Any] = {"formulation": scene.built_as, "motion": motion}
-    engine: list[ComplexArray] | ValueError
+    in_house = partial(spectra.eigenvalues, scenario, SPINS, system="numeric", motion=motion)
     try:
         engine = [mbs_models.eigenvalues(spinning(scenario, spin, **how)) for spin in SPINS]
     except ValueError as error:
-        engine = error
-    try:
-        expected = spectra.eigenvalues(scenario, SPINS, system="numeric", motion=motion)
-    except ArithmeticError as error:
-        if isinstance(engine, ValueError):
-            raise ValueError(f"neither side has any: {error}; {engine}") from error
-        raise
-    if isinstance(engine, ValueError):
-        raise ArithmeticError(f"the engine has none: {engine}") from engine
+        try:
+            in_house()
+        except ArithmeticError as singular:
+            raise ValueError(f"neither side has any: {singular}; {error}") from singular
+        raise ArithmeticError(f"the engine has none: {error}") from error
     paces = np.hypot(SPINS, np.sqrt(scenario.fall))
-    worst = largest(map(distance, engine, expected, paces.tolist()))
+    worst = largest(map(distance, engine, in_house(), paces.tolist()))
     spins = " and ".join(f"{spin:g}" for spin in SPINS)
     return worst, f"relative to max(|λ|, 1), at {spins} rad/s", None
 
@@ -433,13 +429,11 @@ def distance(found: ComplexArray, expected: ComplexArray, pace: float = 1.0) -> 
     pace in 1/s of the motion, are compared by these, the further ones in parts of its powers. That
     of a single one is the eigenvalue.
     """
-    if not found.size or found.shape != expected.shape:
+    is_whole = found.size > 0 and found.shape == expected.shape
+    if not (is_whole and np.all(np.isfinite([found, expected]))):
         return np.inf
-    if not np.all(np.isfinite([found, expected])):
-        return np.inf
-    apart = gaps(found, expected)
-    pairs = linear_sum_assignment(apart)
-    found, expected = found[pairs[0]], expected[pairs[1]]
+    rows, columns = linear_sum_assignment(gaps(found, expected))
+    found, expected = found[rows], expected[columns]
     near = CLOSE * np.maximum(np.abs(expected), pace)
     _, group_of = connected_components(np.abs(expected[:, None] - expected) <= near)
     differences = []
