@@ -16,6 +16,7 @@ from traceback import format_exc
 from typing import Any, TextIO
 
 from analysis.problem.names import ArgumentError, OutputLostError
+from analysis.problem.user_modules import fault_of
 from validation.parser.commands import flag_of, parsed
 from validation.parser.files import STANDARD_INPUT
 
@@ -71,7 +72,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         with _warnings_in_a_line(name), _text_beside(given):
             return command.call(getattr(module, command.name), given)
     except (ValueError, ArithmeticError, OSError, MemoryError, ImportError) as error:
-        message = " ".join(str(error).split()) or "not enough memory"
+        message = " ".join(fault_of(error).split()) or "not enough memory"
         flag = flag_of(getattr(error, "argument", ""), given.items())
         _complain(f"{name}: error: {flag and f'{flag}: '}{message}")
         if isinstance(error, OutputLostError):

@@ -118,18 +118,23 @@ class Turning:
         A state of symbols may be answered with one.
         """
         is_named = self.condition in CONDITIONS.values()
-        said = self.condition(state)
+        try:
+            said = self.condition(state)
+        except Exception as error:
+            error.add_note(f"{self.name} fails: {error_text(error)} for {state}")
+            raise
         if isinstance(state.coordinates[0], float):
             try:
                 said = number("it", said)
             except ValueError as error:
-                raise self.refused(f"{error} for {state}") from error
+                fault = f"must say a number of a State: {error} for {state}"
+                raise ArgumentError("stop_when", fault, self.name) from error
         return said - (LEAST if is_named else ROUNDING)
 
-    def refused(self, why: str) -> ArgumentError:
-        """The error of a condition that is none."""
-        name = f"stop_when {_name_of(self.condition)}"
-        return ArgumentError("stop_when", f"must say a number of a State: {why}", name)
+    @property
+    def name(self) -> str:
+        """What to call it in an error."""
+        return f"stop_when {_name_of(self.condition)}"
 
 
 def each_condition(stop_when: StopWhen) -> list[str | Condition]:
@@ -173,7 +178,8 @@ def try_conditions(conditions: Mapping[str, Turning], state: State) -> None:
         except ArgumentError:
             raise
         except (Exception, SystemExit) as error:
-            raise each.refused(error_text(error)) from error
+            fault = f"must say a number of a State: {error_text(error)}"
+            raise ArgumentError("stop_when", fault, each.name) from error
 
 
 def check_condition_name(name: Any) -> str:

@@ -14,6 +14,7 @@ from analysis.problem.checks import TimeLimitError
 from analysis.problem.constraints import PRESCRIBED
 from analysis.problem.contact import CAUSES
 from analysis.problem.quantities import declared
+from analysis.problem.user_modules import fault_of
 
 Column = npt.NDArray[Any]
 Cell = float | str | bytes | None
@@ -144,10 +145,9 @@ def failure(error: BaseException) -> Row:
         status = "crashed"
     else:
         status = "refused" if isinstance(error, ValueError) else "failed"
-    # What ends a program, such as SystemExit, says little by itself; notes tell whose fault it is.
-    reason = str(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
-    notes = "; ".join(getattr(error, "__notes__", ()))
-    return failed(status, notes or reason or type(error).__name__)
+    # What ends a program, such as SystemExit, says little by itself.
+    reason = fault_of(error) if isinstance(error, Exception) else f"{type(error).__name__} {error}"
+    return failed(status, reason or type(error).__name__)
 
 
 def failed(status: str, reason: str) -> Row:

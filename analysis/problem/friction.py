@@ -427,17 +427,7 @@ def asked(law: FrictionLaw, name: str) -> Callable[..., Any]:
         return ask
 
     def told(*given: Any) -> Any:
-        try:
-            said = ask(*given)
-        except Exception as error:
-            if not _are_finite(given):
-                raise
-            fault = f"{_at(law, name, given)} fails: {error_text(error)}"
-            fault += place(error, type(law).__module__)
-            if isinstance(error, ArithmeticError):
-                raise LawError(fault) from error
-            error.add_note(fault)
-            raise
+        said = _said(law, name, *given)
         with suppress(TypeError, ValueError):
             along, across = said if name == "force" else (said, 0.0)
             if isfinite(along + across):
@@ -447,6 +437,21 @@ def asked(law: FrictionLaw, name: str) -> Callable[..., Any]:
         raise LawError(f"{_at(law, name, given)} must say finite numbers, got {said!r}")
 
     return told
+
+
+def _said(law: FrictionLaw, name: str, *given: Any) -> Any:
+    """What a law says, or what it raises as `asked` tells it."""
+    try:
+        return getattr(law, name)(*given)
+    except Exception as error:
+        if not _are_finite(given):
+            raise
+        fault = f"{_at(law, name, given)} fails: {error_text(error)}"
+        fault += place(error, type(law).__module__)
+        if isinstance(error, ArithmeticError):
+            raise LawError(fault) from error
+        error.add_note(fault)
+        raise
 
 
 def _are_finite(given: Sequence[Any]) -> bool:
@@ -473,7 +478,7 @@ def check_answers(law: FrictionLaw) -> None:
 
 
 def check_slipping(law: FrictionLaw) -> None:
-    """Raise if what a law says where the disk slips is no friction; what it raises goes on.
+    """Raise if what a law says where the disk slips is no friction; see `asked`.
 
     A scenario is made without that: a law of one's own may take long, and a run has a limit.
     """
@@ -488,12 +493,12 @@ def _check_force(law: FrictionLaw, speed: float, load: float) -> None:
     for turn in (0.3, 1.9, 4.0):
         x, y = speed * cos(turn), speed * sin(turn)
         at = f"{type(law).__name__}.force({x:.3g}, {y:.3g}, {load:g})"
-        along, across = forces = numbers(at, law.force(x, y, load), ("along", "across"))
+        along, across = forces = numbers(at, _said(law, "force", x, y, load), ("along", "across"))
         size = abs(along) + abs(across)
         if along * x + across * y > 1e-12 * size * speed:
             raise ValueError(f"{at} must not drive the slip, got {forces}")
         if law.IS_ISOTROPIC and abs(along * y - across * x) > 1e-9 * size * speed:
             raise ValueError(f"{at} must be against the slip if IS_ISOTROPIC, got {forces}")
-        twice = law.force(x, y, 2.0 * load)
+        twice = _said(law, "force", x, y, 2.0 * load)
         if law.IS_PROPORTIONAL and abs(twice[0] - 2.0 * along) > 1e-9 * size:
             raise ValueError(f"{at} must double with the load if IS_PROPORTIONAL, got {forces}")

@@ -218,3 +218,8 @@ def _frozen(value: Any) -> Any:
 def error_text(error: BaseException, *plain: type[Exception]) -> str:
     """What an error says, with its kind unless that is one of these."""
     return str(error) if isinstance(error, plain) else f"{type(error).__name__}: {error}"
+
+
+def fault_of(error: BaseException) -> str:
+    """What an error says, or who of one's own is blamed for it, if anybody is, by its notes."""
+    return "; ".join(getattr(error, "__notes__", ())) or str(error)

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from math import asin, inf, sin
+from math import asin, inf, isfinite, sin
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,6 +22,7 @@ from analysis.motion.trajectory import Trajectory
 from analysis.problem.checks import Array
 from analysis.problem.constraints import ConstraintSet
 from analysis.problem.elementary import Rows
+from analysis.problem.friction import check_slipping
 from analysis.problem.limits import CONTACT_JAMS
 from analysis.problem.scenario import Scenario
 from analysis.problem.variations import Ensemble, one_by_one
@@ -218,6 +219,7 @@ def _columns(request: Request, scenario: Scenario) -> Columns:
     formulation = request.formulation or default_formulation(scenario)
     code = code_for(systems.Structure.of(scenario, formulation, request))
     check_formulation(scenario, formulation)
+    check_slipping(scenario.friction)
     effort = request.effort(scenario, "taylor")
     numbers = systems.parameters(scenario, float(request.times[0]))
     start = systems.start(scenario, formulation)
@@ -388,7 +390,9 @@ def _fault(found: Runs, solver: Any, watch: Watch, group: Group) -> Exception | 
         return watch.given_up("taylor")
     is_lost = outcome == kinds.err_nf_state
     why = "its state is no longer finite" if is_lost else "it does not get on"
-    return ArithmeticError(f"taylor stopped after t = {moment:g} s: {why}")
+    # With the state, the time may have been lost.
+    place = f" after t = {moment:g} s" if isfinite(moment) else ""
+    return ArithmeticError(f"taylor stopped{place}: {why}")
 
 
 def _interruption(watch: Watch, end: float) -> Callable[[Any], bool] | None:

@@ -16,6 +16,7 @@ from analysis.mechanics import newton_euler, recorded, reduced
 from analysis.mechanics.attitude import EulerTurning, paper_of, state_of
 from analysis.mechanics.constraints import SLIPS
 from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
+from analysis.problem.checks import number
 from analysis.problem.choices import Formulation
 from analysis.problem.constraints import multiplier_names
 from analysis.problem.elementary import Members, sqrt
@@ -326,7 +327,8 @@ def _changes(symbol: Any) -> bool:
 def _expressed(what: str, function: Callable[[Any], Any], argument: Any) -> Any:
     try:
         # What is no number at all fails in a sum.
-        return 0.0 + function(argument)
+        said = 0.0 + function(argument)
+        return said if isinstance(said, heyoka().expression) else number("it", said)
     except (TypeError, ValueError, AttributeError) as error:
         raise CannotCompileError(
             f"method 'taylor' cannot express {what} ({error}); it must do with arithmetic and the "

@@ -1,6 +1,7 @@
 """Friction laws: their closed properties, and those of one's own, right or wrong, in all uses."""
 
 import json
+import re
 import sys
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,6 +16,7 @@ import pytest
 from analysis import (
     LAWS,
     AnisotropicCoulomb,
+    Ensemble,
     FrictionLaw,
     Level,
     LubricatedCoulomb,
@@ -26,9 +28,13 @@ from analysis import (
     Trajectory,
     ViscousFriction,
     load_run,
+    outcomes,
+    simulate,
+    simulate_many,
 )
 from analysis.mechanics.recorded import any_contact_load
 from analysis.problem.choices import SOURCES, Source
+from analysis.problem.elementary import sqrt
 from analysis.problem.user_modules import foreign_names
 from analysis.simulation.energies import energies
 from analysis.stability.critical import critical_speeds
@@ -294,3 +300,30 @@ def test_a_law_that_says_no_number_where_the_disk_slips_is_blamed(
         at = r"^Answering.force\(0\.0955, 0\.0296, 0\.1\)(\[along\])? must"
         with pytest.raises(ValueError, match=at):
             each(source=source)
+
+
+def below_a_tenth(speed: float) -> float:
+    return 0.3 / (speed + 0.1) + 0.0 * sqrt(0.01 - speed)
+
+
+LIST: Any = partial(simulate_many, times=[0.0, 0.1], workers=1)
+
+
+@pytest.mark.parametrize(
+    ("says", "why"),
+    [
+        (below_a_tenth, r"'tests.wayward_law:Answering': force\(0.09\S*, 0.02\S*, 0.1\) fails: V"),
+        (lambda _: -1.0, "must not drive the slip"),
+    ],
+)
+def test_a_law_is_tried_where_the_disk_slips_before_a_run_that_is_compiled_too(
+    says: Any, why: str
+) -> None:
+    scenario = Scenario(friction=Answering(says=lambda v: 3.0 if v == 0.0 else says(v)))
+    with pytest.raises(ValueError, match=r"friction|force") as caught:
+        simulate(scenario, [0.0, 0.1])
+    one = Ensemble(scenario=scenario, fields={"spin": np.array([30.0])})
+    for each in ([caught.value], LIST([scenario]), LIST(one)):
+        (row,) = outcomes(each).rows()
+        assert row["status"] == "refused"
+        assert re.search(why, str(row["reason"]))

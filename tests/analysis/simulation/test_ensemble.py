@@ -236,6 +236,26 @@ def test_a_law_that_fails_on_the_way_ends_its_member_alone_and_is_blamed(
     assert type(runs.outcome(0)) is type(runs.failures[0]) is error
 
 
+def lost_on_the_way(state: State) -> Any:
+    return {True: 1.0}[state.coordinates[3] < 1.0]
+
+
+@pytest.mark.parametrize(
+    ("condition", "reason"),
+    [
+        (lost_on_the_way, "stop_when lost_on_the_way fails: KeyError: False for State"),
+        (lambda _: 1j, "stop_when <lambda> must say a number of a State: it must be a finite"),
+    ],
+)
+def test_a_condition_that_fails_is_blamed_for_it(condition: Any, reason: str) -> None:
+    how: dict[str, Any] = {"workers": 1, "stop_when": condition}
+    (row,) = outcomes(simulate_many([model(1)], TIMES, **how)).rows()
+    assert str(row["reason"]).startswith(reason)
+    # Any real number will do.
+    how["stop_when"] = lambda _: np.float32(1.0)
+    assert outcomes(simulate_many([model(1)], TIMES, **how)).columns["status"] == [DONE]
+
+
 def test_what_lies_in_no_file_is_not_sent_to_workers() -> None:
     code = """
 from analysis import Scenario, SmoothCoulomb, simulate_many
