@@ -7,12 +7,17 @@ force in N, or a moment in N m for a rate of an angle, Eqs. (31), (84), (87) and
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from analysis.mechanics.attitude import EulerAngles, Frame, state_of
 from analysis.mechanics.linear_algebra import NONE, Vector, cross, dot
 from analysis.problem.constraints import DEMANDS, PRESCRIBED, ConstraintSet, multiplier_names
 from analysis.problem.elementary import Numbers, cos, sin
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import State
+
+DEPENDENT = 1e-12
+"""Part of what a constraint holds below which the others leave nothing of it."""
 
 AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -114,7 +119,7 @@ def velocity_residuals(constraints: ConstraintSet, disk: Any, state: Numbers) ->
 
 
 def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) -> None:
-    """Raise if `state` breaks a constraint of the scenario.
+    """Raise if `state` breaks a constraint of the scenario, or makes them depend on each other.
 
     A rate that is held is that of the state itself, so no state can break it.
 
@@ -129,7 +134,8 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
     Raises
     ------
     ValueError
-        Naming the first broken constraint, its level and by how much it is broken.
+        Naming the first broken constraint, its level and by how much it is broken; or where they
+        are dependent.
     """
     held, disk = scenario.constraints, scenario.disk
     moving = state_of(disk, state.coordinates, state.rates)
@@ -145,3 +151,14 @@ def check_admissible(scenario: Scenario, state: State, tolerance: float = 1e-9) 
                     f"start breaks '{DEMANDS[name]}' of {scenario.name} on {kind} level "
                     f"by {residual:.3e} {unit}, allowed is {allowed:.1e}"
                 )
+    rows = [
+        (*each.linear, *(part / disk.radius for part in each.turning))
+        for each in directions(held, disk, state.coordinates[3:])
+    ]
+    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+    if np.min(np.linalg.svd(rows / sizes, compute_uv=False)) < DEPENDENT:
+        beta, gamma = state.coordinates[4:]
+        raise ValueError(
+            f"start must be one where the constraints of {scenario.name} do not depend on each "
+            f"other, as they do at beta = {beta:g} and gamma = {gamma:g} rad"
+        )

@@ -309,6 +309,8 @@ WRONG: list[tuple[Any, dict[str, Any], str]] = [
     # Runs.
     (simulate, {"scenario": TUGGED}, "start needs a contact that pulls, with a normal force"),
     (mbs_models.simulate, {"scene": TUGGED}, "start needs a contact that pulls, with a normal f"),
+    (simulate, {"scenario": Scenario(constraints=TWICE, start=Start.stationary(30.0))},
+     "start must be one where the constraints of contact .* do not depend on each other, as"),
     (simulate, {"local_tolerance": 2.0}, "local_tolerance must lie from 3e-14 to less than 1"),
     (simulate, {"tolerance": 1e-6, "local_tolerance": 1e-6}, "give either tolerance or"),
     (simulate, {"scenario": model(3), "formulation": "reduced"},
