@@ -113,7 +113,7 @@ LIMITS = {
 def present(rows: Rows) -> Content:
     """Figures 7 to 9, the disk at some instants, and how far both sides agree."""
     runs = motions(rows[STUDY.name])
-    engine, contact = rows[STUDY.name].query("source == 'engine'"), runs[CONTACT, "engine"]
+    engine, shown = rows[STUDY.name].query("source == 'engine'"), runs[NAMES[0], "engine"]
     apart = engine[["case", "formulation", "inverted after s", *LIMITS]]
     apart = apart.rename(columns={"case": "model"})
     times = [time for name in NAMES if (time := runs[name, "engine"].inversion_time)]
@@ -127,11 +127,11 @@ def present(rows: Rows) -> Content:
         },
         tables={"agreement": apart},
         figures={
-            "snapshots": lambda: draw_instants(contact, INSTANTS),
+            "snapshots": lambda: draw_instants(shown, INSTANTS),
             "load": lambda: draw_load(runs),
             "models": lambda: draw_models(runs),
         },
-        animations={"animation": lambda: contact.animate(title=TITLE, caption=caption)},
+        animations={"animation": lambda: shown.animate(end=2.0, title=TITLE, caption=caption)},
         checks=[
             at_most(f"inversion, {row['model']}: {name}", row[name], limit)
             for row in apart.to_dict("records")
