@@ -37,16 +37,22 @@ def show(
     """
     runs = list(zip(names_of(files), stored_runs(files, **classes), strict=True))
     apart, alone = fields_table(runs), len(runs) == 1
-    notes = [f"{name}: {run!r}" for name, run in runs] if csv is None else []
+    differences = difference_table(runs)
+    # What is not compared is told beside the file, too.
+    told = [f"{name}: {run!r}" for name, run in runs]
+    notes = told if csv is None else [differences.note] * bool(differences.note)
     if not json and csv is None and plot is None and not _opened(runs):
         notes.append("no screen to open a window on; --plot PICTURE draws the motions")
-    differences = difference_table(runs)
     return Result(
         tables=([apart] if apart.rows else []) + ([] if alone else [differences]),
         values={
             "runs": {name: repr(run) for name, run in runs},
-            "fields": apart.records(),
+            "fields": [
+                {"field": field, "values": dict(zip(apart.columns[1:], values, strict=True))}
+                for field, *values in apart.rows
+            ],
             "differences": differences.records(),
+            "note": differences.note,
         },
         csv=runs[0][1].to_csv if alone else differences,
         draw=lambda: comparison(runs),

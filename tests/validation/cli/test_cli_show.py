@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -66,6 +67,9 @@ def test_runs_sampled_at_other_times_are_interpolated_or_not_compared_and_said_t
     table = difference_table([("fine", fine), ("coarse", coarse)])
     assert not table.rows
     assert re.match(r"coarse is not compared: the samples around t = .* determine", table.note)
+    files = stored(fine=fine, coarse=coarse)
+    assert "coarse is not compared" in printed("show", *files, "--csv out.csv")
+    assert json.loads(printed("show", *files, "--json"))["note"] == table.note
     later = replace(fine, times=fine.times + 5.0)
     assert "no time in common" in difference_table([("fine", fine), ("later", later)]).note
 
@@ -112,11 +116,17 @@ def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
         friction = SmoothCoulomb(coefficient=coefficient)
         one = random_trajectory()
         replace(one, scenario=replace(one.scenario, friction=friction)).save(f"{folder}/run.npz")
+    # A name may also be that of a column.
+    shutil.copy("one/run.npz", "field.npz")
+    found = json.loads(printed("show field.npz other/run.npz --json"))
+    assert {each["field"]: each["values"]["field"] for each in found["fields"]} == {
+        "friction.coefficient": 0.1
+    }
     found = json.loads(printed("show one/run.npz other/run.npz --json"))
     names = [str(Path(folder) / "run.npz") for folder in ("one", "other")]
     assert [*found["runs"]] == names
     (row,) = (each for each in found["fields"] if each["field"] == "friction.coefficient")
-    assert [row[name] for name in names] == [0.1, 0.2]
+    assert row["values"] == dict(zip(names, [0.1, 0.2], strict=True))
 
 
 def test_problems_and_ways_that_differ_are_told_first() -> None:
