@@ -391,7 +391,7 @@ class SampledMotion(Quantities):
             raise ToleranceError(
                 f"the samples around t = {wanted[worst]:.6g} s determine the motion between them "
                 f"only to {error[worst]:.1e} rad, and tolerance is {tolerance:.1e}: "
-                "sample the run more closely, or give a larger tolerance"
+                "sample the run more closely"
             )
         return arrays, float(error[worst])
 

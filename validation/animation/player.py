@@ -1,7 +1,7 @@
 """A player for any motion of the disk, as a part of a page or as a page of its own.
 
-The page needs no network and no other file. Lengths in it are rounded to 10 µm, attitudes to some
-2e-5 rad.
+The page needs no network and no other file. Lengths in it are rounded to 10 µm, those of small
+disks to a thousandth of the radius, attitudes to some 2e-5 rad.
 """
 
 import html
@@ -17,7 +17,7 @@ from jinja2 import Environment, FileSystemLoader
 from analysis import StoredRun
 from analysis.motion import frames
 from analysis.motion.files import is_standard_output, whole_file, write_whole
-from analysis.problem.checks import within
+from analysis.problem.checks import Array, within
 from analysis.problem.limits import PLAYBACK_SPEEDS
 from analysis.problem.names import ArgumentError
 from validation.animation.body import LOOK, shape
@@ -30,7 +30,10 @@ before; where the disk touches the table in m; vertical angular velocity in rad/
 the rate of alpha exists in every attitude."""
 
 DIGITS = 5
-"""Decimal places of numbers in a page."""
+"""Decimal places of numbers in a page, of which small ones have more."""
+
+FINEST = 1e-9
+"""Size in m, rad or s below which nothing is told apart."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,7 +120,7 @@ class Animation(Page):
 
             with whole_file(path) as stream:
                 frames = picture.write_gif(self.poses, stream, speed=self.speed, **how)
-                return f"{frames} frames, {stream.tell() / 1024:.0f} KB"
+                return f"{frames} frame{'s' * (frames != 1)}, {stream.tell() / 1024:.0f} KB"
         has_place = not Path(path).exists() or Path(path).is_file()
         if suffix != ".html" and has_place and not is_standard_output(path):
             raise ArgumentError("path", f"must end in .html or .gif, got {path}")
@@ -154,6 +157,7 @@ def animate(
         If the speed is out of range; and see `keyframes`.
     """
     shown, disk = keyframes(motion, begin, end), motion.scenario.disk
+    seen = shape(disk)
     if speed is not None:
         within("speed", speed, *PLAYBACK_SPEEDS)
     first, last = shown.times[[0, -1]]
@@ -166,12 +170,13 @@ def animate(
         title=title,
         caption=caption,
         source=source(motion),
-        is_heavy=bool(disk.eccentricity),
+        is_heavy=bool(seen.heavy),
+        is_solid=seen.solid,
         data={
             "times": shown.times,
             "columns": dict(zip(COLUMNS, table.T, strict=True)),
             "radius": disk.radius,
-            "shape": shape(disk)._asdict(),
+            "shape": seen._asdict(),
             "marks": list(marks.items()),
             **_playback(last - first, marks.get("inversion"), speed),
         },
@@ -192,8 +197,14 @@ def render(template: str, **values: Any) -> str:
 
 def _script_data(value: Any) -> str:
     """JSON for a script element, within which only "</" could end it early."""
-    text = json.dumps(value, default=lambda array: array.round(DIGITS).tolist())
+    text = json.dumps(value, default=lambda array: array.round(_places(array)).tolist())
     return text.replace("</", "<\\/")
+
+
+def _places(array: Array) -> int:
+    """Decimal places that show a disk of a millimetre, or a motion of one, as well as others."""
+    largest = np.max(np.abs(array), initial=FINEST)
+    return max(DIGITS, DIGITS - 2 - int(np.floor(np.log10(largest))))
 
 
 def _playback(

@@ -198,6 +198,7 @@ def test_suffixes_are_known_in_any_case() -> None:
     assert "RUN: Trajectory(" in printed("show RUN.NPZ --plot RUN.PNG")
     told = printed("animate RUN.NPZ --speed 0.01 --fps 10 --width 100 --out RUN.GIF")
     assert told.startswith("RUN.GIF: 0 to 0.01 s, 11 frames, ")
+    assert ", 1 frame, " in printed("animate RUN.NPZ --end 0.001 --width 100 --out RUN.GIF")
     assert printed("animate RUN.NPZ --out RUN.HTML").endswith(" KB; open it in a browser\n")
 
 
