@@ -160,5 +160,7 @@ def _lacking(scenario: Scenario) -> str:
         return "; downhill it creeps, since friction takes some slip to hold it"
     losses = scenario.dissipation
     rolls_freely = not losses.rolling_dry and not losses.rolling_viscous
-    flat = "; lying flat needs --rolling or --rolling-viscous" if rolls_freely else ""
+    # A sphere has nothing to lie flat on.
+    is_lacking = scenario.disk.has_edge and rolls_freely
+    flat = "; lying flat needs --rolling or --rolling-viscous" if is_lacking else ""
     return flat if losses.pivoting else f"{flat}; lying still needs --pivoting"

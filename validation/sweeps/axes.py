@@ -254,7 +254,7 @@ def axis_from(field: str, given: Any) -> Axis:
     name = full_name(field)
     # A friction law of one's own is called module:Class.
     if ":" not in given or declared(name).is_text:
-        return Axis(field=name, values=tuple(given.split(",")))
+        return Axis(field=name, values=tuple(each.strip() for each in given.split(",")))
     parts: Any = _RANGE.fullmatch(given)
     if parts is None:
         raise ValueError(

@@ -148,6 +148,7 @@ SAID = {
     f"{SHORT} --gamma pi/2 --spin 20": "exactly inverted spinning, which is unstable",
     # What the disk has is not asked for.
     f"{SHORT} --rolling-viscous 5e-3": " rad; lying still needs --pivoting",
+    f"{SHORT} --body sphere": " rad; lying still needs --pivoting",
     f"{SHORT} --inclination 5deg": " rad; downhill it creeps, since friction takes some slip",
 }
 

@@ -59,6 +59,8 @@ def test_axes_come_from_a_file_as_well() -> None:
     assert fields == ["start.spin", "friction.coefficient", "model", "start.gamma"]
     Path("axes.toml").write_text("axes = 3")
     assert "axes.toml: axes must be a table, got 3" in refusal("sweep --axes axes.toml --out b.db")
+    Path("axes.toml").write_text("[axes]\nmu = [0.1, true]\n")
+    assert "must be a number, got 'True'" in refusal("sweep --axes axes.toml --out b.db")
 
 
 def test_what_cannot_run_here_is_refused_before_anything_is_kept(
