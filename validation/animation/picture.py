@@ -74,7 +74,7 @@ def draw(axes: Axes, body: Body, pose: Pose, camera: Camera, trail: Array | None
         Contact points of the last moments in m.
     """
     axes.set_axis_off()
-    axes.set(xlim=(-1.35, 1.35), ylim=(-0.95, 1.75), aspect="equal")
+    axes.set(xlim=(-1.4, 1.4), ylim=(-1.05, 1.75), aspect="equal")
     for order, artist in enumerate(_artists(shape(body), pose, camera, trail)):
         axes.add_artist(artist).set_zorder(order)
 

@@ -88,7 +88,7 @@ def test_a_motion_that_its_samples_do_not_tell_is_not_played() -> None:
     every = (np.linspace(0.0, 2.0, count) for count in (2, 5, 11, 15))
     coarse: list[Any] = [simulate(Scenario(), times, tolerance=1e-6) for times in every]
     for motion in (*coarse, resting(spacing=0.25)):
-        with pytest.raises(ValueError, match="cannot be animated: .* run more closely$"):
+        with pytest.raises(ValueError, match=r"cannot be animated: .* run more closely$"):
             keyframes(motion)
 
 

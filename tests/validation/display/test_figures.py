@@ -5,7 +5,15 @@ from math import inf, nan, pi
 import numpy as np
 import pytest
 
-from validation.display.figures import LOOKS, against_limits, angle_axis, legend_above, new_figure
+from analysis import PenaltyContact, Scenario, Start
+from validation.display.figures import (
+    LOOKS,
+    against_limits,
+    angle_axis,
+    draw_still,
+    legend_above,
+    new_figure,
+)
 
 LABELS = {
     (0.0, 0.6): ["0.0", "0.2", "0.4"],
@@ -60,3 +68,16 @@ def test_a_legend_of_long_names_neither_is_cut_off_nor_takes_the_axes_their_widt
 
 def test_no_two_looks_of_lines_are_alike() -> None:
     assert len({(each["color"], each["linestyle"]) for each in LOOKS}) == len(LOOKS) == 16
+
+
+@pytest.mark.parametrize("start", [Start(beta=0.05), Start(beta=3.09), Start(height=0.2)], ids=str)
+def test_a_still_shows_all_of_a_disk_also_of_one_that_lies_or_is_dropped(start: Start) -> None:
+    scenario = Scenario(contact=PenaltyContact(stiffness=1e5), start=start)
+    axes = new_figure()[1]
+    draw_still(axes, scenario.disk, np.array(scenario.initial_state.coordinates))
+    # Lines of the table, then the edge, the hole, the mark and two centres.
+    for each in axes.lines[1:]:
+        for values, (low, high) in zip(
+            each.get_data(), (axes.get_xlim(), axes.get_ylim()), strict=True
+        ):
+            assert low < np.min(values) <= np.max(values) < high
