@@ -240,10 +240,12 @@ def _pictures(motion: StoredRun, width: int) -> Callable[[int], np.ndarray]:
             artist.remove()
         pose, now = (poses.positions[row], poses.rotations[row]), motion.times[row]
         middle = pose[0][:2] if rolls_away else 0.5 * (low + high)
-        camera = Camera(np.append(middle, height), LOOK["azimuth"], 1.5 * body.radius, scale)
+        # A disk that is dropped is followed down.
+        target = np.append(middle, max(height, pose[0][2] - body.radius))
+        camera = Camera(target, LOOK["azimuth"], 1.5 * body.radius, scale)
         trail = contact[(motion.times > now - LOOK["trail"]) & (motion.times <= now)]
         draw(axes, body, pose, camera, trail)
-        told = _readout(now, pose[1], poses.angular_velocities[row, 2], body.eccentricity)
+        told = _readout(now, pose[1], poses.angular_velocities[row, 2], body)
         axes.text(-1.25, 1.7, told, va="top", fontsize=9.0 * scale)
         canvas.draw()
         return np.array(canvas.buffer_rgba())[:, :, :3]
@@ -251,11 +253,13 @@ def _pictures(motion: StoredRun, width: int) -> Callable[[int], np.ndarray]:
     return pixels
 
 
-def _readout(time: float, rotation: Array, spin: float, eccentricity: float) -> str:
+def _readout(time: float, rotation: Array, spin: float, body: Body) -> str:
     sine, cosine, up = rotation[2]
     gamma = "–" if np.hypot(sine, cosine) < 1e-3 else f"{np.arctan2(sine, cosine):.2f} rad"
-    beta, lift = np.arccos(np.clip(up, -1.0, 1.0)), 1e3 * eccentricity * sine
+    beta, lift = np.arccos(np.clip(up, -1.0, 1.0)), 1e3 * body.eccentricity * sine
+    places = max(1, 2 - int(np.floor(np.log10(1e3 * body.radius))))
+    spin = round(spin, 1) + 0.0  # a zero without a sign
     return (
         f"t = {time:.3f} s,  β = {beta:.2f} rad,  γ = {gamma},  spin {spin:.1f} rad/s\n"
-        f"COG {abs(lift):.1f} mm {'above' if lift >= 0.0 else 'below'} the centre"
+        f"COG {abs(lift):.{places}f} mm {'above' if lift >= 0.0 else 'below'} the centre"
     )

@@ -53,6 +53,8 @@ function diskPlayer(root, data) {
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const minus = (a, b) => a.map((value, k) => value - b[k]);
   let pose, begin, end;
+  const inMm = (length) => // a small disk's with more places
+    (1e3 * length).toFixed(Math.max(1, 2 - Math.floor(Math.log10(1e3 * data.radius))));
 
   // ---- The picture ------------------------------------------------------------------------
 
@@ -81,7 +83,7 @@ function diskPlayer(root, data) {
   function drawScene(t) {
     const [pen, width, height] = pencil();
     const now = pose(t), { centre, placed } = now, R = data.radius, table = LOOK.reach * R;
-    const target = [centre[0], centre[1], LOOK.height * R];
+    const target = [centre[0], centre[1], Math.max(LOOK.height * R, centre[2] - R)];
     const [project, eye] = projection(target, 9 * R, width, height);
 
     const { area, heavy, masses, lines, solid, cog } = data.shape;
@@ -150,8 +152,8 @@ function diskPlayer(root, data) {
       `β = ${now.beta.toFixed(2)} rad (${(now.beta * 180 / Math.PI).toFixed(0)}°)`,
       `γ = ${now.gamma === null ? "–" : `${now.gamma.toFixed(2)} rad`}`,
       `spin ${now.spin.toFixed(1).replace(/^-0\.0$/, "0.0")} rad/s`,
-      `COG ${(1e3 * (centre[2] + now.lift)).toFixed(1)} mm high,`,
-      `${Math.abs(1e3 * now.lift).toFixed(1)} mm ${now.lift < 0 ? "below" : "above"} the centre`,
+      `COG ${inMm(centre[2] + now.lift)} mm high,`,
+      `${inMm(Math.abs(now.lift))} mm ${now.lift < 0 ? "below" : "above"} the centre`,
     ].join("\n");
   }
 
@@ -162,17 +164,17 @@ function diskPlayer(root, data) {
   function drawStrip() { // once per motion; a line moves over it
     const poses = data.times.map(pose);
     const strips = [
-      ["β in rad", 2, [["#222", (p) => p.beta]]],
-      ["height of the COG in mm (grey: of the centre)", 1,
-        [["#999", (p) => 1e3 * p.centre[2]], ["#222", (p) => 1e3 * (p.centre[2] + p.lift)]]],
+      ["β in rad", (beta) => beta.toFixed(2), [["#222", (p) => p.beta]]],
+      ["height of the COG in mm (grey: of the centre)", inMm,
+        [["#999", (p) => p.centre[2]], ["#222", (p) => p.centre[2] + p.lift]]],
     ];
-    strip.innerHTML = strips.map(([title, digits, curves]) => {
+    strip.innerHTML = strips.map(([title, named, curves]) => {
       const values = curves.map(([, value]) => poses.map(value)), all = values.flat();
       const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
       const lines = curves.map(([colour], k) => `<polyline stroke="${colour}" points="${
         values[k].map((value, i) => `${1e3 * part(data.times[i])},${
           100 * (high - value) / (high - low || 1)}`).join(" ")}"/>`);
-      return `<p>${title}, from ${low.toFixed(digits)} to ${high.toFixed(digits)}</p>` +
+      return `<p>${title}, from ${named(low)} to ${named(high)}</p>` +
         `<svg viewBox="0 0 1000 100" preserveAspectRatio="none">${lines.join("")}` +
         '<line y2="100" stroke="#d00000"/></svg>';
     }).join("");

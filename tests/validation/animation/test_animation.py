@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from PIL.GifImagePlugin import GifImageFile
 
@@ -21,6 +22,7 @@ from analysis import (
     ROUNDED_STEEL_DISK,
     STEEL_DISK,
     Disk,
+    PenaltyContact,
     Scenario,
     SmoothCoulomb,
     SpatialMotion,
@@ -272,10 +274,30 @@ def test_player_shows_the_motion(kind: str) -> None:
         assert {LOOK["table"], LOOK["shadow"], LOOK["path"]} < set(shown["drawn"])
 
 
+SMALL_DISK = Disk.ring(
+    radius=2e-4, hole_radius=6e-5, hole_distance=8e-5, thickness=2e-5, density=7700.0
+)
+
+
+def test_a_gif_shows_a_disk_that_is_dropped_and_tells_lengths_of_a_small_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(Axes, "text", lambda *given, **_: told.append(given[3]))
+    contact = PenaltyContact(stiffness=1e5)
+    for disk, height in ((SMALL_DISK, 0.0), (STEEL_DISK, 0.5)):
+        start, stream = Start(spin=-0.01, height=height), io.BytesIO()
+        dropped = simulate(Scenario(disk=disk, contact=contact, start=start), [0.0, 1e-4])
+        drawing.write_gif(dropped, stream, width=100)
+        with GifImageFile(io.BytesIO(stream.getvalue())) as picture:
+            pixels = np.asarray(picture.convert("RGB")) / 255.0
+        faces = [np.abs(pixels - to_rgb(each)).max(axis=2) < 0.1 for each in LOOK["front"]]
+        assert np.sum(faces) > 500
+    assert told[0].endswith("spin 0.0 rad/s\nCOG 0.008 mm below the centre")
+
+
 def test_small_disks_are_played_as_finely_as_others() -> None:
-    disk = Disk.ring(
-        radius=2e-4, hole_radius=6e-5, hole_distance=8e-5, thickness=2e-5, density=7700.0
-    )
+    disk = SMALL_DISK
     told = embedded(simulate(Scenario(disk=disk), [0.0, 1e-5, 2e-5]).animate().text)
     assert np.ptp(told["times"]) == pytest.approx(2e-5)
     edge = np.array(told["shape"]["lines"][0])
