@@ -343,6 +343,9 @@ CHOICES = [
     # Friction as stiff as the page lets it be: steps of 1 ms are unstable.
     {"spin": 55.0, "beta": 1.57, "coefficient": 1.0, "smoothing": 0.01, "hole": 28},
     {"spin": 60.0, "beta": 0.3, "coefficient": 0.02, "smoothing": 0.5, "hole": 28},
+    # It passes by flat, and turns by half a turn in a millisecond there, or ends there.
+    {"spin": 10.0, "beta": 0.3, "coefficient": 0.3, "smoothing": 0.1, "hole": 20},
+    {"spin": 1.0, "beta": 1.2, "coefficient": 0.3, "smoothing": 0.1, "hole": 20},
 ]
 
 
@@ -376,6 +379,7 @@ def test_disk_on_the_page_moves_as_the_equations_say(chosen: dict[str, float]) -
     )
     turning = run.poses.angular_velocities[:, 2]
     np.testing.assert_allclose(columns["spin"], turning, atol=1e-3 * chosen["spin"])
+    assert bool(found["ending"]) == (chosen["spin"] == 1.0)
     assert times.size > 100
 
 
