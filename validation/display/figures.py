@@ -59,6 +59,9 @@ _CROWDED = 0.05
 _PARTS = 1e-6, 100.0
 """Of a limit, from the least to the largest that is drawn."""
 
+_SHORT_LABELS = -3, 6
+"""Powers of ten beyond which, and at which, times have one in common: zeros would overlap."""
+
 _RC: Any = {
     "axes.formatter.useoffset": False,
     "axes.grid": True,
@@ -90,6 +93,8 @@ def new_figure(
 
 def legend_above(axes: "Axes", columns: int = 4, size: float | None = None) -> None:
     """Put the legend above the axes, where it hides nothing, in at most so many columns."""
+    # A power of ten by which labels are to be multiplied stands beside it.
+    axes.yaxis.get_offset_text().set_horizontalalignment("right")
     room = (1.0 - axes.get_position().x0) * axes.figure.bbox.width
     for ncols in range(columns, 0, -1):
         legend = axes.legend(
@@ -220,6 +225,7 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> "Figu
         axes[1].set(ylabel="γ in rad")
         axes[2].set(ylabel="$\\dotα$ in rad/s")
     axes[3].set(ylabel="normal force in N", xlabel="time in s")
+    axes[3].ticklabel_format(axis="x", scilimits=_SHORT_LABELS)
     legend_above(axes[0], columns=1 + (len(runs) > 1))
     return axes[0].figure
 
@@ -246,6 +252,7 @@ def draw_story(motion: SpatialMotion) -> "Figure":
     axes[1].set(ylabel="COG height in mm", ylim=(0, None))
     axes[2].set(ylabel="vertical angular\nvelocity in rad/s")
     axes[4].set(ylabel="contact force in N", xlabel="time in s", xlim=(times[0], times[-1]))
+    axes[4].ticklabel_format(axis="x", scilimits=_SHORT_LABELS)
     potential = motion.energies[:, 1:].sum(axis=1)
     # Areas below zero would cover others; on a table that leans, the disk goes down.
     potential -= min(0.0, float(potential.min()))

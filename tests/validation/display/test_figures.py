@@ -1,16 +1,19 @@
 """What figures share."""
 
+from itertools import pairwise
 from math import inf, nan, pi
 
 import numpy as np
 import pytest
 
-from analysis import PenaltyContact, Scenario, Start
+from analysis import Disk, PenaltyContact, Scenario, Start, simulate_to_rest
 from validation.display.figures import (
     LOOKS,
     against_limits,
     angle_axis,
+    comparison,
     draw_still,
+    draw_story,
     legend_above,
     new_figure,
 )
@@ -28,7 +31,7 @@ def test_angles_have_some_labels_however_far_they_turn(turned: tuple[float, floa
     axes = new_figure()[1]
     axes.plot([0.0, 1.0], turned)
     angle_axis(axes)
-    axes.figure.canvas.draw()
+    axes.figure.draw_without_rendering()
     seen = [each.get_text() for each in axes.get_yticklabels()]
     assert set(LABELS[turned]) <= set(seen)
     assert len(seen) < 14
@@ -59,7 +62,7 @@ def test_a_legend_of_long_names_neither_is_cut_off_nor_takes_the_axes_their_widt
     for n in range(4):
         axes.plot([0.0, 1.0], [1.5708, 1.5709], label=f"{n}, a curve of a rather long name")
     legend_above(axes)
-    axes.figure.canvas.draw()
+    axes.figure.draw_without_rendering()
     assert axes.get_legend().get_window_extent().x1 < axes.figure.bbox.width
     assert axes.get_position().width > 0.75
     # Numbers that hardly differ stand in full, rather than as what has to be added to another.
@@ -81,3 +84,19 @@ def test_a_still_shows_all_of_a_disk_also_of_one_that_lies_or_is_dropped(start: 
             each.get_data(), (axes.get_xlim(), axes.get_ylim()), strict=True
         ):
             assert low < np.min(values) <= np.max(values) < high
+
+
+def test_labels_of_short_motions_and_of_small_energies_do_not_lie_on_each_other() -> None:
+    disk = Disk.ring(
+        radius=1e-3, hole_radius=3e-4, hole_distance=4e-4, thickness=1e-4, density=7700.0
+    )
+    short = simulate_to_rest(Scenario.rest(disk=disk), 0.002)
+    for figure in (draw_story(short), comparison([("short", short)])):
+        figure.draw_without_rendering()
+        times = [each.get_window_extent() for each in figure.axes[-1].get_xticklabels()]
+        assert all(left.x1 < right.x0 for left, right in pairwise(times))
+    energies = draw_story(short).axes[3]
+    energies.figure.draw_without_rendering()
+    power = energies.yaxis.get_offset_text()
+    assert power.get_text()
+    assert not energies.get_legend().get_window_extent().overlaps(power.get_window_extent())

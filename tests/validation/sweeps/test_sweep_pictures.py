@@ -86,7 +86,7 @@ def test_pictures_of_pairs_have_no_text_over_or_outside_of_another() -> None:
     axes = ("mu=0.05:0.5:2:log", f"constraints={','.join(names)}")
     figure, _ = drawn(*axes, scenario=Scenario(), end=0.01)
     assert figure.get_suptitle().startswith("Sweep of several models")
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     box = figure.texts[0].get_window_extent()
     assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
     below, last = figure.axes[2:4]
