@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from analysis import Disk, PenaltyContact, Scenario, Start, simulate_to_rest
+from tests.helpers import not_none
 from validation.display.figures import (
     LOOKS,
     against_limits,
@@ -95,8 +96,10 @@ def test_labels_of_short_motions_and_of_small_energies_do_not_lie_on_each_other(
         figure.draw_without_rendering()
         times = [each.get_window_extent() for each in figure.axes[-1].get_xticklabels()]
         assert all(left.x1 < right.x0 for left, right in pairwise(times))
-    energies = draw_story(short).axes[3]
-    energies.figure.draw_without_rendering()
+    figure = draw_story(short)
+    figure.draw_without_rendering()
+    energies = figure.axes[3]
     power = energies.yaxis.get_offset_text()
     assert power.get_text()
-    assert not energies.get_legend().get_window_extent().overlaps(power.get_window_extent())
+    legend = not_none(energies.get_legend())
+    assert not legend.get_window_extent().overlaps(power.get_window_extent())
