@@ -1,10 +1,11 @@
 """A motion as an animation needs it: sampled so densely that lines may lie between samples."""
 
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
-from analysis import SpatialMotion, StoredRun
+from analysis import SpatialMotion, StoredRun, Trajectory
 from analysis.problem.checks import Array, ToleranceError, within
 from analysis.problem.limits import MOST_KEYFRAMES
 from analysis.problem.names import ArgumentError
@@ -68,11 +69,12 @@ def phases(motion: StoredRun) -> dict[str, float]:
 
 
 def source(motion: StoredRun) -> str:
-    """Who simulated what, in a few words."""
-    if isinstance(motion, SpatialMotion):
-        return f"{motion.source}, on a unilateral contact"
-    formulation = motion.method.get("formulation")
-    words = (motion.source, motion.scenario.name, formulation)
+    """Who simulated what, in a few words; a table that leans is drawn level."""
+    words: tuple[Any, ...] = (motion.source, "on a unilateral contact")
+    if isinstance(motion, Trajectory):
+        words = (motion.source, motion.scenario.name, motion.method.get("formulation"))
+    lean = motion.scenario.table.inclination
+    words += (f"seen from a table leaning by {lean:.3g} rad" if lean else "",)
     return ", ".join(str(each) for each in words if each)
 
 

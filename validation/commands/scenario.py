@@ -1,6 +1,7 @@
 """A problem as a file, the two sides on it, and its scene: `scenario`, `check` and `scene`."""
 
 from operator import attrgetter
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,9 @@ from validation.display.figures import against_limits, draw_still, new_figure
 from validation.display.tables import Table
 from validation.parser.files import Result
 from validation.parser.kinds import AnyProblem, NamedProblem
+
+_WIDEST = 62
+"""Letters in a line of a title."""
 
 
 def scenario(problem: NamedProblem, *, rest: bool = False) -> None:
@@ -129,6 +133,9 @@ def _start(scenario: Scenario) -> Any:
         line.set(label=name, linestyle="none")
     beta, gamma = state.coordinates[4:]
     attitude = f"β = {beta:.4g} rad, γ = {gamma:.4g} rad, α turns with {state.rates[3]:.4g} rad/s"
-    axes.set_title(f"{scenario.name} at its start\n{attitude}", fontsize=10)
+    lean = scenario.table.inclination
+    seen = f", seen from a table leaning by {lean:.3g} rad" if lean else ""
+    what = fill(f"{scenario.name} at its start{seen}", _WIDEST, break_on_hyphens=False)
+    axes.set_title(f"{what}\n{attitude}", fontsize=10)
     figure.legend(loc="outside lower center", ncols=3, fontsize=8, handletextpad=0.0)
     return figure

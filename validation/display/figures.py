@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from fractions import Fraction
 from math import inf, nan
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,6 +59,9 @@ _CROWDED = 0.05
 
 _PARTS = 1e-6, 100.0
 """Of a limit, from the least to the largest that is drawn."""
+
+_WIDEST = 55
+"""Letters in a line of a legend."""
 
 _SHORT_LABELS = -3, 6
 """Powers of ten beyond which, and at which, times have one in common: zeros would overlap."""
@@ -213,9 +217,10 @@ def comparison(runs: Sequence[tuple[str, StoredRun]], axes: Any = None) -> "Figu
     spatial = any(isinstance(run, SpatialMotion) for _, run in runs)
     for index, (label, run) in enumerate(runs):
         look = LOOKS[index % len(LOOKS)] | {"linewidth": 2.2 - 0.4 * min(index, 3)}
+        # Between two dollars there would be a formula.
+        told = fill(label, _WIDEST, break_on_hyphens=False).replace("$", r"\$")
         for ax, values in zip(axes, _compared(run, spatial=spatial), strict=True):
-            # Between two dollars there would be a formula.
-            ax.plot(run.times, values, label=label.replace("$", r"\$"), **look)
+            ax.plot(run.times, values, label=told, **look)
     axes[0].set(ylabel="β in rad")
     if spatial:
         axes[1].set(ylabel="height of the COG in m")

@@ -121,6 +121,19 @@ def test_check_answers_by_its_exit_code(verdict: str, monkeypatch: pytest.Monkey
     assert shown.out.endswith(f"{verdict}\n")
 
 
+def test_pictures_tell_that_a_table_leans_which_they_draw_level_in_lines_that_fit() -> None:
+    every = "contact,no-slip-along,no-slip-across,constant-spin,held-tilt-rate"
+    told = "seen from a table leaning by 0.0873 rad"
+    for which in ("", f"--constraints {every}"):
+        printed(f"scene {which} --inclination 5deg --plot scene.svg")
+        lines = re.findall("<!-- (.*) -->", Path("scene.svg").read_text(encoding="utf-8"))
+        assert f"at its start, {told}" in " ".join(lines)
+        assert max(map(len, lines)) <= 62
+    printed("simulate --samples 6 --end 0.1 --inclination 5deg --out leaning.npz")
+    printed("animate leaning.npz")
+    assert told in Path("leaning.html").read_text(encoding="utf-8")
+
+
 SIMULATE = "simulate --samples 6 --end 0.1 --tolerance 1e-6"
 SHORT = "rest --source in-house --end 0.02"
 

@@ -6,7 +6,7 @@ from math import inf, nan, pi
 import numpy as np
 import pytest
 
-from analysis import Disk, PenaltyContact, Scenario, Start, simulate_to_rest
+from analysis import Disk, PenaltyContact, Scenario, Start, simulate, simulate_to_rest
 from tests.helpers import not_none
 from validation.display.figures import (
     LOOKS,
@@ -85,6 +85,23 @@ def test_a_still_shows_all_of_a_disk_also_of_one_that_lies_or_is_dropped(start: 
             each.get_data(), (axes.get_xlim(), axes.get_ylim()), strict=True
         ):
             assert low < np.min(values) <= np.max(values) < high
+
+
+def test_names_of_many_constraints_and_long_ones_of_files_are_not_cut_off() -> None:
+    every = Scenario(
+        constraints=(
+            "contact",
+            "no-slip-along",
+            "no-slip-across",
+            "constant-spin",
+            "held-tilt-rate",
+        )
+    )
+    for label in (every.name, 20 * "file_"):
+        figure = comparison([(label, simulate(every, [0.0, 0.1]))])
+        figure.draw_without_rendering()
+        assert not_none(figure.axes[0].get_legend()).get_window_extent().x1 < figure.bbox.width
+        assert figure.axes[0].get_position().width > 0.75
 
 
 def test_labels_of_short_motions_and_of_small_energies_do_not_lie_on_each_other() -> None:
