@@ -274,16 +274,19 @@ def draw_story(motion: SpatialMotion) -> "Figure":
 
 def _mark_phases(phases: Phases, panels: Sequence[Any], end: float) -> None:
     """Draw dotted lines where phases begin, named in the first of the axes."""
-    known = {name: begin for name, begin in asdict(phases).items() if begin is not None}
-    for name, begin in known.items():
+    known: dict[float, list[str]] = {}
+    for name, begin in asdict(phases).items():
+        if begin is not None:
+            known.setdefault(begin, []).append(name.replace("_", " "))
+    for begin, names in known.items():
         for panel in panels:
             panel.axvline(begin, color="#888888", linestyle=":", linewidth=1.0)
         # A name goes to the left of its line where another one follows closely.
-        crowded = any(0.0 < each - begin < _CROWDED * end for each in known.values())
+        crowded = any(0.0 < each - begin < _CROWDED * end for each in known)
         panels[0].text(
             begin,
             0.98,
-            name.replace("_", " "),
+            ", ".join(names),
             ha="right" if crowded else "left",
             transform=panels[0].get_xaxis_transform(),
             rotation=90,

@@ -120,3 +120,10 @@ def test_labels_of_short_motions_and_of_small_energies_do_not_lie_on_each_other(
     assert power.get_text()
     legend = not_none(energies.get_legend())
     assert not legend.get_window_extent().overlaps(power.get_window_extent())
+
+
+def test_phases_that_begin_together_are_named_side_by_side() -> None:
+    lying = Scenario.rest(start=Start(beta=1e-3, spin=0.0))
+    motion = simulate_to_rest(lying, 0.1)
+    assert motion.phases.rolling == motion.phases.flat == 0.0
+    assert [each.get_text() for each in draw_story(motion).axes[0].texts] == ["rolling, flat"]
