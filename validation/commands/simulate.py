@@ -54,16 +54,18 @@ def simulate(
     accuracy = "" if estimate is None else f", estimated error {estimate:.1e} rad"
     name = "in memory alone; --out stores it" if out is None else out
     made = f"{name}: {motion.times.size} samples of {scenario.name}{accuracy}"
+    warnings = list(_warnings(motion))
     pulling = (
         f"the contact pulls from t = {first:.6g} s to {last:.6g} s"
         for first, last in motion.pulling
     )
+    more = {"samples": motion.times.size, "pulling": motion.pulling, "notes": warnings}
     return Result(
-        values=outcome(motion) | {"samples": motion.times.size, "pulling": motion.pulling},
+        values=outcome(motion) | more,
         csv=motion.to_csv,
         files=[(out, motion.save)],
         draw=lambda: comparison([(scenario.name, motion)]),
-        notes=[made, *_warnings(motion), *pulling],
+        notes=[made, *warnings, *pulling],
     )
 
 
@@ -92,7 +94,7 @@ def rest(
     tolerance
         Largest error in rad and parts of the energy (1e-3).
     step
-        Engine only: a single run of fixed steps in s instead.
+        Engine only: a single run of fixed steps of at most so many s instead.
     time_limit
         Processor time in s after which the run ends as it is, without an error estimate (none).
     end
@@ -111,12 +113,13 @@ def rest(
     effort = rest_effort(scenario, end, **how)
     with announced("rest", effort, how.get("time_limit")) as progress:
         motion = run_to_rest(scenario, end, **how, progress=progress)
+    remarks = list(_remarks(motion))
     return Result(
         tables=[_story(motion)],
-        values=outcome(motion),
+        values=outcome(motion) | {"notes": remarks},
         files=[(out, motion.save)],
         draw=lambda: draw_story(motion),
-        notes=list(_remarks(motion)),
+        notes=remarks,
     )
 
 

@@ -37,7 +37,7 @@ class RunOptions:
     tolerance : float, optional
         Largest error of beta and gamma in rad (1e-8).
     step : float, optional
-        Engine only: fixed step in s instead.
+        Engine only: a single run of fixed steps of at most so many s instead.
     local_tolerance : float, optional
         Of a single run whose solver controls its steps, in place of several that agree; no error
         is estimated; engine: DOPRI5, without constraints (Model 1), or the integrator that is

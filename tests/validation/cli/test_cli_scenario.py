@@ -152,6 +152,7 @@ def test_way_to_rest_is_stored_drawn_with_its_phases_and_told() -> None:
 
 SAID = {
     f"{SIMULATE} --spin 20 --gamma pi/2": "exactly inverted spinning, which is unstable",
+    f"{SIMULATE} --spin 20 --gamma pi/2 --json": "inverted spinning, which is unstable",
     f"{SIMULATE} --spin 20 --gamma 1.57": "6 samples of Model 1, estimated error ",
     "simulate --samples 6 --end 0.1 --step 5e-3": "6 samples of Model 1\n",
     "simulate --stop-when inverted": "the centre of gravity is up, at 90% of its",
@@ -159,6 +160,7 @@ SAID = {
     "rest --source in-house --end 0.8": "inversion not decided",
     "rest --step 1e-4 --end 50 --time-limit 0.4": " s: time limit",
     f"{SHORT} --gamma pi/2 --spin 20": "exactly inverted spinning, which is unstable",
+    f"{SHORT} --gamma pi/2 --spin 20 --json": "inverted spinning, which is unstable",
     # What the disk has is not asked for.
     f"{SHORT} --rolling-viscous 5e-3": " rad; lying still needs --pivoting",
     f"{SHORT} --body sphere": " rad; lying still needs --pivoting",
