@@ -103,9 +103,9 @@ def draw(panels: Mapping[str, Panel]) -> Figure:
     known = np.concatenate([each[np.isfinite(each)] for each in times])
     # Of many, a few late ones are not to take the colours of the others.
     highest, extend = (98, "max") if known.size > _MANY else (100, "neither")
-    norm = mpl.colors.Normalize(
-        *(np.percentile(known, [0, highest]) if known.size else (0.0, 1.0))
-    )
+    first, last = np.percentile(known, [0, highest]) if known.size else (0.0, 1.0)
+    # Where all stand inverted at the start, colours are not to tell of times before it.
+    norm = mpl.colors.Normalize(first, last or 1.0)
     for (title, panel), inverted, each in zip(panels.items(), times, axes, strict=True):
         _fill(panel, inverted, norm, each)
         _mark(panel, each)

@@ -188,6 +188,15 @@ def test_map_is_drawn_wherever_its_inversions_lie(inverted: tuple[int, ...]) -> 
     assert np.ma.count(not_none(times.get_array())) == len(inverted)
 
 
+def test_colours_tell_of_no_time_before_the_start() -> None:
+    how = {"outcome": "inverted", "time": 0.0, "seen": False, "alike": False}
+    cells = pd.DataFrame([{"number": number, **how} for number in range(9)])
+    drawn = figures.draw({"": room.Panel(sweep=grid("attitude"), cells=cells)})
+    (scale,) = (axes for axes in drawn.axes if axes.get_ylabel() == "time to inversion in s")
+    low, high = scale.get_ylim()
+    assert low == 0.0 < high
+
+
 def test_store_of_a_map_is_refined_where_outcomes_differ_and_kept(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
