@@ -27,8 +27,12 @@ _DEPENDENT = 1e-12
 _PART = 1e-6
 """Part of a contact force over which friction is differentiated by it."""
 
-_SECANTS = 60
-"""Most steps towards a contact force that friction is not in proportion to,"""
+_SECANTS, _MOST = 20, 5000
+"""Steps towards a contact force that friction is not in proportion to: from which on every other
+one goes to the middle, so that all of them suffice;"""
+
+_STRONGEST = 1e24
+"""the largest one in N that is looked for,"""
 
 _BALANCED = 1e-14
 """and what may be left, over the sum of what it is made of."""
@@ -186,16 +190,22 @@ class Probe:
         if less <= 0.0:
             return without
         low, high, load = 0.0, inf, less
-        for _ in range(_SECANTS):
+        for count in range(_MOST):
             solution, more = under(load)
             # Of a contact that lets go, the force is small and not the sizes that cancel in it.
             if abs(more) <= _BALANCED * float(parts @ np.abs(right)):
+                # But for rounding, by which a contact that all but lets go would pull.
+                solution[row] = -load
                 return solution
             low, high = (load, high) if more > 0.0 else (low, load)
             found = load + (load - before) * more / (less - more) if more != less else inf
             before, less = load, more
-            # With a force that at first grows faster than its load, secants lead away.
-            load = found if low < found < high else min(2.0 * load, 0.5 * (low + high))
+            # With a force that at first grows faster than its load, secants lead away, and where
+            # it goes with a small power of the load, nowhere.
+            is_secant = low < found < high and (count < _SECANTS or count % 2)
+            load = found if is_secant else min(2.0 * load, 0.5 * (low + high))
+            if load in (low, high) or load > _STRONGEST:
+                break
         raise SingularError(
             "the engine's equations of motion have no contact force under which friction calls "
             f"for itself: {more:.3g} N are left under {load:.6g} N"

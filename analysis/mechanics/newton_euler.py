@@ -102,8 +102,8 @@ def derivative(
         See `Friction`.
     contact_load : callable
         Load in N, from the normal force without friction and what each newton of load adds to it
-        through friction; where that is not in proportion to the load, from what each newton of
-        friction along and across the edge adds to it, and the two slips.
+        through friction; where that is not in proportion to the load, the normal force, from what
+        each newton of friction along and across the edge adds to it, and the two slips.
     """
     moving = structure.chart.moving(state)
     acceleration = free_acceleration(disk, structure.chart.gravity(moving, gravity), moving)
@@ -136,6 +136,9 @@ def derivative(
         sizes = friction(along, across, load) if slips else (load,)
     for size, more in zip(sizes, added, strict=True):
         forces = [force + size * each for force, each in zip(forces, more, strict=True)]
+    if ways and slips:
+        # But for rounding, by which a contact that all but lets go would pull.
+        forces[0] = load
     acceleration = together(acceleration, [*sizes, *forces], [*rubbings, *responses])
     multipliers = [each.scale * force for each, force in zip(held, forces, strict=True)]
     both = zip(SLIPS, (along, across), strict=True)

@@ -38,13 +38,16 @@ _PLACES = (*np.logspace(0.0, 4.0, 129).tolist(), *np.logspace(8.0, 32.0, 7).toli
 is large enough: the least is, unless two lie between neighbours. Friction may be strong, or all
 forces tiny."""
 
+_TINIEST, _MOST = float(np.finfo(float).tiny), 5000
+"""Width in N of a bracket that a contact force stays in, and steps in which it is reached."""
 
-def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
-    """Load in N that friction acts with, which itself changes the normal force.
 
-    The normal force N is that without friction, and what the friction under the load N adds to
-    it. Of several solutions it is the least: the one that there is without friction, as that sets
-    in. Where the contact pulls under no load, that is the load.
+def any_contact_force(law: FrictionLaw, *given: Any) -> Any:
+    """Normal force in N, under which as its load friction itself changes it.
+
+    It is that without friction, and what the friction under it adds. Of several solutions it is
+    the least: the one that there is without friction, as that sets in. Where the contact pulls
+    under no load, it rubs under none.
 
     Parameters
     ----------
@@ -71,7 +74,8 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
     pressing, low = -missing(0.0), 0.0
     if pressing <= 0.0:
         # Whatever other load there is that friction would call for by itself.
-        return 0.0
+        x, y = ask(along, across, 0.0)
+        return alone + per_along * x + per_across * y
     for high in (pressing * place for place in _PLACES):
         if missing(high) >= 0.0:
             break
@@ -80,7 +84,8 @@ def any_contact_load(law: FrictionLaw, *given: Any) -> Any:
         raise ArithmeticError(
             f"no contact force up to {low:.3g} N is what friction under it calls for"
         )
-    load = float(brentq(missing, low, high, xtol=1e-15 * pressing, rtol=1e-14))
+    # Friction that goes with a small power of the load is strong under next to none.
+    load = float(brentq(missing, low, high, xtol=_TINIEST, rtol=1e-14, maxiter=_MOST))
     if not any(isinstance(each, Dual) for each in given):
         return load
     # One step of Newton's from the value is exact for its derivative.
@@ -207,9 +212,14 @@ def solver(
     law = scenario.friction
     if scenario.contact is not None:
         return free_solver(scenario, EulerAngles, functions(law))
-    contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_load, law)
+    contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_force, law)
+    ask = asked(law, "force")
+
+    def force(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
+        return ask(along, across, max(0.0, load))
+
     code = formula(Structure.of(scenario))(
-        *numbers(scenario), force=asked(law, "force"), contact_load=contact_load, **functions(law)
+        *numbers(scenario), force=force, contact_load=contact_load, **functions(law)
     )
 
     def solve(*state: Any) -> tuple[Any, ...]:

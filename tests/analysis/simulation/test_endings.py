@@ -15,14 +15,17 @@ from analysis import (
     Level,
     Method,
     PenaltyContact,
+    PowerLawCoulomb,
     Scenario,
     SmoothCoulomb,
     Start,
     State,
+    Table,
     TimeLimitError,
     Trajectory,
     simulate,
 )
+from analysis.mechanics.recorded import accelerations
 from analysis.problem import limits
 from analysis.problem.choices import SOURCES, Source
 from analysis.problem.limits import LEAST_TILT
@@ -165,6 +168,30 @@ def test_disk_ends_flat_when_it_lies_flat(
 ) -> None:
     found = run(scenario, np.linspace(0.0, 1.0, count), **side)
     assert_ends(found, "flat", time_of_fall(scenario), 1e-7)
+
+
+LETTING_GO = Scenario(
+    constraints=("contact", "fixed-cog"),
+    disk=CENTRED_DISK,
+    friction=PowerLawCoulomb(
+        coefficient=0.03, smoothing=6e-3, load="contact", reference_load=0.25, exponent=0.1
+    ),
+    table=Table(gravity=0.13),
+    start=Start(beta=1.3, gamma=2.8, spin=-39.0),
+)
+
+
+@pytest.mark.parametrize("side", [IN_HOUSE, IN_HOUSE | {"method": "LSODA"}, {}], ids=str)
+def test_contact_pulls_where_it_would_without_friction_that_hardly_falls_with_the_load(
+    side: dict[str, Any],
+) -> None:
+    # With a tenth of the power, the load falls below 1e-80 N before.
+    last = run(LETTING_GO, [0.0, 0.06], **side)
+    assert last.ending is not None
+    assert last.ending.reason == "contact would pull"
+    free = replace(LETTING_GO, friction=SmoothCoulomb(coefficient=0.0))
+    _, forces = accelerations(free, last.coordinates[-1], last.rates[-1])
+    assert abs(forces[0]) < 1e-9
 
 
 @pytest.mark.slow
