@@ -356,8 +356,10 @@ def flag_of(argument: str, options: Iterable[tuple[str, Any]]) -> str:
         if argument in (key, name, f"{name}s"):
             return flag
         # What is refused may follow from what is given of its table: a mass from a radius, a
-        # parameter from the law. The contact is refused for the constraints that it cannot take.
+        # parameter from the law. The contact is refused for the constraints that it cannot take,
+        # and those of a command for the body.
         is_model = part in ("contact", "constraints") and key in ("model", "constraints")
-        if (argument and part == table) or is_model:
+        is_body = part == "constraints" and key == "disk.body"
+        if (argument and part == table) or is_model or is_body:
             near = near or flag
     return near

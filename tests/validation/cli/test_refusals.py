@@ -62,6 +62,7 @@ REFUSED = {
     "cycles --mu 0": "--mu: friction must have a positive gradient for periodic motions, got 0",
     "cycles --hole-distance 0": "--hole-distance: eccentricity must be positive for periodic mo",
     "map rest --inclination 2deg --cells 1 --levels 0 --end 0.1": "--inclination: a map of the fa",
+    "cycles --body sphere": "--body: constraints must be those of Model 1 for a Sphere, got",
     "cycles --amplitude 1": "--amplitude: amplitude belongs to --over",
     "cycles --rotating --spin 30": "--spin: spin does not go together with rotating",
     "cycles --over mu=0.1:1:3": "--over: over needs what is held",
