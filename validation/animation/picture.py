@@ -241,7 +241,7 @@ def _pictures(motion: StoredRun, width: int) -> Callable[[int], np.ndarray]:
         pose, now = (poses.positions[row], poses.rotations[row]), motion.times[row]
         middle = pose[0][:2] if rolls_away else 0.5 * (low + high)
         # A disk that is dropped is followed down.
-        target = np.append(middle, max(height, pose[0][2] - body.radius))
+        target = np.append(middle, max(height, pose[0][2] - body.radius + height))
         camera = Camera(target, LOOK["azimuth"], 1.5 * body.radius, scale)
         trail = contact[(motion.times > now - LOOK["trail"]) & (motion.times <= now)]
         draw(axes, body, pose, camera, trail)

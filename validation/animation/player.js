@@ -83,7 +83,7 @@ function diskPlayer(root, data) {
   function drawScene(t) {
     const [pen, width, height] = pencil();
     const now = pose(t), { centre, placed } = now, R = data.radius, table = LOOK.reach * R;
-    const target = [centre[0], centre[1], Math.max(LOOK.height * R, centre[2] - R)];
+    const target = [centre[0], centre[1], Math.max(LOOK.height * R, centre[2] - (1 - LOOK.height) * R)];
     const [project, eye] = projection(target, 9 * R, width, height);
 
     const { area, heavy, masses, lines, solid, cog } = data.shape;
