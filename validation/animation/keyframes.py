@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis import SpatialMotion, StoredRun, Trajectory
+from analysis import Scenario, SpatialMotion, StoredRun, Trajectory
 from analysis.problem.checks import Array, ToleranceError, within
 from analysis.problem.limits import MOST_KEYFRAMES
 from analysis.problem.names import ArgumentError
@@ -69,13 +69,17 @@ def phases(motion: StoredRun) -> dict[str, float]:
 
 
 def source(motion: StoredRun) -> str:
-    """Who simulated what, in a few words; a table that leans is drawn level."""
+    """Who simulated what, in a few words."""
     words: tuple[Any, ...] = (motion.source, "on a unilateral contact")
     if isinstance(motion, Trajectory):
         words = (motion.source, motion.scenario.name, motion.method.get("formulation"))
-    lean = motion.scenario.table.inclination
-    words += (f"seen from a table leaning by {lean:.3g} rad" if lean else "",)
-    return ", ".join(str(each) for each in words if each)
+    return ", ".join(str(each) for each in (*words, seen_from(motion.scenario)) if each)
+
+
+def seen_from(scenario: Scenario) -> str:
+    """What is to be said beside a picture, which draws a table level; empty if it is."""
+    lean = scenario.table.inclination
+    return f"seen from a table leaning by {lean:.3g} rad" if lean else ""
 
 
 def _dense(motion: StoredRun, times: Array) -> Array:

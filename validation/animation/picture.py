@@ -49,6 +49,15 @@ class Camera(NamedTuple):
     radius: float
     scale: float = 1.0
 
+    @staticmethod
+    def aim(middle: Array, height: float, radius: float) -> Array:
+        """Target that shows the table above a place on it and a body at a height in m over it.
+
+        One that is dropped is in the middle.
+        """
+        least = LOOK["height"] * radius
+        return np.append(middle, max(least, height - radius + least))
+
     @property
     def axes(self) -> Array:
         """Directions to the right, up and to the eye, shape (3, 3)."""
@@ -230,7 +239,7 @@ def _pictures(motion: StoredRun, width: int) -> Callable[[int], np.ndarray]:
     body, poses, contact = motion.scenario.disk, motion.poses, motion.contact_points
     low, high = contact[:, :2].min(axis=0), contact[:, :2].max(axis=0)
     rolls_away = np.max(high - low) > 1.5 * body.radius
-    scale, height = width / 480, LOOK["height"] * body.radius
+    scale = width / 480
     figure = Figure(figsize=(width / _DPI, width / _DPI), dpi=_DPI)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     canvas: Any = FigureCanvasAgg(figure)  # its methods carry no types
@@ -240,8 +249,7 @@ def _pictures(motion: StoredRun, width: int) -> Callable[[int], np.ndarray]:
             artist.remove()
         pose, now = (poses.positions[row], poses.rotations[row]), motion.times[row]
         middle = pose[0][:2] if rolls_away else 0.5 * (low + high)
-        # A disk that is dropped is followed down.
-        target = np.append(middle, max(height, pose[0][2] - body.radius + height))
+        target = Camera.aim(middle, pose[0][2], body.radius)
         camera = Camera(target, LOOK["azimuth"], 1.5 * body.radius, scale)
         trail = contact[(motion.times > now - LOOK["trail"]) & (motion.times <= now)]
         draw(axes, body, pose, camera, trail)

@@ -9,6 +9,7 @@ import numpy as np
 from analysis import Scenario, scenario_text
 from analysis.problem.checks import whole
 from analysis.problem.choices import EngineFormulation
+from validation.animation.keyframes import seen_from
 from validation.commands.options import checked_end
 from validation.display.figures import against_limits, draw_still, new_figure
 from validation.display.tables import Table
@@ -133,9 +134,8 @@ def _start(scenario: Scenario) -> Any:
         line.set(label=name, linestyle="none")
     beta, gamma = state.coordinates[4:]
     attitude = f"β = {beta:.4g} rad, γ = {gamma:.4g} rad, α turns with {state.rates[3]:.4g} rad/s"
-    lean = scenario.table.inclination
-    seen = f", seen from a table leaning by {lean:.3g} rad" if lean else ""
-    what = fill(f"{scenario.name} at its start{seen}", _WIDEST, break_on_hyphens=False)
+    words = filter(None, (f"{scenario.name} at its start", seen_from(scenario)))
+    what = fill(", ".join(words), _WIDEST, break_on_hyphens=False)
     axes.set_title(f"{what}\n{attitude}", fontsize=10)
     figure.legend(loc="outside lower center", ncols=3, fontsize=8, handletextpad=0.0)
     return figure

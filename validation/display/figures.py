@@ -128,9 +128,8 @@ def draw_still(axes: "Axes", disk: Body, coordinates: Array, scale: float = 1.0)
     from validation.animation.picture import Camera, draw
 
     place, rotation = (each[0] for each in poses(coordinates[None]))
-    # One that is dropped is seen, too.
-    middle = np.append(place[:2], max(0.75 * disk.radius, place[2] - 0.25 * disk.radius))
-    camera = Camera(middle, coordinates[3] - np.pi / 2 + 0.35, disk.radius, scale)
+    target = Camera.aim(place[:2], place[2], disk.radius)
+    camera = Camera(target, coordinates[3] - np.pi / 2 + 0.35, disk.radius, scale)
     draw(axes, disk, (place, rotation), camera)
 
 
