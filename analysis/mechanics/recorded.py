@@ -20,7 +20,7 @@ from analysis.mechanics.dual import (
     rate,
     value_of,
 )
-from analysis.mechanics.newton_euler import Structure, derivative
+from analysis.mechanics.newton_euler import Friction, Structure, derivative
 from analysis.mechanics.penalty import Solver, free_solver, friction_of
 from analysis.mechanics.recorder import Recorder, call
 from analysis.problem.bodies import noting
@@ -42,7 +42,7 @@ _TINIEST, _MOST = float(np.finfo(float).tiny), 5000
 """Width in N of a bracket that a contact force stays in, and steps in which it is reached."""
 
 
-def any_contact_force(law: FrictionLaw, *given: Any) -> Any:
+def any_contact_force(friction: Friction, *given: Any) -> Any:
     """Normal force in N, under which as its load friction itself changes it.
 
     It is that without friction, and what the friction under it adds. Of several solutions it is
@@ -51,8 +51,8 @@ def any_contact_force(law: FrictionLaw, *given: Any) -> Any:
 
     Parameters
     ----------
-    law : FrictionLaw
-        Of any kind.
+    friction : callable
+        Any law's; see `Friction`.
     *given : 5 float or Dual
         Normal force in N without friction; what each newton of friction along the edge and across
         it adds to it; slip velocities along and across in m/s.
@@ -65,16 +65,14 @@ def any_contact_force(law: FrictionLaw, *given: Any) -> Any:
     alone, per_along, per_across, along, across = given
     force, by_along, by_across, slip_x, slip_y = map(value_of, given)
 
-    ask = asked(law, "force")
-
     def missing(load: float) -> float:
-        x, y = ask(slip_x, slip_y, load)
+        x, y = friction(slip_x, slip_y, load)
         return float(load - (force + by_along * x + by_across * y))
 
     pressing, low = -missing(0.0), 0.0
     if pressing <= 0.0:
         # Whatever other load there is that friction would call for by itself.
-        x, y = ask(along, across, 0.0)
+        x, y = friction(along, across, 0.0)
         return alone + per_along * x + per_across * y
     for high in (pressing * place for place in _PLACES):
         if missing(high) >= 0.0:
@@ -89,9 +87,9 @@ def any_contact_force(law: FrictionLaw, *given: Any) -> Any:
     if not any(isinstance(each, Dual) for each in given):
         return load
     # One step of Newton's from the value is exact for its derivative.
-    x, y = ask(along, across, load)
+    x, y = friction(along, across, load)
     change = dual(alone + per_along * x + per_across * y).change
-    x, y = ask(slip_x, slip_y, Dual(load, 1.0))
+    x, y = friction(slip_x, slip_y, Dual(load, 1.0))
     feedback = dual(by_along * x + by_across * y).change
     return Dual(load, change / (1.0 - feedback))
 
@@ -212,8 +210,8 @@ def solver(
     law = scenario.friction
     if scenario.contact is not None:
         return free_solver(scenario, EulerAngles, functions(law))
-    contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_force, law)
     ask = asked(law, "force")
+    contact_load = _contact_load if law.IS_PROPORTIONAL else partial(any_contact_force, ask)
 
     def force(along: Any, across: Any, load: Any) -> tuple[Any, Any]:
         return ask(along, across, max(0.0, load))

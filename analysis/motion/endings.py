@@ -127,9 +127,12 @@ class Turning:
             try:
                 said = number("it", said)
             except ValueError as error:
-                fault = f"must say a number of a State: {error} for {state}"
-                raise ArgumentError("stop_when", fault, self.name) from error
+                raise self.refused(f"{error} for {state}") from error
         return said - (LEAST if is_named else ROUNDING)
+
+    def refused(self, why: str) -> ArgumentError:
+        """That it says no number, for some reason."""
+        return ArgumentError("stop_when", f"must say a number of a State: {why}", self.name)
 
     @property
     def name(self) -> str:
@@ -178,8 +181,7 @@ def try_conditions(conditions: Mapping[str, Turning], state: State) -> None:
         except ArgumentError:
             raise
         except (Exception, SystemExit) as error:
-            fault = f"must say a number of a State: {error_text(error)}"
-            raise ArgumentError("stop_when", fault, each.name) from error
+            raise each.refused(error_text(error)) from error
 
 
 def check_condition_name(name: Any) -> str:

@@ -360,7 +360,9 @@ class SampledMotion(Quantities):
         said = self._summary()
         kind = said.pop("motion")
         said["method"] = ", ".join(
-            f"{name} {value}" for name, value in self.method.items() if value is not None
+            f"{name} {value if isinstance(value, str) else f'{value:.6g}'}"
+            for name, value in self.method.items()
+            if value is not None
         )
         rows = "".join(
             f"<tr><th>{key}</th><td>{escape(text)}</td></tr>" for key, text in said.items()

@@ -254,10 +254,16 @@ def _read(table: str, values: Any) -> Any:
     if not isinstance(values, Mapping):
         return values
     known = of_table(table)
-    return {
+    found = {
         name: read_value(known[name].key, value, name) if name in known else value
         for name, value in values.items()
     }
+    if isinstance(state := values.get("coordinates"), list) and len(state) == len(COORDINATES):
+        found["coordinates"] = state[:3] + [
+            read_value(f"start.{name}", each, f"coordinates[{name}]")
+            for name, each in zip(COORDINATES[3:], state[3:], strict=True)
+        ]
+    return found
 
 
 def _line_of(text: str, argument: str) -> int:

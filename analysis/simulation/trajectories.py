@@ -87,7 +87,7 @@ class Trajectories(InCoordinates):
         failed = self.failures.get(self.ensemble.number(member))
         try:
             return failed or self[member]
-        except (ArithmeticError, ValueError, OSError, RuntimeError) as error:
+        except (ArithmeticError, ValueError) as error:
             return error
 
     @property

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import hypot, inf, nan
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -107,22 +106,25 @@ def test_contact_force_is_the_least_that_friction_under_it_calls_for_or_there_is
     slip = (0.0, 9.0)
     steep = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=2.0)
     with pytest.raises(ArithmeticError, match="is what friction under it calls for"):
-        any_contact_force(steep, 1.0, 0.0, -3.0, *slip)
+        any_contact_force(steep.force, 1.0, 0.0, -3.0, *slip)
     per_square = -1.5 * steep.force(*slip, 1.0)[1]
     least, _ = np.sort(np.roots((per_square, -1.0, 0.1)))
-    assert any_contact_force(steep, 0.1, 0.0, -1.5, *slip) == pytest.approx(least, rel=1e-13)
+    assert any_contact_force(steep.force, 0.1, 0.0, -1.5, *slip) == pytest.approx(least, rel=1e-13)
     # One that pulls rubs with no load, though friction would call for its own.
     alone = PowerLawCoulomb(coefficient=0.5, load="contact", exponent=0.5)
-    assert any_contact_force(alone, -0.1, 0.0, -1.5, *slip) == -0.1
+    assert any_contact_force(alone.force, -0.1, 0.0, -1.5, *slip) == -0.1
+
     # No other load is tried, for which a law of one's own may have no force.
-    silent: Any = SimpleNamespace(force=lambda _along, _across, load: (0.0, 0.0 / (load == 0.0)))
+    def silent(_along: float, _across: float, load: float) -> tuple[float, float]:
+        return 0.0, 0.0 / (load == 0.0)
+
     assert any_contact_force(silent, -0.1, 0.0, -1.5, *slip) == -0.1
 
 
 @pytest.mark.parametrize("coefficient", [0.5, 1e3, 1e8])
 def test_contact_force_is_found_however_strong_friction_is(coefficient: float) -> None:
     law = PowerLawCoulomb(coefficient=coefficient, load="contact", exponent=0.5)
-    load = any_contact_force(law, 1.0, 0.0, -3.0, 0.0, 9.0)
+    load = any_contact_force(law.force, 1.0, 0.0, -3.0, 0.0, 9.0)
     assert load == pytest.approx(1.0 - 3.0 * law.force(0.0, 9.0, load)[1], rel=1e-12)
 
 

@@ -128,6 +128,13 @@ def test_short_file_holds_what_it_must_and_angles_may_be_text(tmp_path: Path) ->
         table=Table(inclination=pi / 90, downhill=pi / 2),
         start=Start(beta=80 * pi / 180),
     )
+    angles = 'coordinates = [0, 0, 0.04, "pi", "pi/2", "45deg"]'
+    path.write_text(
+        f'format = 1\nmodel = 1\ndisk.name = "steel"\n[friction]\n[table]\n[start]\n{angles}\n'
+        "rates = [0, 0, 0, 9, 0, 0]\n"
+    )
+    whole = State(coordinates=(0, 0, 0.04, pi, pi / 2, pi / 4), rates=(0, 0, 0, 9, 0, 0))
+    assert load_scenario(path).start == whole
 
 
 @pytest.mark.parametrize(
@@ -225,7 +232,8 @@ REFUSED: list[tuple[Scenario, str, str, str]] = [
     (PAPER, "disk.radius = 1" + 400 * "0", "radius must be a finite number, got one", "radius"),
     (PAPER, "friction.law = []", "law must be text, got []", "law"),
     (PAPER, 'friction.law = ".x:Law"', "friction law '.x:Law' cannot be loaded", "law"),
-    (STATE, 'start.coordinates = [0, 0, 0, 0, 0, "pi"]', "coordinates[gamma] must", "coordinates"),
+    (STATE, 'start.coordinates = [0, 0, 0, 0, 1, "up"]', "coordinates[gamma] must", "coordinates"),
+    (STATE, 'start.coordinates = [0, 0, "pi", 0, 1, 0]', "coordinates[z] must be", "coordinates"),
     # Values that do not fit each other.
     (PAPER, "disk.hole_distance = 1", "hole_distance must be less than radius", "hole_distance"),
     (ROUNDED, "disk.eccentricity = 1", "eccentricity must be less than radius", "eccentricity"),
