@@ -21,8 +21,8 @@ from analysis.problem.contact import FULL_GRIP
 from analysis.problem.scenario import Scenario
 from mbs_models.friction import free_slip_force
 
-_STEP = 1e-20
-"""Imaginary part of a vertical, by which the surface of a body of one's own is differentiated."""
+IMAGINARY = 1e-20
+"""Imaginary part by which the surface of a body is differentiated, free of rounding."""
 
 Triple = tuple[float, float, float]
 
@@ -275,9 +275,9 @@ class _OwnLoads(Loads):
         return self._lowest(matrix, (0.0, 0.0, 1.0))
 
     def spread(self, matrix: Matrix, depth: float) -> Triple:  # noqa: ARG002 - as it says
-        h = _STEP * 1j
+        h = IMAGINARY * 1j
         x, y = (self._lowest(matrix, up) for up in ((h, 0.0, 1.0), (0.0, h, 1.0)))
-        return -x[0].imag / _STEP, -x[1].imag / _STEP, -y[1].imag / _STEP
+        return -x[0].imag / IMAGINARY, -x[1].imag / IMAGINARY, -y[1].imag / IMAGINARY
 
     def _lowest(self, matrix: Matrix, up: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
         """Lowest point from the centre in m for a vertical in this direction."""

@@ -187,6 +187,13 @@ class Model(ABC):
         """The engine's coordinates after so many s of turning one way, shape (n,)."""
         return position + time * velocity
 
+    def residual_rate(self, position: Array, velocity: Array) -> Array | None:  # noqa: ARG002
+        """Rate of velocity-level residuals at constant velocities, shape (m,), if it is known.
+
+        Otherwise it comes from differences; see `Probe`.
+        """
+        return None
+
     def multipliers(self, carriers: Array, coordinates: Array, rates: Array) -> Array:
         """Constraint forces on the disk in R-frame axes, shape (n, k).
 

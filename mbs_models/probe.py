@@ -249,6 +249,8 @@ class Probe:
         """
         data = self._system.systemData
         position, velocity = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        if (known := self._model.residual_rate(position, velocity)) is not None:
+            return known
         length, nodes, weights = _QUICK if quick else _FINE
         step, found = length / self._pace, []
         for node in nodes:

@@ -118,11 +118,18 @@ class Scene:
         return CLASSES[self.built_as].has_constraints(self.scenario)
 
     @property
+    def without_angles(self) -> EngineFormulation | None:
+        """A formulation that can build it, too, without the Euler angles that this one has."""
+        if not CLASSES[self.built_as].has_euler_angles:
+            return None
+        able = formulations(self.scenario)
+        return next((each for each in able if not CLASSES[each].has_euler_angles), None)
+
+    @property
     def freed(self) -> "Scene | None":
         """The same without Euler angles, if it has these, is free to have none, and can."""
-        free = [each for each in formulations(self.scenario) if not CLASSES[each].has_euler_angles]
-        is_open = self.formulation is None and CLASSES[self.built_as].has_euler_angles
-        return replace(self, formulation=free[0]) if is_open and free else None
+        free = self.without_angles if self.formulation is None else None
+        return replace(self, formulation=free) if free else None
 
     def starting_at(self, state: State) -> "Scene":
         """The same scene with this state as its start."""

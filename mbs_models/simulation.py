@@ -232,7 +232,7 @@ def _begun_with(
     if flatness < NEARLY_FLAT and falls and CLASSES[scene.built_as].has_euler_angles:
         finest = FLAT_ROUNDING / flatness**2
         leaning = f"{scene.built_as!r}, which leans by {flatness:.2g} rad and falls"
-        where = f" on {leaning}; try formulation 'floating'"
+        where = f" on {leaning}; try {_other_than_angles(scene)}"
     if tolerance >= finest:
         return scene, freed
     if where and freed is not None:
@@ -312,7 +312,7 @@ def _stepped(call: Call, integrator: Integrator) -> Run:
             raise FlatError(
                 f"tolerance {tolerance:g} rad cannot be reached: the disk passes by flat after "
                 f"t = {moment:.6g} s, where formulation {formulation!r} loses too many digits; "
-                "try formulation 'floating'",
+                f"try {_other_than_angles(motion.scene)}",
                 moment,
             )
         return found
@@ -377,6 +377,12 @@ def _trajectory(call: Call, integrator: Integrator, run: Run, step: float) -> Tr
     )
 
 
+def _other_than_angles(scene: Scene) -> str:
+    """What follows a scene where its Euler angles lose digits."""
+    free = scene.without_angles
+    return f"formulation {free!r}" if free else "the in-house equations (analysis.simulate)"
+
+
 def advice(scene: Scene, integrator: Integrator, leaning: float, *, is_late: bool = False) -> str:
     """Other ways to simulate the same motion, the most promising one first.
 
@@ -391,8 +397,8 @@ def advice(scene: Scene, integrator: Integrator, leaning: float, *, is_late: boo
         Whether it has taken too long.
     """
     found, is_flat = [], leaning < NEARLY_FLAT
-    if is_flat and CLASSES[scene.built_as].has_euler_angles:
-        found.append("formulation 'floating', which loses fewer digits nearly flat")
+    if is_flat and scene.without_angles:
+        found.append(f"formulation {scene.without_angles!r}, which loses fewer digits nearly flat")
     if scene.scenario.contact is None:
         best = Scene(scene.scenario)
         if not (best.has_constraints or is_flat):

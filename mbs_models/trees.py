@@ -8,12 +8,13 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 
+from analysis.problem import elementary
 from analysis.problem.checks import Array
 from analysis.problem.constraints import MODELS
 from analysis.problem.scenario import Scenario
 from analysis.problem.start import COORDINATES
 from mbs_models.friction import free_slip_force
-from mbs_models.loads import pressing
+from mbs_models.loads import IMAGINARY, pressing
 from mbs_models.model import Floats, Force, Load, Model, Reading
 
 
@@ -110,21 +111,29 @@ class EulerTree(_Tree):
             why,
         )
 
-    def _lowest(self, beta: float, gamma: float) -> tuple[float, float, float]:
+    def residual_rate(self, position: Array, velocity: Array) -> Array | None:
+        if self.scenario.disk.is_round_disk:
+            return None
+        _, slopes = self._gap(position + IMAGINARY * 1j * velocity)
+        return np.array([np.dot(slopes, velocity).imag / IMAGINARY])
+
+    def _lowest(self, beta: Any, gamma: Any) -> tuple[Any, Any, Any]:
         """Lowest point of the body seen from its centre, in axes of the R-frame."""
-        disk, s, c = self.scenario.disk, sin(beta), cos(beta)
+        disk = self.scenario.disk
         if disk.is_round_disk:
-            return 0.0, -disk.radius * c, -disk.radius * s
-        turn, side = sin(gamma), cos(gamma)
+            return 0.0, -disk.radius * cos(beta), -disk.radius * sin(beta)
+        s, c, turn, side = (
+            of(x) for x in (beta, gamma) for of in (elementary.sin, elementary.cos)
+        )
         x, y, z = disk.lowest_point((s * turn, s * side, c))
         along = turn * x + side * y
         return side * x - turn * y, c * along - s * z, s * along + c * z
 
-    def _gap(self, q: Any) -> tuple[float, list[float]]:
+    def _gap(self, q: Any) -> tuple[Any, list[Any]]:
         """Height of the lowest point over the table, and its slopes in the joint coordinates."""
         # The point moves over the surface, which is level there.
         x, y, z = self._lowest(q[4], q[5])
-        return q[3] + z, [0.0, 0.0, 0.0, 1.0, y, sin(q[4]) * x]
+        return q[3] + z, [0.0, 0.0, 0.0, 1.0, y, elementary.sin(q[4]) * x]
 
     def friction(self, load: Load) -> Force:
         """Generalised force on the joints (alpha, x, y, z, beta, gamma)."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar, toms748
 
 from analysis.motion.endings import CONTACT_WOULD_PULL, Condition
 from analysis.problem.checks import Array, ToleranceError, function, optional, positive
@@ -270,8 +270,10 @@ def _sign_changes(condition: StateFunction, step: Step, first: float, last: floa
         if extreme is not None:
             seen[extreme] = at(extreme)
     points = sorted(seen)
+    # Friction by a power of the load flattens a contact force on one side of its zero, where other
+    # ways than this one may take the square of bisection's steps.
     return [
-        float(brentq(at, before, after, xtol=1e-14, rtol=1e-14))
+        float(toms748(at, before, after, xtol=1e-14, rtol=1e-14))
         for before, after in pairwise(points)
         if (seen[before] < 0.0) != (seen[after] < 0.0)
     ]

@@ -170,23 +170,23 @@ def test_disk_ends_flat_when_it_lies_flat(
     assert_ends(found, "flat", time_of_fall(scenario), 1e-7)
 
 
+GENTLE = PowerLawCoulomb(coefficient=0.03, smoothing=6e-3, load="contact", reference_load=0.25)
 LETTING_GO = Scenario(
     constraints=("contact", "fixed-cog"),
     disk=CENTRED_DISK,
-    friction=PowerLawCoulomb(
-        coefficient=0.03, smoothing=6e-3, load="contact", reference_load=0.25, exponent=0.1
-    ),
     table=Table(gravity=0.13),
     start=Start(beta=1.3, gamma=2.8, spin=-39.0),
 )
 
 
 @pytest.mark.parametrize("side", [IN_HOUSE, IN_HOUSE | {"method": "LSODA"}, {}], ids=str)
+# With a tenth of the power, the load falls below 1e-80 N before; with others, it is the flattest.
+@pytest.mark.parametrize(("exponent", "tolerance"), [(0.1, None), (0.38, 1e-4), (0.4, 1e-4)])
 def test_contact_pulls_where_it_would_without_friction_that_hardly_falls_with_the_load(
-    side: dict[str, Any],
+    exponent: float, tolerance: float | None, side: dict[str, Any]
 ) -> None:
-    # With a tenth of the power, the load falls below 1e-80 N before.
-    last = run(LETTING_GO, [0.0, 0.06], **side)
+    scenario = replace(LETTING_GO, friction=replace(GENTLE, exponent=exponent))
+    last = run(scenario, [0.0, 0.06], tolerance=tolerance, **side)
     assert last.ending is not None
     assert last.ending.reason == "contact would pull"
     free = replace(LETTING_GO, friction=SmoothCoulomb(coefficient=0.0))
