@@ -329,7 +329,7 @@ def _steps(
         state = solver.y.copy()
         try:
             if equal == STALLED and isinstance(solver, solvers.LSODA):
-                if not stride:
+                if stride <= PAST * np.spacing(solver.t):
                     raise _stopped(solver, clock, "its steps have come down to rounding")
                 solver, equal = started(solver.t, state, end), 0
             step = _step(solver, clock)
@@ -351,8 +351,10 @@ def _steps(
             continue
         yield step
         before = after
-        # As long as the one before, to a hundredth, and not held by the longest step.
+        # As long as the one before, to a hundredth, and not held by the longest step; or as short
+        # as steps can be.
         same = abs(solver.step_size - stride) <= 0.01 * stride < 0.009 * problem.longest_step
+        same |= solver.step_size <= PAST * np.spacing(solver.t)
         stride, equal = solver.step_size, equal + 1 if same else 0
         if solver.status == "finished" and step.end < end:
             first = min(length, end - step.end)

@@ -178,14 +178,26 @@ def test_phases_follow_each_other_from_the_first_samples_at_which_they_hold(
 
 
 @pytest.mark.parametrize("method", REST_METHODS)
-def test_a_touch_down_too_hard_for_the_shortest_steps_ends_no_run(method: RestMethod) -> None:
-    contact = PenaltyContact.damped(1e7, STEEL_DISK, ratio=2.0, half_thickness=2e-4)
-    drop = Scenario.rest(contact=contact, start=Start(beta=0.3, spin=20.0, height=0.03))
-    # It touches down after 0.067 s.
+@pytest.mark.parametrize(
+    ("contact", "start"),
+    [
+        (PenaltyContact.damped(1e7, STEEL_DISK, ratio=2.0, half_thickness=2e-4),
+         Start(beta=0.3, spin=20.0, height=0.03)),
+        (PenaltyContact(stiffness=1e5, damping=800.0, half_thickness=1e-3),
+         Start(beta=1.2, spin=1.0, height=0.01)),
+    ],
+    ids=["hard", "soft"],
+)  # fmt: skip
+def test_a_touch_down_too_hard_for_the_shortest_steps_ends_no_run(
+    contact: PenaltyContact, start: Start, method: RestMethod
+) -> None:
+    drop = Scenario.rest(contact=contact, start=start)
+    # It touches down after 0.067 s or 0.045 s.
     fine, coarse = (
-        simulate_to_rest(drop, 0.07, method=each, local_tolerance=local)
+        simulate_to_rest(drop, 0.07, method=each, local_tolerance=local, time_limit=60.0)
         for each, local in ((method, 1e-13), ("LSODA", 1e-10))
     )
+    assert fine.ending is None
     assert fine.deviation(coarse) < 1e-7
 
 
