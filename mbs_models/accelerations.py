@@ -18,6 +18,7 @@ from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, instance
 from analysis.problem.choices import Method
 from analysis.problem.constraints import demanded, independent_coordinates, prescribed
+from analysis.problem.contact import FULL_GRIP
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.scenario import Scenario, require_lasting
 from analysis.problem.start import COORDINATES, State
@@ -151,7 +152,7 @@ class AccelerationProblem:
             longest_step(scenario),
             endings,
             self._angles,
-            self._slip_of_one_direction(),
+            self._kinks(),
             float(np.clip(BENDING * scenario.finest_slip, *DIFFERENCES)),
             kinked_load=scenario.kinked_load,
         )
@@ -215,12 +216,28 @@ class AccelerationProblem:
             return self.model.joints.contact_force(found[3])
         return float(self.forces([found])[0, 0])
 
-    def _slip_of_one_direction(self) -> Callable[[Array], Sequence[float]]:
+    def _kinks(self) -> Callable[[Array], Sequence[float]]:
+        """Slip in the one direction that is not held, or how a contact that may open presses."""
+        if self.scenario.contact is not None:
+            return (lambda _: ()) if self.scenario.may_pull else self._touching
         held = [f"no-slip-{way}" in self.scenario.constraints for way in ("along", "across")]
         if not self.scenario.rubs or sum(held) != 1:
             return lambda _: ()
         radius, direction = self.scenario.disk.radius, int(held[0])
         return lambda state: slip_velocity(radius, *self._whole(state))[direction : direction + 1]
+
+    def _touching(self, state: Array) -> list[float]:
+        """What presses, and what does beyond a friction that is faded out, over the weight.
+
+        Forces jump or bend where one of them changes its sign.
+        """
+        z, u = self._whole(state)
+        scenario, contact = self.scenario, self.scenario.penalty_contact
+        below, per_beta, per_gamma = scenario.disk.clearance(z[4], z[5], contact.half_thickness)
+        spring = contact.stiffness * (below - z[2]) / scenario.weight
+        damper = contact.damping * (per_beta * u[4] + per_gamma * u[5] - u[2]) / scenario.weight
+        gripping = (spring + damper if spring > 0.0 else 0.0) - FULL_GRIP
+        return [min(spring, spring + damper), gripping][: 1 + scenario.friction_fades]
 
 
 def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:

@@ -238,7 +238,8 @@ def kinks(scenario: Scenario, solved: Solver) -> Callable[[Array], list[float]]:
 
     Those are both slips in m/s, where they rub, and what presses over the weight, if the contact
     may open. It closes where the disk touches the table, with the damper's force at once, and
-    opens where the force comes to nothing, before the spring does.
+    opens where the force comes to nothing, before the spring does. Where friction fades with it,
+    it ceases to beyond a part of the weight.
 
     Parameters
     ----------
@@ -248,13 +249,14 @@ def kinks(scenario: Scenario, solved: Solver) -> Callable[[Array], list[float]]:
         Its `free_solver` from Euler angles.
     """
     contact, weight = scenario.penalty_contact, scenario.weight
-    rubs, may_open = scenario.rubs, not scenario.may_pull
+    rubs, may_open, fades = scenario.rubs, not scenario.may_pull, scenario.friction_fades
 
     def numbers(state: Array) -> list[float]:
-        along, across, gap, gap_rate = solved(*state.tolist())[13:]
+        normal_force, along, across, gap, gap_rate = solved(*state.tolist())[12:]
         spring = -contact.stiffness * gap
         pressing = min(spring, spring - contact.damping * gap_rate) / weight
-        return [along, across] * rubs + [pressing] * may_open
+        gripping = normal_force / weight - FULL_GRIP
+        return [along, across] * rubs + [pressing] * may_open + [gripping] * (fades and rubs)
 
     return numbers
 
@@ -270,8 +272,7 @@ def contact_functions(scenario: Scenario) -> Functions:
     contact: Any = scenario.contact
     weight, law = scenario.weight, scenario.friction
     asks = asked(law, "force")
-    holds = scenario.may_pull
-    fades = not (holds or law.follows_contact)
+    holds, fades = scenario.may_pull, scenario.friction_fades
 
     def spring(gap: Any) -> Any:
         return 0.0 if gap > 0.0 and not holds else -contact.stiffness * gap

@@ -238,6 +238,11 @@ class Scenario(Described):
         return self.start.state(self.constraints, self.disk, self.half_thickness, -sunk)
 
     @property
+    def friction_fades(self) -> bool:
+        """Whether friction has to be faded out where the contact opens; see `FULL_GRIP`."""
+        return not (self.may_pull or self.friction.follows_contact)
+
+    @property
     def resting_penetration(self) -> float:
         """Depth in m to which the weight presses the body into the table; 0 if that is hard."""
         return 0.0 if self.contact is None else self.contact.resting_penetration(self.weight)
