@@ -214,7 +214,7 @@ class AccelerationProblem:
         found = self._solved(state)
         if self.model.joints.contact_equation is not None:
             return self.model.joints.contact_force(found[3])
-        return float(self.forces([found])[0, 0])
+        return self.scenario.pressing_force(float(self.forces([found])[0, 0]))
 
     def _kinks(self) -> Callable[[Array], Sequence[float]]:
         """Slip in the one direction that is not held, or how a contact that may open presses."""

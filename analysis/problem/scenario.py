@@ -37,6 +37,9 @@ Names = tuple[str, ...]
 _HOLDING_TILT = {"fixed-cog", "no-slip-across", "held-tilt-rate"}
 """Constraints that hold the tilt twice where the disk is centred."""
 
+_TOUCHING = 1e-14
+"""Rounding of a contact's depth, over the radius."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario(Described):
@@ -221,6 +224,16 @@ class Scenario(Described):
         """Size in N of the load of friction, if that ends where the contact pulls; else 0."""
         ends = self.may_pull and self.rubs and self.friction.load == "contact"
         return self.weight if ends else 0.0
+
+    def pressing_force(self, force: float) -> float:
+        """Normal force in N, which rounding is kept out of where a penalty contact only touches.
+
+        Whether it pulls there would be decided by the last digits of a height.
+        """
+        hidden = 0.0
+        if self.contact is not None:
+            hidden = _TOUCHING * self.contact.stiffness * self.disk.radius
+        return force if abs(force) > hidden else 0.0
 
     @property
     def penalty_contact(self) -> PenaltyContact:

@@ -138,7 +138,7 @@ def _full(
         longest_step(scenario),
         {
             FLAT: lambda state: sin(state[4]) - LEAST_TILT,
-            CONTACT_WOULD_PULL: lambda state: solved(*state.tolist())[12],
+            CONTACT_WOULD_PULL: lambda state: scenario.pressing_force(solved(*state.tolist())[12]),
             **of_states(conditions, lambda state: paper_of(scenario.disk, state.tolist())),
         },
         slice(4, 6),

@@ -214,7 +214,7 @@ def integrate(
     ToleranceError
         If the call is out of steps.
     ValueError
-        If the contact would have to pull at the start and must not.
+        If the contact would have to pull at the start, or at once, and must not.
     """
     begin, first = time.thread_time(), float(times[0])
     # Late on the clock, SciPy's least step is longer than a motion may need.
@@ -243,6 +243,8 @@ def integrate(
             ended = TIME_LIMIT
         if ended is not None:
             break
+    if ended is not None and step.end <= 0.0:
+        raise ValueError("start needs a contact that pulls at once; allow_pulling lets it")
     reached = times[:row]
     if ended is not None and first + step.end > reached[-1]:
         reached = np.append(reached, first + step.end)

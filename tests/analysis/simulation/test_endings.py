@@ -1,7 +1,7 @@
 """Why a motion ends, and where: up or down again, flat, pulled, at a time limit, or as asked."""
 
 from dataclasses import replace
-from itertools import count
+from itertools import count, product
 from math import cos, nan, pi, sin, sqrt
 from typing import Any
 
@@ -192,6 +192,22 @@ def test_contact_pulls_where_it_would_without_friction_that_hardly_falls_with_th
     free = replace(LETTING_GO, friction=SmoothCoulomb(coefficient=0.0))
     _, forces = accelerations(free, last.coordinates[-1], last.rates[-1])
     assert abs(forces[0]) < 1e-9
+
+
+@pytest.mark.parametrize("side", [IN_HOUSE, {}], ids=str)
+def test_a_contact_that_only_touches_at_the_start_pulls_by_no_rounding(
+    side: dict[str, Any],
+) -> None:
+    for damping, spin in product((0.0, 30.0, 300.0), np.linspace(-50.0, 50.0, 12)):
+        contact = PenaltyContact(stiffness=1e6, damping=damping, bilateral=True)
+        touching = Scenario(contact=contact, start=Start(beta=1.2, height=0.0, spin=float(spin)))
+        assert run(touching, [0.0, 5e-4], **side).ending is None
+    state = touching.initial_state
+    lifted = State(coordinates=state.coordinates, rates=(0.0, 0.0, 0.1, *state.rates[3:]))
+    for damping, fault in ((0.0, "pulls at once"), (300.0, "pulls, with a normal force of -30 N")):
+        undamped = replace(touching, contact=replace(contact, damping=damping), start=lifted)
+        with pytest.raises(ValueError, match=f"^start needs a contact that {fault}; allow"):
+            run(undamped, [0.0, 5e-4], **side)
 
 
 @pytest.mark.slow
