@@ -218,12 +218,14 @@ class AccelerationProblem:
 
     def _kinks(self) -> Callable[[Array], Sequence[float]]:
         """Slip in the one direction that is not held, or how a contact that may open presses."""
-        if self.scenario.contact is not None:
-            return (lambda _: ()) if self.scenario.may_pull else self._touching
-        held = [f"no-slip-{way}" in self.scenario.constraints for way in ("along", "across")]
-        if not self.scenario.rubs or sum(held) != 1:
+        scenario = self.scenario
+        if scenario.contact is not None:
+            count = 0 if scenario.may_pull else 1 + scenario.friction_fades
+            return (lambda state: self._touching(state)[:count]) if count else lambda _: ()
+        held = [f"no-slip-{way}" in scenario.constraints for way in ("along", "across")]
+        if not scenario.rubs or sum(held) != 1:
             return lambda _: ()
-        radius, direction = self.scenario.disk.radius, int(held[0])
+        radius, direction = scenario.disk.radius, int(held[0])
         return lambda state: slip_velocity(radius, *self._whole(state))[direction : direction + 1]
 
     def _touching(self, state: Array) -> list[float]:
@@ -237,7 +239,7 @@ class AccelerationProblem:
         spring = contact.stiffness * (below - z[2]) / scenario.weight
         damper = contact.damping * (per_beta * u[4] + per_gamma * u[5] - u[2]) / scenario.weight
         gripping = (spring + damper if spring > 0.0 else 0.0) - FULL_GRIP
-        return [min(spring, spring + damper), gripping][: 1 + scenario.friction_fades]
+        return [min(spring, spring + damper), gripping]
 
 
 def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:

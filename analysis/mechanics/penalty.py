@@ -256,7 +256,7 @@ def kinks(scenario: Scenario, solved: Solver) -> Callable[[Array], list[float]]:
         spring = -contact.stiffness * gap
         pressing = min(spring, spring - contact.damping * gap_rate) / weight
         gripping = normal_force / weight - FULL_GRIP
-        return [along, across] * rubs + [pressing] * may_open + [gripping] * (fades and rubs)
+        return [along, across] * rubs + [pressing] * may_open + [gripping] * fades
 
     return numbers
 

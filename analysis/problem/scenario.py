@@ -233,7 +233,7 @@ class Scenario(Described):
         hidden = 0.0
         if self.contact is not None:
             hidden = _TOUCHING * self.contact.stiffness * self.disk.radius
-        return force if abs(force) > hidden else 0.0
+        return 0.0 if abs(force) <= hidden else force
 
     @property
     def penalty_contact(self) -> PenaltyContact:
@@ -252,8 +252,8 @@ class Scenario(Described):
 
     @property
     def friction_fades(self) -> bool:
-        """Whether friction has to be faded out where the contact opens; see `FULL_GRIP`."""
-        return not (self.may_pull or self.friction.follows_contact)
+        """Whether there is friction to be faded out where the contact opens; see `FULL_GRIP`."""
+        return self.rubs and not (self.may_pull or self.friction.follows_contact)
 
     @property
     def resting_penetration(self) -> float:

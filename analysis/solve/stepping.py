@@ -243,7 +243,7 @@ def integrate(
             ended = TIME_LIMIT
         if ended is not None:
             break
-    if ended is not None and step.end <= 0.0:
+    if ended == CONTACT_WOULD_PULL and step.end <= 0.0:
         raise ValueError("start needs a contact that pulls at once; allow_pulling lets it")
     reached = times[:row]
     if ended is not None and first + step.end > reached[-1]:
