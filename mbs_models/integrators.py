@@ -4,7 +4,7 @@ Some are the engine's own. Others step the engine's accelerations (`mbs_models.a
 """
 
 from dataclasses import asdict, dataclass
-from math import factorial, sqrt
+from math import factorial, inf, sqrt
 from typing import cast
 
 import numpy as np
@@ -17,6 +17,7 @@ from analysis.problem.choices import (
     IntegratorName,
     Method,
 )
+from analysis.problem.contact import FULL_GRIP
 from analysis.problem.names import ArgumentError
 from analysis.problem.scenario import Scenario
 from analysis.solve.effort import turning_time
@@ -161,7 +162,8 @@ class Integrator:
 
     def first_step(self, scenario: Scenario) -> float:
         """First step in s of a run to a tolerance, some 5 or 10 ms for the paper's disk."""
-        return (0.15 if self.implicit else 0.3) * turning_time(scenario)
+        step = (0.15 if self.implicit else 0.3) * turning_time(scenario)
+        return min(step, _gripping_time(scenario))
 
     def settings(self) -> dict[str, str | float | int | None]:
         """Name and options, as they go with a trajectory."""
@@ -170,6 +172,22 @@ class Integrator:
             found |= {f"newton_{option}": value for option, value in asdict(self.newton).items()}
         options = {name: getattr(self, name) for name in ("spectral_radius", "local_tolerance")}
         return found | {name: value for name, value in options.items() if value is not None}
+
+
+def _gripping_time(scenario: Scenario) -> float:
+    """Time in s in which a contact that just touches at the start has its full grip by the weight.
+
+    Steps that go across it agree on a motion beside the right one. It is infinite for others.
+    """
+    if scenario.contact is None or not scenario.friction_fades:
+        return inf
+    _, _, height, _, beta, gamma = scenario.initial_state.coordinates
+    gap = height - scenario.disk.clearance(beta, gamma, scenario.half_thickness)[0]
+    sunk, damping = scenario.resting_penetration, scenario.contact.damping
+    if not -FULL_GRIP * sunk < gap < sunk:
+        return inf
+    stiffness = 2.0 * FULL_GRIP * scenario.disk.mass * scenario.contact.stiffness
+    return stiffness / (sqrt(damping**2 + stiffness) + damping) / scenario.contact.stiffness
 
 
 def integrators(scene: Scene | Scenario) -> tuple[IntegratorName, ...]:

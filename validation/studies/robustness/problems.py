@@ -15,6 +15,7 @@ from analysis import (
     POSSIBLE_SETS,
     STEEL_DISK,
     Disk,
+    EllipticDisk,
     PenaltyContact,
     Scenario,
     SmoothCoulomb,
@@ -87,7 +88,8 @@ def problems() -> Mapping[str, Problem]:
 
 def _placed(base: Scenario, place: Mapping[str, Any]) -> Problem:
     """A problem at a place of an axis."""
-    asked = {name: place[name] for name in ("end", "samples", "cover") if name in place}
+    names = ("end", "samples", "cover", "tolerance")
+    asked = {name: place[name] for name in names if name in place}
     changes = {name: place[name] for name in place.keys() - {*asked, "models"}}
     return Problem(scenario=replace(base, **changes), **asked)
 
@@ -127,6 +129,21 @@ def _scaled(radius: float) -> Mapping[str, Any]:
     }
 
 
+def _elliptic(part: float) -> EllipticDisk:
+    """A lamina of the steel disk's mass, with this part of its radius as the other semi-axis."""
+    along, across = (STEEL_DISK.mass * (each * _RADIUS) ** 2 / 4.0 for each in (part, 1.0))
+    shift = STEEL_DISK.mass * _ECCENTRICITY**2
+    return EllipticDisk(
+        radius=_RADIUS,
+        other_radius=part * _RADIUS,
+        mass=STEEL_DISK.mass,
+        eccentricity=_ECCENTRICITY,
+        inertia_x=along,
+        inertia_y=across + shift,
+        inertia_z=along + across + shift,
+    )
+
+
 _RADIUS, _ECCENTRICITY = STEEL_DISK.radius, STEEL_DISK.eccentricity
 _FIRST: Any = {}
 _ALL: Any = {"cover": "all"}
@@ -152,6 +169,14 @@ AXES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
         for name, contact in
         (("undamped", PenaltyContact(stiffness=1e5)), ("damped", _damped(1e5)))
         for mm in (1, 5)
+    },
+    "just touching at the start": {
+        f"{damping:g} N s/m": {
+            "contact": PenaltyContact(stiffness=1e5, damping=damping),
+            "start": Start(height=0.0, beta=2.1, gamma=-1.9, spin=-39.0), "end": 0.1,
+            "tolerance": 1e-8, "models": (1,),
+        }
+        for damping in (30.0, 100.0)
     },
     "spin in rad/s": {
         label: {"start": Start(spin=float(label)), **more}
@@ -197,6 +222,13 @@ AXES: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
         )
     },
     "radius of the disk in m": {"0.001": {**_scaled(1e-3), **_ALL}, "10": _scaled(10.0)},
+    "ellipse: other semi-axis over r": {
+        f"{part:g}": {
+            "disk": _elliptic(part), "start": Start(spin=20.0, beta=1.2, gamma=0.3), "end": 0.3,
+            "tolerance": 1e-8, "models": (1,), **_ALL,
+        }
+        for part in (0.1, 0.5)
+    },
     "friction μ": {
         f"{each:g}": {"friction": SmoothCoulomb(coefficient=each)} for each in (0.0, 10.0)
     },
