@@ -18,7 +18,7 @@ from analysis.motion.endings import CONTACT_WOULD_PULL, FLAT, Condition
 from analysis.problem.checks import Array, instance
 from analysis.problem.choices import Method
 from analysis.problem.constraints import demanded, independent_coordinates, prescribed
-from analysis.problem.contact import FULL_GRIP
+from analysis.problem.contact import FULL_GRIP, PenaltyContact
 from analysis.problem.limits import LEAST_TILT
 from analysis.problem.scenario import Scenario, require_lasting
 from analysis.problem.start import COORDINATES, State
@@ -220,26 +220,30 @@ class AccelerationProblem:
         """Slip in the one direction that is not held, or how a contact that may open presses."""
         scenario = self.scenario
         if scenario.contact is not None:
-            count = 0 if scenario.may_pull else 1 + scenario.friction_fades
-            return (lambda state: self._touching(state)[:count]) if count else lambda _: ()
+            return (lambda _: ()) if scenario.may_pull else self._touching(scenario.contact)
         held = [f"no-slip-{way}" in scenario.constraints for way in ("along", "across")]
         if not scenario.rubs or sum(held) != 1:
             return lambda _: ()
         radius, direction = scenario.disk.radius, int(held[0])
         return lambda state: slip_velocity(radius, *self._whole(state))[direction : direction + 1]
 
-    def _touching(self, state: Array) -> list[float]:
+    def _touching(self, contact: PenaltyContact) -> Callable[[Array], Sequence[float]]:
         """What presses, and what does beyond a friction that is faded out, over the weight.
 
         Forces jump or bend where one of them changes its sign.
         """
-        z, u = self._whole(state)
-        scenario, contact = self.scenario, self.scenario.penalty_contact
-        below, per_beta, per_gamma = scenario.disk.clearance(z[4], z[5], contact.half_thickness)
-        spring = contact.stiffness * (below - z[2]) / scenario.weight
-        damper = contact.damping * (per_beta * u[4] + per_gamma * u[5] - u[2]) / scenario.weight
-        gripping = (spring + damper if spring > 0.0 else 0.0) - FULL_GRIP
-        return [min(spring, spring + damper), gripping]
+        clearance, thickness = self.scenario.disk.clearance, contact.half_thickness
+        weight, count = self.scenario.weight, 1 + self.scenario.friction_fades
+        stiffness, damping = contact.stiffness / weight, contact.damping / weight
+
+        def numbers(state: Array) -> list[float]:
+            z, u = self._whole(state)
+            below, per_beta, per_gamma = clearance(z[4], z[5], thickness)
+            spring = stiffness * (below - z[2])
+            both = spring + damping * (per_beta * u[4] + per_gamma * u[5] - u[2])
+            return [min(spring, both), (both if spring > 0.0 else 0.0) - FULL_GRIP][:count]
+
+        return numbers
 
 
 def acceleration(scene: Scene | Scenario, state: State | None = None) -> tuple[Array, Array]:

@@ -183,11 +183,12 @@ def _gripping_time(scenario: Scenario) -> float:
         return inf
     _, _, height, _, beta, gamma = scenario.initial_state.coordinates
     gap = height - scenario.disk.clearance(beta, gamma, scenario.half_thickness)[0]
-    sunk, damping = scenario.resting_penetration, scenario.contact.damping
+    sunk, stiffness = scenario.resting_penetration, scenario.contact.stiffness
     if not -FULL_GRIP * sunk < gap < sunk:
         return inf
-    stiffness = 2.0 * FULL_GRIP * scenario.disk.mass * scenario.contact.stiffness
-    return stiffness / (sqrt(damping**2 + stiffness) + damping) / scenario.contact.stiffness
+    # The damper's force grows with the time, and the spring's with its square.
+    damping, mass = scenario.contact.damping, FULL_GRIP * scenario.disk.mass
+    return 2.0 * mass / (damping + sqrt(damping**2 + 2.0 * stiffness * mass))
 
 
 def integrators(scene: Scene | Scenario) -> tuple[IntegratorName, ...]:
