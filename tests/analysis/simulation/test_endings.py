@@ -205,9 +205,9 @@ def test_a_contact_that_only_touches_at_the_start_pulls_by_no_rounding(
     state = touching.initial_state
     lifted = State(coordinates=state.coordinates, rates=(0.0, 0.0, 0.1, *state.rates[3:]))
     for damping, fault in ((0.0, "pulls at once"), (300.0, "pulls, with a normal force of -30 N")):
-        undamped = replace(touching, contact=replace(contact, damping=damping), start=lifted)
+        pulled = replace(touching, contact=replace(contact, damping=damping), start=lifted)
         with pytest.raises(ValueError, match=f"^start needs a contact that {fault}; allow"):
-            run(undamped, [0.0, 5e-4], **side)
+            run(pulled, [0.0, 5e-4], **side)
 
 
 @pytest.mark.slow
